@@ -1,0 +1,117 @@
+"""`deltamesh decode`: a `.dmesh` in, a mesh file out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from deltamesh_cli import files, options
+from deltamesh_cli.failures import each
+from deltamesh_cli.meshes import container_of, decoded, write_mesh_file
+from deltamesh_cli.output import print_json, shown
+from deltamesh_cli.progress import progress
+
+if TYPE_CHECKING:
+    from deltamesh.mesh import Mesh
+    from deltamesh_formats.layout import Container
+
+# What a file that names no format of its own is written as: binary, exact, read by everything.
+_FALLBACK_FORMAT = "ply"
+
+_EXAMPLES = """\
+deltamesh decode bunny.ply.dmesh                 writes bunny.ply
+deltamesh decode bunny.ply.dmesh bunny.stl
+deltamesh decode mesh.dmesh --output-format obj  writes mesh.obj
+deltamesh decode upload.dmesh --max-vertices 1000000 --memory 2G
+deltamesh decode - --output-format off < mesh.dmesh | wc
+"""
+
+
+@click.command(epilog=options.epilog(_EXAMPLES))
+@click.argument("source", metavar="IN")
+@options.output("IN without .dmesh")
+@click.option(
+    "--output-format",
+    type=click.Choice(options.MESH_FORMATS, case_sensitive=False),
+    help="Format of OUT.  [default: by its extension, or what was encoded]",
+)
+@options.solver
+@options.threads
+@options.limits
+@options.as_json
+@options.verbosity
+@options.debug
+def command(
+    source: str,
+    target: str | None,
+    output: str | None,
+    force: bool,
+    output_format: str | None,
+    as_json: bool,
+    quiet: bool,
+    verbose: bool,
+    show_progress: bool | None,
+    **parameters: Any,
+) -> None:
+    """Rebuild the mesh of a .dmesh file.
+
+    OUT is an obj, ply, off, stl or glb file. Without OUT it is IN without ".dmesh"; where that has
+    no extension of a mesh file, the format is the one that was encoded, and its extension is
+    added.
+
+    IN stays as it is. An OUT that exists is overwritten only with -f. "-" is standard input or
+    output; from standard input the mesh goes to standard output unless OUT is given.
+
+    A damaged file is refused, and so is one that would need more than --max-vertices or --memory
+    allow, before anything is allocated; no OUT is written then.
+    """
+    target = files.chosen_output(target, output)
+    if target is None and source == files.STDIO:
+        target = files.STDIO
+    if target is None and not source.lower().endswith(files.SUFFIX):
+        raise click.UsageError(f"{shown(source)} does not end in {files.SUFFIX}: OUT is needed.")
+    known = files.extension(target or "") in options.MESH_FORMATS
+    if target not in (None, files.STDIO) and output_format is None and not known:
+        raise click.UsageError(f"{shown(str(target))} names no mesh format: use --output-format.")
+    files.check_usage(target, as_json)
+
+    def decode(source: str) -> None:
+        data = files.read_input(source)
+        container = container_of(source, data, "cannot decode")
+        name, file_format = _destination(source, target, output_format, container)
+        text = file_format in options.TEXT_FORMATS
+        files.check_output(source, name, force=force, text=text)
+        with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
+            mesh = decoded(source, data, stage, **parameters)
+            stage("writing")
+            write_mesh_file(name, mesh, file_format)
+        if as_json or not (quiet or name == files.STDIO):
+            _print_summary(source, name, mesh, file_format, as_json)
+
+    each([source], decode, as_json=as_json)
+
+
+def _destination(
+    source: str, target: str | None, output_format: str | None, container: Container
+) -> tuple[str, str]:
+    """Return the name and the format of the output."""
+    stored = container.meta.source if container.meta is not None else ""
+    original = stored if stored in options.MESH_FORMATS else _FALLBACK_FORMAT
+    name = source[: -len(files.SUFFIX)] if target is None else target
+    named = files.extension(name) if files.extension(name) in options.MESH_FORMATS else None
+    if target is not None:
+        return name, output_format or named or original
+    if output_format is not None and named is not None and named != output_format:
+        return name[: -len(named)] + output_format, output_format
+    file_format = output_format or named or original
+    return (name if named else f"{name}.{file_format}"), file_format
+
+
+def _print_summary(source: str, target: str, mesh: Mesh, file_format: str, as_json: bool) -> None:
+    vertices, faces = len(mesh.vertices), len(mesh.faces)
+    if as_json:
+        counts = {"vertices": vertices, "faces": faces}
+        print_json({"source": source, "file": target, "format": file_format, **counts})
+    else:
+        click.echo(f"{shown(source)} -> {shown(target)}: {vertices} vertices, {faces} faces")

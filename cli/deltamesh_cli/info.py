@@ -1,0 +1,41 @@
+"""`deltamesh info`: what a `.dmesh` file says about itself, without decoding it."""
+
+from __future__ import annotations
+
+import click
+
+from deltamesh_cli import files, options, summary
+from deltamesh_cli.failures import each
+from deltamesh_cli.meshes import container_of
+from deltamesh_cli.output import print_json
+
+_EXAMPLES = """\
+deltamesh info bunny.ply.dmesh
+deltamesh info --json *.dmesh | jq .bits_per_vertex
+"""
+
+
+@click.command(epilog=options.epilog(_EXAMPLES))
+@click.argument("sources", metavar="FILE...", nargs=-1, required=True)
+@options.as_json
+@options.debug
+def command(sources: tuple[str, ...], as_json: bool) -> None:
+    """Show what .dmesh files hold, without decoding.
+
+    That is parameters, sizes and errors. The errors are those that the encoder measured: RMS and
+    largest distance of the vertices, as fractions of the bounding box diagonal, mean deviation of
+    the face normals and of the dihedral angles, in degrees. With --json, which prints one object a
+    file, lengths are in the unit of the mesh too.
+
+    The checksums of all sections are verified, but nothing is decoded: that is deltamesh test. A
+    file that cannot be read is reported, and the others are shown.
+    """
+
+    def info(source: str) -> None:
+        container = container_of(source, files.read_input(source), "cannot read")
+        if as_json:
+            print_json(summary.as_object(source, container))
+        else:
+            click.echo(summary.as_text(source, container))
+
+    each(sources, info, as_json=as_json)

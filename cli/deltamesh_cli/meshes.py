@@ -1,0 +1,112 @@
+"""Meshes in and out of files for the commands, with failures that name the file."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from deltamesh_cli import files, options
+from deltamesh_cli.failures import attempt
+from deltamesh_cli.progress import Stage
+from deltamesh_cli.signals import interruptible
+
+if TYPE_CHECKING:
+    from deltamesh.mesh import Mesh
+    from deltamesh_formats.layout import Container
+    from deltamesh_formats.meshfile import MeshData
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A mesh, the size of its file in bytes and, of a `.dmesh`, what the file says about itself."""
+
+    mesh: Mesh
+    size: int
+    container: Container | None
+
+
+def parsed(name: str, data: bytes, file_format: str | None, stage: Stage) -> MeshData:
+    """Return the mesh that the bytes of a file hold; the name tells the format if nothing else.
+
+    Raises
+    ------
+    Failure
+        They are not a mesh.
+    """
+    stage("reading")
+    named = file_format or files.extension(name)
+    with attempt(name, "cannot read", "" if named in options.MESH_FORMATS else _format_hint(name)):
+        from deltamesh_formats.meshfile import read_mesh
+
+        return read_mesh(io.BytesIO(data), named)
+
+
+def _format_hint(name: str) -> str:
+    if files.extension(name) == files.SUFFIX.removeprefix("."):
+        return "deltamesh decode turns it into a mesh file"
+    return "--input-format names the format"
+
+
+def write_mesh_file(name: str, mesh: Mesh, file_format: str) -> None:
+    """Write a mesh file, or a mesh to standard output.
+
+    Raises
+    ------
+    Failure
+        It cannot be written.
+    """
+    from deltamesh_formats.meshfile import write_mesh
+
+    with files.open_output(name) as stream:
+        write_mesh(stream, mesh.vertices, mesh.faces, file_format)
+
+
+def container_of(name: str, data: bytes, what: str) -> Container:
+    """Return the sections of a `.dmesh` file, checked but not decoded.
+
+    Raises
+    ------
+    Failure
+        The bytes are not a valid file; `what` says what could not be done therefore.
+    """
+    from deltamesh_formats.reader import read_container
+
+    with attempt(name, what):
+        return read_container(data)
+
+
+def decoded(name: str, data: bytes, stage: Stage, **parameters: Any) -> Mesh:
+    """Return the mesh of a `.dmesh` file; `parameters` are the keywords of `deltamesh.decode`.
+
+    Raises
+    ------
+    Failure
+        The bytes are not a valid file, or need more than the limits.
+    """
+    with attempt(name, "cannot decode"):
+        import deltamesh
+
+        given = options.given(parameters)
+        return interruptible(lambda: deltamesh.decode(data, progress=stage, **given))
+
+
+def load_any(name: str, file_format: str | None, stage: Stage, **parameters: Any) -> Loaded:
+    """Read a mesh file or decode a `.dmesh`; the first bytes tell which it is, not the name.
+
+    Raises
+    ------
+    Failure
+        It is neither, or needs more than the limits.
+    """
+    from deltamesh_formats.layout import MAGIC
+
+    data = files.read_input(name)
+    if data[: len(MAGIC)] == MAGIC:
+        container = container_of(name, data, "cannot decode")
+        return Loaded(decoded(name, data, stage, **parameters), len(data), container)
+    found = parsed(name, data, file_format, stage)
+    with attempt(name, "cannot read"):
+        from deltamesh.mesh import checked_mesh
+
+        return Loaded(checked_mesh(found.vertices, found.faces), len(data), None)

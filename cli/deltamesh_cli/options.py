@@ -1,0 +1,182 @@
+"""Options that several commands share, each a decorator, and the types of their values."""
+
+from __future__ import annotations
+
+import math
+import re
+import textwrap
+from collections.abc import Callable
+from typing import Any, Final
+
+import click
+
+from deltamesh_cli.failures import EXIT_CODES, Settings
+
+Command = Callable[..., Any]
+
+MESH_FORMATS: Final = ("obj", "ply", "off", "stl", "glb")
+TEXT_FORMATS: Final = ("obj", "off")  # of those, as they are written
+SOLVERS: Final = ("auto", "rslab", "pardiso", "scipy")
+
+_UNITS: Final = {"": 0, "K": 1, "M": 2, "G": 3, "T": 4}
+_SIZE: Final = re.compile(r"(\d+(?:\.\d+)?)\s*([KMGT]?)(?:i?B)?", re.IGNORECASE)
+
+
+def size(text: str) -> int:
+    """Read a number of bytes: 1000000, 512M, 8G, 1.5GiB; K, M, G, T are powers of 1024."""
+    match = _SIZE.fullmatch(text.strip())
+    if match is None:
+        raise click.BadParameter(f"{text!r} is not a size, such as 512M or 8G.")
+    return int(float(match[1]) * 1024 ** _UNITS[match[2].upper()])
+
+
+def anchor_count(text: str) -> int | float:
+    """Read a number of anchors (int) or their fraction of the vertices (float)."""
+    if text.isascii() and text.isdigit() and int(text) > 0:
+        return int(text)
+    if not 0 < (fraction := _real(text)) < 1:
+        raise click.BadParameter(
+            f"{text!r} is neither a count, such as 100, nor a fraction below 1, such as 0.001."
+        )
+    return fraction
+
+
+def length(text: str) -> float:
+    """Read a finite number greater than zero."""
+    if not 0 < (value := _real(text)) < math.inf:
+        raise click.BadParameter(f"{text!r} is not a positive number.")
+    return value
+
+
+def _real(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def whole(low: int, high: float = math.inf) -> Callable[[str], int]:
+    """Return a reader of whole numbers from `low` to `high`."""
+
+    def read(text: str) -> int:
+        if not (text.isascii() and text.isdigit() and low <= int(text) <= high):
+            limits = f"from {low}" if high == math.inf else f"from {low} to {high}"
+            raise click.BadParameter(f"{text!r} is not a whole number {limits}.")
+        return int(text)
+
+    return read
+
+
+def epilog(examples: str, *more: str) -> str:
+    """Return what a help page ends with: examples, explanations, exit codes, line by line."""
+    blocks = [*more, f"Examples:\n{textwrap.indent(textwrap.dedent(examples).strip(), '  ')}"]
+    return "\n\n".join(f"\b\n{block}" for block in [*blocks, EXIT_CODES])
+
+
+def _remember_debug(ctx: click.Context, param: click.Parameter, value: bool) -> None:
+    ctx.ensure_object(Settings).debug |= value
+
+
+def debug(command: Command) -> Command:
+    """Add `--debug`."""
+    return click.option(
+        "--debug",
+        is_flag=True,
+        expose_value=False,
+        callback=_remember_debug,
+        envvar="DELTAMESH_DEBUG",
+        help="Show the traceback of a failure; also by the environment variable DELTAMESH_DEBUG.",
+    )(command)
+
+
+def quiet(command: Command) -> Command:
+    """Add `--quiet`."""
+    return click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")(command)
+
+
+def verbosity(command: Command) -> Command:
+    """Add `--quiet`, `--verbose` and `--progress`."""
+    command = click.option(
+        "--progress/--no-progress",
+        "show_progress",
+        default=None,
+        help="Show what is going on, on standard error.  [default: on a terminal]",
+    )(command)
+    command = click.option(
+        "-v", "--verbose", is_flag=True, help="Tell each stage and its seconds on standard error."
+    )(command)
+    return quiet(command)
+
+
+def as_json(command: Command) -> Command:
+    """Add `--json`."""
+    return click.option(
+        "--json", "as_json", is_flag=True, help="Print JSON on standard output, one object a line."
+    )(command)
+
+
+def output(default: str) -> Callable[[Command], Command]:
+    """Add the argument OUT, `--output` and `--force`; `default` tells what OUT is without them."""
+
+    def add(command: Command) -> Command:
+        command = click.option(
+            "-f", "--force", is_flag=True, help="Overwrite OUT; write bytes to a terminal."
+        )(command)
+        command = click.option(
+            "-o", "--output", metavar="OUT", help=f"The file to write.  [default: {default}]"
+        )(command)
+        return click.argument("target", metavar="[OUT]", required=False)(command)
+
+    return add
+
+
+def input_format(command: Command) -> Command:
+    """Add `--input-format`."""
+    return click.option(
+        "--input-format",
+        type=click.Choice(MESH_FORMATS, case_sensitive=False),
+        help="Format of the mesh that is read.  [default: by the extension]",
+    )(command)
+
+
+def solver(command: Command) -> Command:
+    """Add `--solver`."""
+    return click.option(
+        "--solver",
+        type=click.Choice(SOLVERS),
+        default="auto",
+        show_default=True,
+        help="Who solves the least-squares system; pardiso needs the extra `mkl`.",
+    )(command)
+
+
+def threads(command: Command) -> Command:
+    """Add `--threads`."""
+    return click.option(
+        "-T",
+        "--threads",
+        type=whole(1),
+        metavar="N",
+        help="Threads of the solver; the output does not depend on it.  [default: one a core]",
+    )(command)
+
+
+def limits(command: Command) -> Command:
+    """Add `--max-vertices` and `--memory`, what a decoder may use."""
+    command = click.option(
+        "--memory",
+        type=size,
+        metavar="SIZE",
+        help="Refuse a file whose decoding would need more, such as 512M or 8G.",
+    )(command)
+    return click.option(
+        "--max-vertices",
+        type=whole(0),
+        metavar="N",
+        help="Refuse a file of more vertices.",
+    )(command)
+
+
+def given(options: dict[str, Any]) -> dict[str, Any]:
+    """Return the options that were given, so that the library's defaults hold for the others."""
+    return {name: value for name, value in options.items() if value is not None}

@@ -1,0 +1,109 @@
+"""The command group, and the one place where the process begins and ends."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+import warnings
+from collections.abc import Sequence
+from typing import Final
+
+import click
+
+from deltamesh_cli import options
+from deltamesh_cli.failures import DONE, FAILED, SIGNALLED, USAGE, Settings, tell_bug
+from deltamesh_cli.signals import Stopped
+
+COMMANDS: Final = ("encode", "decode", "info", "test", "compare")
+
+_INTERRUPTED: Final = SIGNALLED + 2  # SIGINT
+
+
+class LazyGroup(click.Group):
+    """A group that imports the module of a command when the command is asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the commands in the order in which one needs them."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Return the command `x`, which is `deltamesh_cli.x.command`."""
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = importlib.import_module(f"deltamesh_cli.{cmd_name}").command
+        return command
+
+
+_EXAMPLES = """\
+deltamesh encode bunny.ply              writes bunny.ply.dmesh
+deltamesh decode bunny.ply.dmesh -f     writes bunny.ply again
+deltamesh info bunny.ply.dmesh          sizes, parameters, errors
+deltamesh compare bunny.ply bunny.ply.dmesh
+"""
+
+
+@click.group(
+    cls=LazyGroup,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog=options.epilog(_EXAMPLES),
+)
+@click.version_option(
+    None, "-V", "--version", package_name="deltamesh", message="%(prog)s %(version)s"
+)
+def cli() -> None:
+    """Compress triangle meshes.
+
+    Connectivity is kept exactly. Geometry is quantized as differential coordinates, and the
+    error stays smooth: no noise on the surface, which is what quantized x, y, z leave.
+    """
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Run one command line and return its exit code; everything that goes wrong is told.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Without the program's name; those of the process by default.
+    """
+    settings = Settings()
+    try:
+        code = cli.main(arguments, prog_name="deltamesh", standalone_mode=False, obj=settings)
+        _flush()
+    except click.ClickException as error:
+        error.show()
+        return USAGE
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("deltamesh: interrupted", err=True)
+        return _INTERRUPTED
+    except Stopped as stopped:
+        click.echo("deltamesh: terminated", err=True)
+        return SIGNALLED + stopped.number
+    except BrokenPipeError:
+        return FAILED  # whoever read our output has seen enough: nothing to tell
+    except Exception as error:
+        tell_bug(error, settings)
+        return FAILED
+    return code if isinstance(code, int) else DONE
+
+
+def _flush() -> None:
+    """Flush what is printed, so that a reader who has gone is noticed here and not at exit."""
+    if sys.stdout is not None:
+        sys.stdout.flush()
+
+
+def run_and_exit() -> None:
+    """Run the command line of this process and end the process."""
+    for stream in (sys.stdout, sys.stderr):
+        if stream is not None:  # a file name may hold what the terminal's encoding does not
+            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")  # warnings are for programmers; -W shows them
+    code = run()
+    if code == DONE:
+        sys.exit(DONE)
+    # Not sys.exit: an abandoned thread may be in the middle of a solve (deltamesh_cli.signals),
+    # and flushing to a broken pipe once more would complain.
+    os._exit(code)

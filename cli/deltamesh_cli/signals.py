@@ -1,0 +1,84 @@
+"""Ctrl-C, SIGTERM and SIGHUP: stop soon, leave nothing half written.
+
+Python runs a signal's handler on the main thread between two byte codes. A sparse factorization
+is one call into machine code that takes seconds, so the codec runs on a second thread (numba's
+kernels and the solvers give up the interpreter lock) and the main thread is free to hear Ctrl-C.
+
+SIGTERM and SIGHUP end a process at once, and should: there is nothing to tidy up, except while a
+temporary file is open. Only then they become an exception.
+"""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Final, NoReturn, TypeVar
+
+_Result = TypeVar("_Result")
+
+# How often Windows looks for Ctrl-C while waiting for a thread; elsewhere the wait is interrupted.
+_POLL_SECONDS: Final = 0.1
+
+_ENDING: Final = tuple(
+    getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)
+)
+
+
+class Stopped(BaseException):
+    """A signal asked this process to end; not an `Exception`, for nothing should swallow it."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+
+
+def interruptible(function: Callable[[], _Result]) -> _Result:
+    """Return `function()`, computed on a second thread; Ctrl-C raises `KeyboardInterrupt` here.
+
+    The abandoned thread is a daemon, and `deltamesh_cli.program` ends the process without waiting
+    for it.
+    """
+    results: list[_Result] = []
+    errors: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            results.append(function())
+        except BaseException as error:
+            errors.append(error)
+
+    thread = threading.Thread(target=work, name="deltamesh", daemon=True)
+    thread.start()
+    while thread.is_alive():
+        thread.join(_POLL_SECONDS)
+    if errors:
+        raise errors[0]
+    return results[0]
+
+
+def _stop(number: int, frame: FrameType | None) -> NoReturn:
+    raise Stopped(number)
+
+
+@contextmanager
+def stopping_cleanly() -> Iterator[None]:
+    """Make SIGTERM and SIGHUP raise `Stopped` inside, so that `finally` clauses run.
+
+    A signal that the caller's environment ignores (`nohup`) stays ignored. Handlers can be set on
+    the main thread only; elsewhere this does nothing.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    previous = {number: signal.getsignal(number) for number in _ENDING}
+    try:
+        for number, handler in previous.items():
+            if handler is not signal.SIG_IGN:
+                signal.signal(number, _stop)
+        yield
+    finally:
+        for number, handler in previous.items():
+            signal.signal(number, handler)

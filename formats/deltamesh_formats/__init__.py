@@ -1,0 +1,1 @@
+"""The outside of deltamesh: the `.dmesh` container and the mesh files around it."""

@@ -1,0 +1,49 @@
+"""One tree of exceptions, so that a caller can tell whose fault a failure is.
+
+`MeshError`: the mesh that was handed in. `FormatError`: the bytes of a file. `LimitError`: a
+limit that the caller set. `TargetError`: a quality that cannot be had. `SolveError`: the linear
+solver.
+"""
+
+from __future__ import annotations
+
+
+class DeltameshError(Exception):
+    """Base of everything that deltamesh raises on purpose."""
+
+
+class MeshError(DeltameshError, ValueError):
+    """The mesh, or its file, cannot be encoded; the message names the first element at fault."""
+
+
+class FormatError(DeltameshError, ValueError):
+    """The bytes are not a valid `.dmesh` file.
+
+    Parameters
+    ----------
+    message : str
+        What is wrong.
+    offset : int or None
+        Where, in bytes from the start of the file, as far as it is known.
+    """
+
+    def __init__(self, message: str, offset: int | None = None) -> None:
+        super().__init__(message if offset is None else f"{message} (at byte {offset})")
+        self.reason = message
+        self.offset = offset
+
+
+class LimitError(DeltameshError):
+    """Decoding would need more than the caller allows; nothing has been allocated."""
+
+
+class TargetError(DeltameshError):
+    """The quality that was asked for cannot be reached."""
+
+
+class SolveError(DeltameshError):
+    """The least-squares system could not be factored or solved."""
+
+
+class OptionError(DeltameshError, ValueError):
+    """An option that is out of range, or that does not go with another one."""

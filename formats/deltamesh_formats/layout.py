@@ -1,0 +1,246 @@
+"""Every constant of the `.dmesh` container, in the order of SPEC.md, and the plain data it holds.
+
+`reader` and `writer` are mirror images over these tables; a test compares them with the byte
+tables of SPEC.md, so none of the three can drift.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+
+class Field(NamedTuple):
+    """One field of a byte table: its name and a type of `STRUCT_CODES`, `varint` or `string`."""
+
+    name: str
+    type: str
+
+
+# SPEC.md#1-conventions
+
+# Everything is little-endian and unaligned: "<" turns the padding of `struct` off.
+STRUCT_CODES: Final[Mapping[str, struct.Struct]] = {
+    "u8": struct.Struct("<B"),
+    "u16": struct.Struct("<H"),
+    "u32": struct.Struct("<I"),
+    "u64": struct.Struct("<Q"),
+    "f32": struct.Struct("<f"),
+    "f64": struct.Struct("<d"),
+    "bytes8": struct.Struct("8s"),
+}
+
+# Nine bytes hold 63 bits: a value always fits a signed 64-bit integer.
+VARINT_MAX_BYTES: Final = 9
+VARINT_MAX: Final = 2 ** (7 * VARINT_MAX_BYTES) - 1
+
+# A `string` has a length byte.
+STRING_MAX_BYTES: Final = 255
+
+# SPEC.md#2-header
+
+# In the manner of PNG: a byte above 127 shows a seven-bit channel, CR LF and LF show a translation
+# of line ends, 1A stops `type` on Windows.
+MAGIC: Final = b"\x89DMS\r\n\x1a\n"
+VERSION: Final = 1
+HEADER_FIELDS: Final = (
+    Field("magic", "bytes8"),
+    Field("version", "u16"),
+    Field("reserved", "u16"),
+    Field("vertices", "varint"),
+    Field("faces", "varint"),
+    Field("crc", "u32"),
+)
+# Far above any mesh, and far below where 3 * count * 8 bytes would overflow 64 bits.
+MAX_COUNT: Final = 2**40
+
+# SPEC.md#3-sections
+
+ID_SIZE: Final = 4
+CRC_SIZE: Final = 4
+MAX_SECTIONS: Final = 64
+PARAMETERS: Final = "PARM"
+CONNECTIVITY: Final = "CONN"
+ANCHORS: Final = "ANCH"
+DELTAS: Final = "DELT"
+CARTESIAN: Final = "CART"
+META: Final = "meta"
+CHECK: Final = "CHEK"
+# What a file of each method begins with, in this order; `CHEK` ends it.
+REQUIRED: Final[Mapping[str, tuple[str, ...]]] = {
+    "highpass": (PARAMETERS, CONNECTIVITY, ANCHORS, DELTAS),
+    "cartesian": (PARAMETERS, CONNECTIVITY, CARTESIAN),
+}
+KNOWN: Final = frozenset({section for ids in REQUIRED.values() for section in ids} | {META, CHECK})
+
+# SPEC.md#41-parm
+
+PARAMETER_FIELDS: Final = (
+    Field("method", "u8"),
+    Field("flags", "u8"),
+    Field("anchor_method", "u8"),
+    Field("bits", "u8"),
+    Field("step", "f64"),
+    Field("origin_x", "f64"),
+    Field("origin_y", "f64"),
+    Field("origin_z", "f64"),
+    Field("anchor_step", "f64"),
+    Field("seed", "u64"),
+    Field("anchor_count", "varint"),
+    Field("isolated", "varint"),
+)
+METHODS: Final[Mapping[str, int]] = {"highpass": 0, "cartesian": 1}
+FLAG_DIFFUSION: Final = 1
+ANCHOR_METHODS: Final[Mapping[str | None, int]] = {
+    "farthest": 0,
+    "random": 1,
+    "greedy": 2,
+    None: 255,
+}
+MAX_BITS: Final = 62
+BITS_FROM_STEP: Final = 255
+
+# SPEC.md#42-meta
+
+META_FIELDS: Final = (
+    Field("rms", "f32"),
+    Field("max", "f32"),
+    Field("normal", "f32"),
+    Field("dihedral", "f32"),
+    Field("diagonal", "f32"),
+    Field("encoder", "string"),
+    Field("source", "string"),
+)
+
+# SPEC.md#55-chek
+
+CHECK_FIELDS: Final = (Field("digest", "bytes8"),)
+DIGEST_SIZE: Final = 8
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """How the geometry was coded; the payload of `PARM`.
+
+    Attributes
+    ----------
+    method : str
+        A key of `METHODS`.
+    diffusion : bool
+        Whether the encoder diffused the quantization error; the decoder has no use for it.
+    anchor_method : str or None
+        A key of `ANCHOR_METHODS`; None exactly for the Cartesian method.
+    bits : int or None
+        What was asked for, bits per coordinate; None when it was a step.
+    step : float
+        Quantization step, in the unit of the mesh; 0 exactly for a high-pass file of 0 bits.
+    origin : (float, float, float)
+        Origin of the grid of the anchors, or of the Cartesian coordinates.
+    anchor_step : float
+        Step of that grid for the anchors; 0 for the Cartesian method.
+    seed : int
+        Seed of the random choice of anchors.
+    anchor_count : int
+        Number of anchors; 0 for the Cartesian method.
+    isolated : int
+        Number of vertices without a face.
+    """
+
+    method: str
+    diffusion: bool
+    anchor_method: str | None
+    bits: int | None
+    step: float
+    origin: tuple[float, float, float]
+    anchor_step: float
+    seed: int
+    anchor_count: int
+    isolated: int
+
+
+@dataclass(frozen=True)
+class Meta:
+    """What the encoder achieved and what it read; the payload of `meta`.
+
+    Attributes
+    ----------
+    rms, max : float
+        Distances between input and decoded vertices, in the unit of the mesh.
+    normal, dihedral : float
+        Mean deviation of the face normals and of the dihedral angles, in degrees.
+    diagonal : float
+        Diagonal of the bounding box of the input, in the unit of the mesh.
+    encoder : str
+        Name and version of the program.
+    source : str
+        Format of the input file, empty for arrays.
+    """
+
+    rms: float
+    max: float
+    normal: float
+    dihedral: float
+    diagonal: float
+    encoder: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Section:
+    """One section: where it begins in the file, its payload, and all the bytes it takes."""
+
+    id: str
+    offset: int
+    payload: bytes | memoryview
+    size: int
+
+
+@dataclass(frozen=True)
+class Container:
+    """A whole file, read and checked but not decoded; `sections` are in the order of the file."""
+
+    version: int
+    vertices: int
+    faces: int
+    parameters: Parameters
+    meta: Meta | None
+    sections: dict[str, Section]
+    digest: bytes
+    size: int
+
+
+def parameter_faults(parameters: Parameters, vertices: int) -> Iterator[tuple[str, str]]:
+    """Yield (field, what is wrong with it) by the rules of SPEC.md 4.1, for reader and writer."""
+    p = parameters
+    highpass, least_squares = p.method == "highpass", p.method == "highpass" and p.bits == 0
+    if highpass == (p.anchor_method is None):
+        yield "anchor_method", f"method {p.method} with anchor method {p.anchor_method or 'none'}"
+    if p.bits is not None and not 0 <= p.bits <= MAX_BITS:
+        yield "bits", f"{p.bits} bits, outside 0..{MAX_BITS}"
+    if not (math.isfinite(p.step) and p.step >= 0 and (p.step == 0) == least_squares):
+        yield "step", f"a quantization step of {p.step}"
+    for axis, value in zip("xyz", p.origin, strict=True):
+        if not math.isfinite(value):
+            yield f"origin_{axis}", f"an origin of {value}"
+    if not (math.isfinite(p.anchor_step) and p.anchor_step >= 0):
+        yield "anchor_step", f"an anchor step of {p.anchor_step}"
+    for name, count in (("anchor_count", p.anchor_count), ("isolated", p.isolated)):
+        if not 0 <= count <= vertices:
+            yield name, f"{count} {name.split('_')[0]} vertices among {vertices}"
+    if not highpass and (p.anchor_step or p.anchor_count):
+        yield "anchor_count", "anchors in a Cartesian file"
+
+
+def meta_faults(meta: Meta) -> Iterator[tuple[str, str]]:
+    """Yield (field, what is wrong with it) by the rules of SPEC.md 4.2, for reader and writer."""
+    for name in ("rms", "max", "normal", "dihedral", "diagonal"):
+        value = getattr(meta, name)
+        if not (math.isfinite(value) and value >= 0):
+            yield name, f"{name} is {value}"
+    for name in ("encoder", "source"):
+        # It will be printed on a terminal: no escape sequences, no line ends.
+        if not getattr(meta, name).isprintable():
+            yield name, f"the {name} name holds control characters"

@@ -1,0 +1,37 @@
+# Verbs for those who work on deltamesh: `just test`, `just lint`. They expect an environment with
+# `pip install -e '.[dev]'`.
+
+# Run the tests.
+test *arguments:
+    python -m pytest {{arguments}}
+
+# Check style and layers.
+lint:
+    ruff check
+    ruff format --check
+    lint-imports
+
+# Check types.
+types:
+    mypy
+
+# Put the sources into shape.
+format:
+    ruff check --fix
+    ruff format
+
+# Write cli/README.md from the commands' help.
+reference:
+    python cli/make_reference.py
+
+# Make the mesh that the repository carries.
+meshes:
+    python benchmarks/make_meshes.py
+
+# Measure sizes, errors and times; write benchmarks/results.csv.
+bench *arguments:
+    python benchmarks/run.py {{arguments}}
+
+# Everything, in a fresh virtual environment.
+ci:
+    .ci/run

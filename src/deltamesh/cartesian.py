@@ -1,0 +1,130 @@
+"""The Cartesian method: positions on a grid, predicted by parallelograms.
+
+For CAD parts and very coarse meshes, and the baseline of every comparison. The encoder's functions
+and the decoder's are mirrors: quantize / reconstruct, write / read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh import entropy
+from deltamesh.geometry import NO_POINTS, NONE, Integers, Surface, payload_of
+from deltamesh.kernels import parallelogram, residual
+from deltamesh.kernels.coder import Coder
+from deltamesh.laplacian import adjacency
+from deltamesh.options import Options
+from deltamesh.quantize import from_grid, grid_step, to_grid
+from deltamesh.topology import pair_halfedges
+from deltamesh_formats.layout import Parameters, Section
+
+
+def quantize(
+    surface: Surface,
+    vertices: NDArray[np.float64],
+    isolated: NDArray[np.float64],
+    options: Options,
+) -> tuple[Parameters, Integers]:
+    """Choose the grid, and round; the mirror is `reconstruct`.
+
+    Parameters
+    ----------
+    surface : Surface
+    vertices, isolated : float64 (n, 3), (i, 3)
+        Positions of the vertices of the faces in coding order, and of the others by x.
+    options : Options
+
+    Raises
+    ------
+    MeshError
+    """
+    everything = np.concatenate([vertices, isolated])
+    origin = everything.min(axis=0)
+    bits = options.effective_bits
+    step = options.step or grid_step(everything, bits or 1)
+    grid, last = to_grid(vertices, origin, step), to_grid(isolated, origin, step)
+    parameters = Parameters(
+        method="cartesian",
+        diffusion=False,
+        anchor_method=None,
+        bits=bits,
+        step=step,
+        origin=(float(origin[0]), float(origin[1]), float(origin[2])),
+        anchor_step=0.0,
+        seed=0,
+        anchor_count=0,
+        isolated=surface.isolated_count,
+    )
+    values = np.concatenate([grid, last])
+    return parameters, Integers(values, NONE, NO_POINTS, NO_POINTS)
+
+
+def reconstruct(
+    surface: Surface,
+    parameters: Parameters,
+    integers: Integers,
+    solver: str,
+    threads: int | None,
+) -> NDArray[np.float64]:
+    """Return the positions; isolated vertices come last. There is nothing to solve."""
+    return from_grid(integers.values, np.array(parameters.origin), parameters.step)
+
+
+def write(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
+    """Return the payload of CART."""
+    coder = entropy.encoder(len(integers.values), residual.SLOTS, residual.MIXER_INPUTS)
+    _code(coder, surface, integers.values.copy())
+    return {"CART": entropy.finish(coder)}
+
+
+def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
+    """Return the integers: the mirror of `write`.
+
+    Raises
+    ------
+    FormatError
+    """
+    values = np.zeros((surface.vertex_count + surface.isolated_count, 3), dtype=np.int64)
+    with payload_of(sections["CART"]) as payload:
+        coder = entropy.decoder(payload, residual.SLOTS, residual.MIXER_INPUTS)
+        _code(coder, surface, values)
+        entropy.check_end(coder, 0)
+    return Integers(values, NONE, NO_POINTS, NO_POINTS)
+
+
+def _code(coder: Coder, surface: Surface, values: NDArray[np.int64]) -> None:
+    n = surface.vertex_count + surface.isolated_count
+    first, corners = parallelograms(surface.faces, n)
+    parallelogram.code_positions(coder, *adjacency(surface.faces, n), first, corners, values)
+
+
+def parallelograms(faces: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return, for each vertex, the parallelograms that predict it.
+
+    Parameters
+    ----------
+    faces : int64 (m, 3), of an oriented manifold
+    n : int
+
+    Returns
+    -------
+    first : int64 (n + 1,)
+    corners : int64 (p, 3)
+        Rows first[i] to first[i + 1] are (a, b, o), all below i: (a, b, i) is a face, (b, a, o)
+        another.
+    """
+    opposite = pair_halfedges(faces, n)
+    a, b, apex = (
+        faces.ravel(),
+        np.roll(faces, -1, axis=1).ravel(),
+        np.roll(faces, -2, axis=1).ravel(),
+    )
+    across = np.where(opposite >= 0, apex[opposite], n)
+    known = np.flatnonzero(np.maximum(np.maximum(a, b), across) < apex)
+    known = known[np.argsort(apex[known], kind="stable")]
+    first = np.zeros(n + 1, dtype=np.int64)
+    np.cumsum(np.bincount(apex[known], minlength=n), out=first[1:])
+    return first, np.stack([a[known], b[known], across[known]], axis=1)

@@ -1,0 +1,262 @@
+"""Both pipelines, mirrored: a mesh to bytes, and bytes to a mesh.
+
+encode: weld -> topology -> connectivity -> quantize -> write -> container
+decode: container -> limits -> connectivity -> read -> digest -> reconstruct
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from deltamesh import cartesian, highpass
+from deltamesh.connectivity import decode_connectivity, encode_connectivity
+from deltamesh.geometry import Integers, Surface, digest, payload_of
+from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_limits
+from deltamesh.mesh import Mesh, checked_mesh
+from deltamesh.metrics import diagonal, vertex_errors
+from deltamesh.options import Options
+from deltamesh.topology import Topology, build_topology, weld
+from deltamesh.version import __version__
+from deltamesh_formats.errors import FormatError, MeshError
+from deltamesh_formats.layout import Container, Meta
+from deltamesh_formats.reader import read_container
+from deltamesh_formats.writer import write_container
+
+Progress = Callable[[str], None]
+
+_METHODS: Final = {"highpass": highpass, "cartesian": cartesian}
+
+
+def silent(stage: str) -> None:
+    """Tell nobody."""
+
+
+@dataclass(frozen=True)
+class Encoded:
+    """What an encoder made.
+
+    Attributes
+    ----------
+    data : bytes
+        The file.
+    order : int64 (n,)
+        The input vertex that each vertex of the file was; the first, where several were welded.
+    mesh : Mesh
+        What a decoder will make of it.
+    """
+
+    data: bytes
+    order: NDArray[np.int64]
+    mesh: Mesh
+
+
+def encode(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    *,
+    method: str = "highpass",
+    bits: int | None = None,
+    step: float | None = None,
+    diffusion: bool = True,
+    anchors: int | float | None = None,
+    anchor_method: str = "farthest",
+    seed: int = 0,
+    solver: str = "auto",
+    threads: int | None = None,
+    drop_isolated: bool = False,
+    source_format: str = "",
+    progress: Progress | None = None,
+) -> bytes:
+    """Compress a triangle mesh.
+
+    Connectivity is kept exactly; vertices at one position become one; vertices and faces come
+    back in an order of the codec's own.
+
+    Parameters
+    ----------
+    vertices : array_like (n, 3)
+        Finite real numbers.
+    faces : array_like (m, 3)
+        Vertex indices from 0, of an oriented manifold, with or without boundary.
+    method : {"highpass", "cartesian"}
+        What is quantized: differential coordinates, or x, y and z.
+    bits : int, optional
+        The step is the range of what is quantized over 2^bits. Default: 8; Cartesian 11. With
+        "highpass", 0 is a least-squares mesh: connectivity and anchors alone.
+    step : float, optional
+        The step itself, in the unit of the vertices.
+    diffusion : bool
+        Hand the error of each rounding on to the neighbours still to come.
+    anchors : int or float, optional
+        How many vertices are stored with their positions, or which fraction. Default: 0.001. At
+        least one a component.
+    anchor_method : {"farthest", "greedy", "random"}
+    seed : int
+        Of the random anchors.
+    solver : {"auto", "rslab", "pardiso", "scipy"}
+    threads : int, optional
+        For the solver. Default: all cores. The bytes do not depend on it.
+    drop_isolated : bool
+        Leave out the vertices that belong to no face.
+    source_format : str
+        Stored; what `deltamesh decode` writes by default.
+    progress : callable, optional
+        Called with the name of each stage as it begins.
+
+    Returns
+    -------
+    bytes
+        A `.dmesh` file (formats/SPEC.md).
+
+    Raises
+    ------
+    MeshError
+        If the mesh is not such a manifold; the first element at fault is named.
+    OptionError
+    SolveError
+
+    Notes
+    -----
+    D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
+    """
+    options = Options(
+        method=method,
+        bits=bits,
+        step=step,
+        diffusion=diffusion,
+        anchors=anchors,
+        anchor_method=anchor_method,
+        seed=seed,
+        solver=solver,
+        threads=threads,
+        drop_isolated=drop_isolated,
+        source_format=source_format,
+    )
+    return encode_mesh(checked_mesh(vertices, faces), options, progress or silent).data
+
+
+def encode_mesh(mesh: Mesh, options: Options, progress: Progress = silent) -> Encoded:
+    """Compress a checked mesh; see `encode`."""
+    if len(mesh.faces) == 0:
+        raise MeshError("the mesh has no faces")
+    progress("topology")
+    keep, welded = weld(mesh.vertices)
+    topology = build_topology(welded[mesh.faces], len(keep), keep)
+    progress("connectivity")
+    payload, connectivity = encode_connectivity(topology)
+    used, isolated = _vertices(mesh, topology, keep, connectivity.order, options.drop_isolated)
+    progress("geometry")
+    surface = Surface(connectivity.faces, len(used), len(isolated))
+    coder = _METHODS[options.method]
+    V = mesh.vertices
+    parameters, integers = coder.quantize(surface, V[used], V[isolated], options)
+    payloads = {"CONN": payload, **coder.write(surface, parameters, integers)}
+    progress("checking")
+    decoded = coder.reconstruct(surface, parameters, integers, options.solver, options.threads)
+    order = np.concatenate([used, isolated])
+    meta = _measure(V[order], decoded, surface, options.source_format)
+    checksum = digest(surface.faces, integers)
+    data = write_container(len(order), len(surface.faces), parameters, payloads, meta, checksum)
+    return Encoded(data, order, Mesh(decoded, surface.faces))
+
+
+def decode(
+    data: bytes | bytearray | memoryview,
+    *,
+    solver: str = "auto",
+    threads: int | None = None,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Progress | None = None,
+) -> Mesh:
+    """Decompress a `.dmesh` file.
+
+    Parameters
+    ----------
+    data : bytes-like
+    solver : {"auto", "rslab", "pardiso", "scipy"}
+    threads : int, optional
+        For the solver. Default: all cores.
+    max_vertices, memory : int
+        Refuse files with more vertices, or that would take more bytes of memory.
+    progress : callable, optional
+        Called with the name of each stage as it begins.
+
+    Returns
+    -------
+    Mesh
+        Faces and stored integers exactly; positions to within 1e-9 of the bounding box diagonal,
+        whatever the machine and the solver.
+
+    Raises
+    ------
+    FormatError
+        If the bytes are damaged or no encoder has written them; it has an offset.
+    LimitError
+        Before anything above the limits is allocated.
+    SolveError
+
+    Notes
+    -----
+    D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
+    """
+    progress = progress or silent
+    container = read_container(data)
+    surface, integers = _read(container, max_vertices, memory, progress)
+    progress("positions")
+    coder = _METHODS[container.parameters.method]
+    vertices = coder.reconstruct(surface, container.parameters, integers, solver, threads)
+    if not np.isfinite(vertices).all():
+        raise FormatError("positions that are not finite")
+    return Mesh(vertices, surface.faces)
+
+
+def _read(
+    container: Container, max_vertices: int, memory: int, progress: Progress
+) -> tuple[Surface, Integers]:
+    """Return everything exact in a file, checked."""
+    check_limits(container, max_vertices, memory)
+    parameters, sections = container.parameters, container.sections
+    progress("connectivity")
+    count = container.vertices - parameters.isolated
+    with payload_of(sections["CONN"]) as payload:
+        faces = decode_connectivity(payload, count, container.faces)
+    progress("geometry")
+    surface = Surface(faces, count, parameters.isolated)
+    integers = _METHODS[parameters.method].read(surface, parameters, sections)
+    if digest(faces, integers) != container.digest:
+        raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)
+    return surface, integers
+
+
+def _vertices(
+    mesh: Mesh,
+    topology: Topology,
+    keep: NDArray[np.int64],
+    order: NDArray[np.int64],
+    drop_isolated: bool,
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the vertices of the faces in coding order, and the isolated ones by x, y, z."""
+    isolated = keep[topology.valence[: len(keep)] == 0]
+    isolated = isolated[np.lexsort(mesh.vertices[isolated].T[::-1])]
+    return keep[order], isolated[:0] if drop_isolated else isolated
+
+
+def _measure(
+    V: NDArray[np.float64], decoded: NDArray[np.float64], surface: Surface, source_format: str
+) -> Meta:
+    errors = vertex_errors(V, decoded, surface.faces)
+    return Meta(
+        rms=errors.rms,
+        max=errors.max,
+        normal=errors.normal_deviation,
+        dihedral=errors.dihedral,
+        diagonal=diagonal(V),
+        encoder=f"deltamesh {__version__}",
+        source=source_format,
+    )

@@ -1,0 +1,192 @@
+"""An adaptive binary range coder whose probabilities are mixed from several contexts.
+
+The arithmetic coder is the carry-propagating range coder of LZMA (Martin, "Range encoding: an
+algorithm for removing redundancy from a digitised message", 1979; Pavlov, LZMA specification).
+A bit is predicted by several adaptive probabilities, one a context, which a gated linear mixer
+joins in the logistic domain (Mahoney, "Adaptive weighing of context models for lossless data
+compression", 2005, section 3). Everything is an integer: encoder and decoder cannot drift apart.
+
+One function serves both directions: `code_bit` returns the bit that it was given (encoding) or
+the bit that it has read (decoding), so that a model is written down once for both.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh.kernels.jit import Int, inlined, kernel
+
+# Indices into Coder.state: the registers; the slots of the bit at hand, set by the caller; what
+# the mixer was given for each.
+LOW, RANGE, CODE, CACHE, PENDING, POSITION, DECODING, WEIGHTS = range(8)
+CONTEXT = 8
+MAX_INPUTS = 8
+INPUT = CONTEXT + MAX_INPUTS
+STATE_SIZE = INPUT + MAX_INPUTS
+
+PROBABILITY_BITS = 22  # of a slot; 10 bits below it count the observations
+COUNT_BITS = 10
+COUNT_MASK = (1 << COUNT_BITS) - 1
+UNKNOWN = 1 << (PROBABILITY_BITS - 1 + COUNT_BITS)  # a slot that has seen nothing: one half
+
+TOP = 1 << 24  # the range stays at or above it, so that range >> 16 keeps 8 bits at least
+MASK32 = (1 << 32) - 1
+P_MIN = 24  # of 65536: a certain bit costs 0.0005 bits, a wrong certainty 11.4
+
+# The tables are part of the format. No entry is so near to a half-integer that an error of
+# `math.log` or `math.exp` in the last place could change its rounding; a test pins a digest.
+# ln(p / (1 - p)) in 1/256, for p in 1/4096.
+STRETCH = np.array(
+    [round(256 * math.log((p + 0.5) / (4095.5 - p))) for p in range(4096)], dtype=np.int16
+)
+# Its inverse: p in 1/65536.
+SQUASH = np.array(
+    [
+        min(max(round(65536 / (1 + math.exp(-x / 256))), P_MIN), 65536 - P_MIN)
+        for x in range(-2048, 2048)
+    ],
+    dtype=np.int32,
+)
+# How far a slot that has seen n bits moves towards the next, in 1/65536: a running mean, with
+# 1.6 for the n + 1.5 of Krichevsky and Trofimov's estimator, rounded to what measured best.
+RATE = np.array([int(65536 / (n + 1.6)) for n in range(COUNT_MASK + 1)], dtype=np.int32)
+
+
+class Coder(NamedTuple):
+    """All that the coder keeps. Few arrays: numba passes each by value, in seven words.
+
+    Attributes
+    ----------
+    state : int64 (STATE_SIZE,)
+        Registers. Invariant while encoding: LOW < 2^32 + RANGE; a carry out of LOW goes into
+        CACHE, through the PENDING bytes of 0xFF behind it.
+    memory : int64
+        Slots, each a probability of a one (22 bits) and a count (10 bits); from state[WEIGHTS]
+        on, MAX_INPUTS weights in 1/65536 for each mixer.
+    data : uint8
+        Written while encoding; read, with zeros beyond its end, while decoding.
+    """
+
+    state: NDArray[np.int64]
+    memory: NDArray[np.int64]
+    data: NDArray[np.uint8]
+
+
+@inlined
+def _next_byte(c: Coder) -> Int:
+    position = c.state[POSITION]
+    c.state[POSITION] = position + 1
+    # The encoder leaves trailing zeros out.
+    return np.int64(c.data[position]) if position < c.data.size else np.int64(0)
+
+
+@kernel
+def start_decoding(c: Coder) -> None:
+    """Fill the code register with the first four bytes."""
+    c.state[DECODING] = 1
+    for _ in range(4):
+        c.state[CODE] = (c.state[CODE] << 8) | _next_byte(c)
+
+
+@inlined
+def _put_byte(c: Coder, byte: Int) -> None:
+    """Store a byte; past the end of the buffer only count, and the caller grows it."""
+    position = c.state[POSITION]
+    if 0 <= position < c.data.size:
+        c.data[position] = byte
+    c.state[POSITION] = position + 1
+
+
+@kernel
+def _shift_low(c: Coder) -> None:
+    """Move the top byte of LOW out, holding back bytes that a carry may still change."""
+    low = c.state[LOW]
+    if low < 0xFF000000 or low > MASK32:
+        carry = low >> 32
+        _put_byte(c, (c.state[CACHE] + carry) & 0xFF)
+        while c.state[PENDING] > 0:
+            _put_byte(c, (0xFF + carry) & 0xFF)
+            c.state[PENDING] -= 1
+        c.state[CACHE] = (low >> 24) & 0xFF
+    else:
+        c.state[PENDING] += 1
+    c.state[LOW] = (low << 8) & MASK32
+
+
+@kernel
+def finish_encoding(c: Coder) -> Int:
+    """Flush, with as many zero bytes at the end as can be, leave these out, return the length."""
+    low, span = c.state[LOW], c.state[RANGE]
+    for bits in (32, 24, 16, 8):  # the roundest value in [low, low + range)
+        mask = (1 << bits) - 1
+        if (low + mask) & ~mask < low + span:
+            c.state[LOW] = (low + mask) & ~mask
+            break
+    for _ in range(5):
+        _shift_low(c)
+    length = c.state[POSITION]
+    while 0 < length <= c.data.size and c.data[length - 1] == 0:
+        length -= 1
+    return length
+
+
+@inlined
+def _code_with(c: Coder, bit: Int, p: Int) -> Int:
+    """Code one bit whose probability of being one is p / 65536."""
+    span = c.state[RANGE]
+    bound = (span >> 16) * p
+    if c.state[DECODING] == 1:
+        code = c.state[CODE]
+        bit = np.int64(code < bound)
+        if bit == 0:
+            c.state[CODE] = code - bound
+    elif bit == 0:
+        c.state[LOW] += bound
+    span = bound if bit == 1 else span - bound
+    while span < TOP:
+        span <<= 8
+        if c.state[DECODING] == 1:
+            c.state[CODE] = (c.state[CODE] << 8) | _next_byte(c)
+        else:
+            _shift_low(c)
+    c.state[RANGE] = span
+    return bit
+
+
+@kernel
+def code_raw(c: Coder, value: Int, bits: Int) -> Int:
+    """Code a number of that many bits, all equally likely, the high bit first."""
+    result = 0
+    for shift in range(bits - 1, -1, -1):
+        result = (result << 1) | _code_with(c, (value >> shift) & 1, 32768)
+    return result
+
+
+@kernel
+def code_bit(c: Coder, bit: Int, inputs: Int, mixer: Int, limit: Int) -> Int:
+    """Code one bit, predicted by the slots state[CONTEXT :][:inputs], and learn from it.
+
+    `mixer` selects the weights; `limit` bounds the count of a slot, and with it its memory.
+    """
+    weights = c.state[WEIGHTS] + mixer * MAX_INPUTS
+    dot = 0
+    for i in range(inputs):
+        slot = c.memory[c.state[CONTEXT + i]]
+        stretched = np.int64(STRETCH[slot >> (PROBABILITY_BITS - 12 + COUNT_BITS)])
+        c.state[INPUT + i] = stretched
+        dot += c.memory[weights + i] * stretched
+    p = np.int64(SQUASH[min(max(dot >> 16, -2047), 2047) + 2048])
+    bit = _code_with(c, bit, p)
+    error = (bit << 16) - p
+    for i in range(inputs):
+        c.memory[weights + i] += (c.state[INPUT + i] * error + (1 << 13)) >> 14
+        slot = c.memory[c.state[CONTEXT + i]]
+        count = slot & COUNT_MASK
+        probability = slot >> COUNT_BITS
+        probability += (((bit << PROBABILITY_BITS) - probability) * np.int64(RATE[count])) >> 16
+        c.memory[c.state[CONTEXT + i]] = (probability << COUNT_BITS) | min(count + 1, limit)
+    return bit

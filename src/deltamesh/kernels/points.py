@@ -1,0 +1,64 @@
+"""The few vertices whose positions are stored beside the deltas: anchors, isolated vertices."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh.kernels.coder import CONTEXT, Coder, code_bit, code_raw
+from deltamesh.kernels.jit import Int, kernel
+
+LENGTHS = 64
+GAP_AT, STEP_AT, SLOTS = 0, LENGTHS, 2 * LENGTHS
+MIXER_INPUTS = (1, 1)
+LIMIT = 255
+
+
+@kernel
+def _code_count(c: Coder, value: Int, slots: Int, mixer: Int) -> Int:
+    """Code a number >= 0: the length of value + 1 in adaptive unary, then its bits."""
+    value += 1
+    length = 0
+    while value >> (length + 1) > 0:
+        length += 1
+    k = 0
+    while k < LENGTHS - 1:
+        c.state[CONTEXT] = slots + k
+        if code_bit(c, 1 if length > k else 0, 1, mixer, LIMIT) == 0:
+            break
+        k += 1
+    return ((1 << k) | code_raw(c, value & ((1 << k) - 1), k)) - 1
+
+
+@kernel
+def code_gaps(c: Coder, indices: NDArray[np.int64], n: Int) -> bool:
+    """Code ascending indices below n, filled in when decoding; return whether they fit."""
+    previous = np.int64(-1)
+    for k in range(len(indices)):
+        indices[k] = previous + 1 + _code_count(c, indices[k] - previous - 1, GAP_AT, 0)
+        if indices[k] >= n or indices[k] < 0:
+            return False
+        previous = indices[k]
+    return True
+
+
+@kernel
+def code_points(c: Coder, points: NDArray[np.int64], bits: NDArray[np.int64]) -> None:
+    """Code `points` (k, 3), filled in when decoding, in `bits` (3,) bits a coordinate."""
+    for k in range(len(points)):
+        for axis in range(3):
+            points[k, axis] = code_raw(c, points[k, axis], bits[axis])
+
+
+@kernel
+def code_sorted_points(c: Coder, points: NDArray[np.int64], bits: NDArray[np.int64]) -> bool:
+    """Code `points` (k, 3) in ascending order of x, as steps in x; return whether x fits."""
+    x = np.int64(0)
+    for k in range(len(points)):
+        x += _code_count(c, points[k, 0] - x, STEP_AT, 1)
+        if x < 0 or x >> bits[0] > 0:
+            return False
+        points[k, 0] = x
+        for axis in range(1, 3):
+            points[k, axis] = code_raw(c, points[k, axis], bits[axis])
+    return True

@@ -1,0 +1,237 @@
+"""What the region grower codes, and in which contexts: valences, joins, the ends of joins.
+
+Contexts are numbers that encoder and decoder both know: valences of visited vertices around the
+gate, free edges along the front, the valences coded last.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh.kernels.coder import (
+    CONTEXT,
+    COUNT_BITS,
+    DECODING,
+    PROBABILITY_BITS,
+    Coder,
+    code_bit,
+    code_raw,
+)
+from deltamesh.kernels.front import LIVE, Front
+from deltamesh.kernels.jit import Flag, Int, inlined, kernel
+
+# A valence is spelled along a tree: is it 6; is it less; is it 5, 4, 3; is it 7, 8, ... 18.
+# Above that come the bits of v - 18. Part of the format, as is all below.
+NODE_SIX, NODE_LESS, NODE_BELOW, NODE_ABOVE = 0, 1, 2, 5
+UNARY_END = 18
+TREE = 18
+
+# The trees of one context after the other: nothing; the valences at the pivot and its successor;
+# free edges at the pivot, its successor, its predecessor; the valences at the successor and behind
+# the gate; the two coded last; the valences of two known neighbours (the predecessor of the pivot
+# and the successor, if the new vertex closes the pivot; else the successor and the one coded last);
+# three valences of the visited face; the sum of four valences around.
+VALENCE_INPUTS = 8
+CONTEXT_SIZES = (1, 256, 512, 256, 256, 512, 1024, 64)
+PAIR, FREE, BEHIND, LAST_TWO, NEAR_PAIR, FACE, TOTAL = np.cumsum(CONTEXT_SIZES)[:-1].tolist()
+CONTEXTS = sum(CONTEXT_SIZES)
+VALENCE_CAP = 15
+
+# What begins as likely: the shares in the valences of irregular meshes, for each node of the tree.
+_SHARES = (0.4, 0.5, 0.75, 0.8, 0.9, 0.7, *(0.65,) * 11, 0.5)
+_JOIN_SHARE = 0.02
+
+# Indices into the model's state: the two valences coded last; the tree of each context.
+RECENT, TREES = 0, 2
+MODEL_SIZE = TREES + VALENCE_INPUTS
+
+# Slots: the trees, then those of everything rarer.
+JOIN_FLAG = CONTEXTS * TREE
+JOIN_CONTEXT = 64
+LOOP_FLAG = JOIN_FLAG + 3 * JOIN_CONTEXT
+NEAR_FLAG = LOOP_FLAG + 1
+NEAR_TREE = NEAR_FLAG + 1
+SIDE_TREE = NEAR_TREE + 64
+LENGTH_OF_VALENCE = SIDE_TREE + 64
+LENGTH_OF_LOOP = LENGTH_OF_VALENCE + 48
+LENGTH_OF_SIDE = LENGTH_OF_LOOP + 48
+SLOTS = LENGTH_OF_SIDE + 48
+
+# Mixers: one for each node of the tree, twice; then the rarer bits.
+LENGTH_MIXER = 2 * TREE
+JOIN_MIXER, LOOP_MIXER, NEAR_MIXER, TARGET_MIXER, SIDE_MIXER = range(2 * TREE + 1, 2 * TREE + 6)
+MIXER_INPUTS = (VALENCE_INPUTS,) * LENGTH_MIXER + (1, 3, 1, 1, 1, 1)
+
+ADAPTIVE, STATIONARY = 255, 1000  # bounds of the counts; a join is too rare to forget one
+NEAR_BITS = 6
+NEAR = 1 << (NEAR_BITS - 1)  # a join is addressed along the front that far, then among all nodes
+MAX_BITS = 40  # of a number: counts are below 2^40
+
+
+def _slot(share: float, count: int) -> int:
+    """Return a slot that expects a one with that probability, as if it had seen `count` bits."""
+    return (int(share * (1 << PROBABILITY_BITS)) << COUNT_BITS) | count
+
+
+# The first slots as they begin; small meshes gain 2 %.
+PRIOR = np.array(
+    [_slot(share, 1) for share in _SHARES] * CONTEXTS
+    + [_slot(_JOIN_SHARE, 2)] * (3 * JOIN_CONTEXT),
+    dtype=np.int64,
+)
+
+
+@kernel
+def code_number(c: Coder, value: Int, slots: Int) -> Int:
+    """Code a number >= 1: its length in adaptive unary, then its bits below the highest."""
+    bits = 0
+    while value >> (bits + 1) > 0:
+        bits += 1
+    k = 0
+    while k < MAX_BITS:
+        c.state[CONTEXT] = slots + k
+        if code_bit(c, 1 if bits > k else 0, 1, LENGTH_MIXER, ADAPTIVE) == 0:
+            break
+        k += 1
+    return (1 << k) | code_raw(c, value & ((1 << k) - 1), k)
+
+
+@kernel
+def code_below(c: Coder, value: Int, bound: Int) -> Int:
+    """Code a number in [0, bound), all equally likely; the decoder may read one beyond."""
+    bits = 0
+    while (bound - 1) >> bits > 0:
+        bits += 1
+    return code_raw(c, value, bits)
+
+
+@inlined
+def _ask(c: Coder, model: NDArray[np.int64], node: Int, mixer: Int, answer: Flag) -> Flag:
+    for i in range(VALENCE_INPUTS):
+        c.state[CONTEXT + i] = model[TREES + i] + node
+    return code_bit(c, 1 if answer else 0, VALENCE_INPUTS, mixer + node, ADAPTIVE) == 1
+
+
+@kernel
+def code_valence(c: Coder, valence: Int, model: NDArray[np.int64], mixer: Int) -> Int:
+    """Code a valence >= 2 with one tree for each context."""
+    if _ask(c, model, NODE_SIX, mixer, valence == 6):
+        return 6
+    if _ask(c, model, NODE_LESS, mixer, valence < 6):
+        for k in range(3):
+            if _ask(c, model, NODE_BELOW + k, mixer, valence == 5 - k):
+                return 5 - k
+        return 2
+    for k in range(7, UNARY_END + 1):
+        if _ask(c, model, NODE_ABOVE + k - 7, mixer, valence == k):
+            return k
+    return UNARY_END + code_number(c, valence - UNARY_END, LENGTH_OF_VALENCE)
+
+
+@inlined
+def seed_contexts(model: NDArray[np.int64]) -> None:
+    """Set the contexts of the vertices of a first face: none is known."""
+    model[TREES:] = 0
+
+
+@inlined
+def gate_contexts(front: Front, pivot: Int, vertices: Any, model: NDArray[np.int64]) -> Int:
+    """Set the contexts of a vertex that is new at the gate of a pivot; return the mixer."""
+    after, before = front.nodes[pivot].successor, front.nodes[pivot].predecessor
+    at_pivot = min(vertices[front.nodes[pivot].vertex].valence, VALENCE_CAP)
+    at_after = min(vertices[front.nodes[after].vertex].valence, VALENCE_CAP)
+    at_before = min(vertices[front.nodes[before].vertex].valence, VALENCE_CAP)
+    behind = min(vertices[front.nodes[pivot].behind].valence, VALENCE_CAP)
+    free = min(front.nodes[pivot].free, 7)
+    free_after, free_before = min(front.nodes[after].free, 7), min(front.nodes[before].free, 7)
+    closes = 1 if free == 1 else 0  # the new vertex will be a neighbour of `before`, too
+    pair = at_before * 16 + at_after if closes else 256 + at_after * 16 + model[RECENT]
+    face = _three_bits(at_after) * 64 + _three_bits(at_pivot) * 8 + _three_bits(behind)
+    total = min(max(at_pivot + at_after + at_before + behind - 16, 0), 31)
+    model[TREES] = 0
+    model[TREES + 1] = TREE * (PAIR + at_pivot * 16 + at_after)
+    model[TREES + 2] = TREE * (FREE + free * 64 + free_after * 8 + free_before)
+    model[TREES + 3] = TREE * (BEHIND + at_after * 16 + behind)
+    model[TREES + 4] = TREE * (LAST_TWO + model[RECENT] * 16 + model[RECENT + 1])
+    model[TREES + 5] = TREE * (NEAR_PAIR + pair)
+    model[TREES + 6] = TREE * (FACE + face + 512 * closes)
+    model[TREES + 7] = TREE * (TOTAL + 2 * total + closes)
+    return TREE * closes
+
+
+@inlined
+def _three_bits(valence: Int) -> Int:
+    return min(max(valence - 3, 0), 7)
+
+
+@inlined
+def code_join_flag(c: Coder, front: Front, pivot: Int, is_join: Flag) -> Flag:
+    """Code whether the vertex at the gate is on a front already."""
+    a1, b1 = front.nodes[pivot].successor, front.nodes[pivot].predecessor
+    a2, b2 = front.nodes[a1].successor, front.nodes[b1].predecessor
+    a3, b3 = front.nodes[a2].successor, front.nodes[b2].predecessor
+    ahead = _two_bits(front, a1) * 16 + _two_bits(front, a2) * 4
+    back = _two_bits(front, pivot) * 16 + _two_bits(front, b1) * 4
+    c.state[CONTEXT] = JOIN_FLAG + ahead + _two_bits(front, a3)
+    c.state[CONTEXT + 1] = JOIN_FLAG + JOIN_CONTEXT + back + _two_bits(front, b2)
+    c.state[CONTEXT + 2] = JOIN_FLAG + 2 * JOIN_CONTEXT + ahead + _two_bits(front, b3)
+    return code_bit(c, 1 if is_join else 0, 3, JOIN_MIXER, STATIONARY) == 1
+
+
+@inlined
+def _two_bits(front: Front, node: Int) -> Int:
+    """Return the free edges beyond the first, at most 3; on a crafted front there may be none."""
+    return min(max(front.nodes[node].free - 1, 0), 3)
+
+
+@inlined
+def code_loop_flag(c: Coder, is_loop: Flag) -> Flag:
+    """Code whether a new vertex is one that closes a boundary loop."""
+    c.state[CONTEXT] = LOOP_FLAG
+    return code_bit(c, 1 if is_loop else 0, 1, LOOP_MIXER, STATIONARY) == 1
+
+
+@inlined
+def code_target(c: Coder, front: Front, pivot: Int, target: Int) -> Int:
+    """Code the node that a join goes to; the decoder may read one that does not fit."""
+    n1 = front.nodes[pivot].successor
+    near = -1
+    ahead, back = n1, pivot
+    if c.state[DECODING] == 0:
+        for k in range(NEAR):
+            ahead, back = front.nodes[ahead].successor, front.nodes[back].predecessor
+            if ahead == target or back == target:
+                near = 2 * k + (0 if ahead == target else 1)
+                break
+    c.state[CONTEXT] = NEAR_FLAG
+    if code_bit(c, 1 if near >= 0 else 0, 1, NEAR_MIXER, ADAPTIVE) == 0:
+        place = code_below(c, front.nodes[max(target, 0)].place, front.counts[LIVE])
+        return front.live[place] if place < front.counts[LIVE] else -1
+    near = _code_tree(c, near, NEAR_BITS, NEAR_TREE, TARGET_MIXER)
+    node = pivot if near & 1 else n1
+    for _ in range((near >> 1) + 1):
+        node = front.nodes[node].predecessor if near & 1 else front.nodes[node].successor
+    return node
+
+
+@inlined
+def code_side(c: Coder, free: Int, side: Int) -> Int:
+    """Code how many of the free edges of a node that splits stay on the pivot's front."""
+    if free >= 8:
+        return code_number(c, side + 1, LENGTH_OF_SIDE) - 1
+    if free == 0:
+        return 0
+    return _code_tree(c, side, 3, SIDE_TREE + 8 * free, SIDE_MIXER)
+
+
+@kernel
+def _code_tree(c: Coder, value: Int, bits: Int, slots: Int, mixer: Int) -> Int:
+    """Code a number of that many bits, the high bit first, each in the context of those before."""
+    node = 1
+    for shift in range(bits - 1, -1, -1):
+        c.state[CONTEXT] = slots + node
+        node = 2 * node + code_bit(c, (value >> shift) & 1, 1, mixer, ADAPTIVE)
+    return node - (1 << bits)

@@ -1,0 +1,196 @@
+"""Each command, on the torus that the repository carries."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+from commandline import TORUS, cli, damaged
+
+from deltamesh_cli import failures, options, output
+from deltamesh_formats import meshfile
+
+
+def test_round_trip(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli("encode torus.ply") == 0
+    printed = capsys.readouterr()
+    assert "2592 vertices, 5184 faces" in printed.out
+    assert "bits per vertex" in printed.out
+    assert "achieved: RMS" in printed.out
+    assert printed.err == ""
+    assert cli("decode torus.ply.dmesh back.obj") == 0
+    mesh = meshfile.read_mesh("back.obj")
+    assert (len(mesh.vertices), len(mesh.faces)) == (2592, 5184)
+
+
+def test_the_options_reach_the_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    line = "encode torus.ply a.dmesh --bits 6 --anchors 20 --anchor-method random --seed 7 --json"
+    assert cli(line, "--no-diffusion") == 0
+    made = json.loads(capsys.readouterr().out)
+    assert made["parameters"] | {"step": 0, "anchor_step": 0, "origin": []} == {
+        "method": "highpass",
+        "bits": 6,
+        "diffusion": False,
+        "anchors": 20,
+        "anchor_method": "random",
+        "seed": 7,
+        "isolated_vertices": 0,
+        "step": 0,
+        "anchor_step": 0,
+        "origin": [],
+    }
+    assert made["source"] == "torus.ply"
+    assert made["source_bytes"] == TORUS.stat().st_size
+    assert made["bytes"] == Path("a.dmesh").stat().st_size
+    assert made["bytes"] == made["header"]["bytes"] + sum(s["bytes"] for s in made["sections"])
+
+
+def test_cartesian(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli("encode torus.ply a.dmesh --method cartesian -b 12") == 0
+    assert cli("info a.dmesh") == 0
+    assert "Cartesian: 12 bits" in capsys.readouterr().out
+
+
+def test_the_last_of_repeated_options_wins(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli("encode torus.ply -b 4 -b 5 -o a.dmesh -o b.dmesh --json") == 0
+    assert json.loads(capsys.readouterr().out)["parameters"]["bits"] == 5
+    assert not Path("a.dmesh").exists()
+
+
+def test_info_and_test_go_on_after_a_failure_and_exit_with_the_worst_code(
+    folder: Path, torus_dmesh: bytes, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("bad.dmesh").write_bytes(damaged(torus_dmesh))
+    names = ["missing.dmesh", "bad.dmesh", "torus.dmesh"]
+    for command in ("info", "test"):
+        assert cli(command, *names) == failures.REFUSED
+        printed = capsys.readouterr()
+        assert "torus.dmesh" in printed.out
+        assert printed.err.count("\n") == 2
+        assert cli(command, *names[::2]) == failures.FAILED
+        capsys.readouterr()
+        assert cli(command, "--json", *names) == failures.REFUSED
+        told = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+        assert [one["file"] for one in told] == names
+        assert [one.get("exit_code", 0) for one in told] == [1, 3, 0]
+
+
+def test_info(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli("info torus.dmesh") == 0
+    text = capsys.readouterr().out
+    size = Path("torus.dmesh").stat().st_size
+    assert text.startswith(f"torus.dmesh: {size} bytes, 2592 vertices, 5184 faces, ")
+    for word in ("high-pass", "anchors:", "errors: RMS", "from ply", "PARM", "CONN", "CHEK"):
+        assert word in text
+    assert text.splitlines()[-1].split()[:2] == ["total", str(size)]
+
+
+def test_test_is_quiet_when_asked(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli("test torus.dmesh") == 0
+    assert capsys.readouterr().out == "torus.dmesh: OK\n"
+    assert cli("test -q torus.dmesh") == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_compare(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli("compare torus.ply torus.dmesh") == 0
+    text = capsys.readouterr().out
+    for word in ("bits per vertex", "RMS", "Hausdorff", "visual", "face normals", "dihedral"):
+        assert word in text
+    assert cli("compare --json torus.ply torus.dmesh") == 0
+    told = json.loads(capsys.readouterr().out)
+    assert [told[key]["file"] for key in "ab"] == ["torus.ply", "torus.dmesh"]
+    assert told["a"]["bits_per_vertex"] is None
+    assert told["b"]["bits_per_vertex"] > 0
+    errors = told["errors"]
+    assert 0 < errors["rms_relative"] < errors["max_relative"] < 0.01
+    assert errors["rms"] == pytest.approx(errors["rms_relative"] * errors["diagonal"])
+
+
+def test_compare_tells_what_the_encoder_told(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli("info --json torus.dmesh") == 0
+    told = json.loads(capsys.readouterr().out)["errors"]
+    assert cli("compare --json torus.ply torus.dmesh") == 0
+    errors = json.loads(capsys.readouterr().out)["errors"]
+    for name in ("rms", "max", "normal_deviation_degrees", "dihedral_degrees", "diagonal"):
+        assert errors[name] == pytest.approx(told[name], rel=1e-5)
+
+
+def test_compare_with_itself(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli("compare --json torus.ply torus.ply") == 0
+    errors = json.loads(capsys.readouterr().out)["errors"]
+    assert errors["rms"] == errors["max"] == errors["normal_deviation_degrees"] == 0
+
+
+def test_compare_of_a_soup_with_isolated_vertices(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mesh = meshfile.read_mesh("torus.ply")
+    soup = np.concatenate([mesh.vertices[mesh.faces].reshape(-1, 3), [[0, 0, 0], [0, 0, 1]]])
+    faces = np.arange(3 * len(mesh.faces)).reshape(-1, 3)
+    meshfile.write_mesh("soup.off", soup, faces)
+    assert cli("encode -q soup.off --drop-isolated") == 0
+    for line in ("compare --json soup.off soup.off.dmesh", "compare --json soup.off torus.ply"):
+        assert cli(line) == 0
+        errors = json.loads(capsys.readouterr().out)["errors"]
+        assert 0 <= errors["rms_relative"] < 0.01
+        assert errors["dihedral_degrees"] < 10
+
+
+def test_compare_measures_surfaces_where_vertices_do_not_correspond(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("a.off").write_text("OFF\n3 1 0\n0 0 0\n4 0 0\n0 3 0\n3 0 1 2\n")
+    Path("b.off").write_text("OFF\n4 2 0\n0 0 1\n4 0 1\n0 3 1\n2 1.5 1\n3 0 1 3\n3 0 3 2\n")
+    assert cli("compare --json a.off b.off") == 0
+    errors = json.loads(capsys.readouterr().out)["errors"]
+    assert errors["hausdorff"] == pytest.approx(1)
+    assert errors["hausdorff_relative"] == pytest.approx(0.2)
+    assert errors["rms"] is errors["dihedral_degrees"] is None
+    assert cli("compare a.off b.off") == 0
+    assert ["RMS", "-", "-"] in [line.split() for line in capsys.readouterr().out.splitlines()]
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [("1000", 1000), ("1k", 1024), ("512M", 512 << 20), ("8G", 8 << 30), ("1.5 GiB", 3 << 29)],
+)
+def test_sizes(text: str, number: int) -> None:
+    assert options.size(text) == number
+
+
+@pytest.mark.parametrize("text", ["", "M", "-1", "1X", "1e3", "nan", "1 000"])
+def test_what_is_no_size(text: str) -> None:
+    with pytest.raises(click.BadParameter):
+        options.size(text)
+
+
+def test_anchor_counts() -> None:
+    assert options.anchor_count("100") == 100
+    assert options.anchor_count("0.25") == 0.25
+    assert isinstance(options.anchor_count("1"), int)
+
+
+def test_json_is_json_whatever_is_measured(capsys: pytest.CaptureFixture[str]) -> None:
+    output.print_json({"a": float("nan"), "b": [float("inf"), 1.5], "c": {"d": "\udcff"}})
+    assert json.loads(capsys.readouterr().out) == {
+        "a": None,
+        "b": [None, 1.5],
+        "c": {"d": "\udcff"},
+    }
+
+
+def test_a_table_is_aligned() -> None:
+    assert output.table([("a", "1"), ("long", "23")]) == "  a      1\n  long  23"
+
+
+def test_the_formats_and_solvers_offered_are_those_there_are() -> None:
+    assert set(options.MESH_FORMATS) == set(meshfile.FORMATS)
+    assert np.all([name in options.MESH_FORMATS for name in options.TEXT_FORMATS])

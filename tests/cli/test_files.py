@@ -1,0 +1,132 @@
+"""Files in and out: names, what exists is kept, whatever happens."""
+
+from __future__ import annotations
+
+import os
+import stat
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from commandline import PROGRAM, TORUS, cli, posix
+
+from deltamesh_cli import failures
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "expected"),
+    [
+        ("torus.ply.dmesh", "", "torus.ply"),
+        ("torus.OFF.dmesh", "", "torus.OFF"),
+        ("torus.dmesh", "", "torus.ply"),
+        ("scan.2024.dmesh", "", "scan.2024.ply"),
+        ("torus.ply.DMESH", "", "torus.ply"),
+        ("torus.dmesh", "--output-format obj", "torus.obj"),
+        ("torus.ply.dmesh", "--output-format obj", "torus.obj"),
+        ("torus.ply.dmesh", "x.stl", "x.stl"),
+        ("torus.ply.dmesh", "x.stl --output-format off", "x.stl"),
+        ("torus.ply.dmesh", "-o x --output-format glb", "x"),
+    ],
+)
+def test_name_of_the_decoded_file(
+    folder: Path, torus_dmesh: bytes, name: str, arguments: str, expected: str
+) -> None:
+    Path("torus.ply").unlink()
+    Path("torus.dmesh").unlink()
+    Path(name).write_bytes(torus_dmesh)
+    assert cli("decode", name, *arguments.split()) == 0
+    assert {path.name for path in folder.iterdir()} == {name, expected}
+
+
+def test_names_from_everywhere(folder: Path) -> None:
+    for name in ("größe 山.ply", "-v", "a\nb.ply"):
+        Path(name).write_bytes(TORUS.read_bytes())
+        assert cli("encode -q --input-format ply --", name) == 0
+        assert cli("decode -q -f --output-format ply --", f"{name}.dmesh") == 0
+
+
+@posix
+def test_a_name_that_is_not_unicode(folder: Path) -> None:
+    name = os.fsdecode(b"\xff\xfe.ply")
+    try:
+        Path(name).write_bytes(TORUS.read_bytes())
+    except OSError:
+        pytest.skip("the file system takes Unicode names only")
+    done = subprocess.run([*PROGRAM, "encode", name], capture_output=True, text=True)
+    assert done.returncode == 0
+    assert "\\udcff\\udcfe.ply" in done.stdout
+
+
+def test_an_output_that_exists_is_kept(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for command in ("encode torus.ply torus.dmesh", "decode torus.dmesh"):
+        assert cli(command) == failures.FAILED
+        assert "it exists already (-f overwrites it)" in capsys.readouterr().err
+        assert cli(command, "-f") == failures.DONE
+
+
+@posix
+def test_an_overwritten_file_keeps_its_permissions_a_new_one_has_those_of_the_umask(
+    folder: Path,
+) -> None:
+    Path("torus.dmesh").chmod(0o604)
+    previous = os.umask(0o027)
+    try:
+        assert cli("encode -q -f torus.ply torus.dmesh") == 0
+        assert cli("encode -q torus.ply new.dmesh") == 0
+    finally:
+        os.umask(previous)
+    modes = [stat.S_IMODE(Path(name).stat().st_mode) for name in ("torus.dmesh", "new.dmesh")]
+    assert modes == [0o604, 0o640]
+
+
+@posix
+@pytest.mark.parametrize("make", [os.symlink, os.link])
+def test_the_input_is_never_the_output(
+    folder: Path, make: Callable[[str, str], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    make("torus.ply", "alias.ply")
+    for target in ("torus.ply", "./torus.ply", "alias.ply"):
+        assert cli("encode -f torus.ply", target) == failures.FAILED
+        assert "it is the input itself" in capsys.readouterr().err
+    assert Path("torus.ply").read_bytes() == TORUS.read_bytes()
+
+
+@posix
+def test_a_symbolic_link_is_written_through(folder: Path) -> None:
+    os.symlink("torus.dmesh", "link.dmesh")
+    before = Path("torus.dmesh").stat().st_ino
+    assert cli("encode -q -f torus.ply link.dmesh -b 5") == 0
+    assert Path("link.dmesh").is_symlink()
+    assert Path("torus.dmesh").stat().st_ino != before
+
+
+@posix
+def test_a_device_is_written_in_place(folder: Path) -> None:
+    assert cli("encode -q torus.ply /dev/null") == 0
+    assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("encode torus.ply nowhere/a.dmesh", "its folder does not exist (create "),
+        ("encode torus.ply .", "it is a folder (name a file in it)"),
+        ("decode torus.dmesh . --output-format ply", "it is a folder (name a file in it)"),
+        ("encode .", ".: cannot read: it is a folder, not a file"),
+        ("encode missing.ply", "missing.ply: cannot read: no such file or directory"),
+        ("decode missing.dmesh", "missing.dmesh: cannot read: no such file or directory"),
+        ("compare torus.ply missing.dmesh", "missing.dmesh: cannot read: no such file"),
+        ("encode torus.dmesh", "(deltamesh decode turns it into a mesh file)"),
+        ("encode torus.xyz", "(--input-format names the format)"),
+    ],
+)
+def test_a_file_that_cannot_be_had(
+    folder: Path, arguments: str, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("torus.xyz").write_bytes(TORUS.read_bytes())
+    assert cli(arguments) == failures.FAILED
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.startswith("deltamesh: ")
+    assert error.count("\n") == 1

@@ -1,0 +1,165 @@
+"""The process: pipes, terminals, signals, progress."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from commandline import PROGRAM, TORUS, cli, posix
+
+from deltamesh_cli import failures, files, progress, signals
+
+
+def test_pipes(folder: Path) -> None:
+    encode = [*PROGRAM, "encode", "-", "--input-format", "ply"]
+    made = subprocess.run(encode, input=TORUS.read_bytes(), capture_output=True)
+    assert (made.returncode, made.stderr) == (0, b"")
+    assert made.stdout == Path("torus.dmesh").read_bytes()
+    back = subprocess.run([*PROGRAM, "decode", "-"], input=made.stdout, capture_output=True)
+    assert (back.returncode, back.stderr) == (0, b"")
+    assert back.stdout.startswith(b"ply")
+
+
+def test_a_reader_that_has_gone_is_no_news(folder: Path) -> None:
+    command = [*PROGRAM, "info", *["torus.dmesh"] * 200]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.readline()
+        process.stdout.close()
+        assert process.stderr.read() == b""
+    assert process.returncode == failures.FAILED
+
+
+@posix
+def test_binary_is_not_written_to_a_terminal(folder: Path) -> None:
+    ours, theirs = os.openpty()
+    try:
+        done = subprocess.run(
+            [*PROGRAM, "encode", "torus.ply", "-"], stdout=theirs, stderr=subprocess.PIPE
+        )
+    finally:
+        os.close(ours)
+        os.close(theirs)
+    assert done.returncode == failures.FAILED
+    assert b"standard output: cannot write: it is a terminal" in done.stderr
+
+
+@posix
+def test_a_mesh_is_not_read_from_a_terminal(folder: Path) -> None:
+    ours, theirs = os.openpty()
+    try:
+        command = [*PROGRAM, "encode", "-", "--input-format", "off"]
+        done = subprocess.run(command, stdin=theirs, capture_output=True)
+    finally:
+        os.close(ours)
+        os.close(theirs)
+    assert done.returncode == failures.FAILED
+    assert b"standard input: cannot read: it is a terminal" in done.stderr
+
+
+@posix
+def test_progress_is_shown_on_a_terminal_only(folder: Path) -> None:
+    def told(*flags: str) -> bytes:
+        ours, theirs = os.openpty()
+        command = [*PROGRAM, "test", "torus.dmesh", *flags]
+        environment = os.environ | {"TERM": "xterm", "COLUMNS": "80"}
+        try:
+            done = subprocess.run(
+                command, stderr=theirs, stdout=subprocess.DEVNULL, env=environment
+            )
+            os.write(theirs, b"end")
+            text = b""
+            while not text.endswith(b"end"):
+                text += os.read(ours, 4096)
+        finally:
+            os.close(ours)
+            os.close(theirs)
+        assert done.returncode == 0
+        return text.removesuffix(b"end")
+
+    assert b"starting" in told()
+    assert told("--no-progress") == told("-q") == b""
+
+
+def test_verbose_tells_each_stage(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli("encode -v torus.ply") == 0
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[1].startswith("deltamesh: reading: ")
+    assert all(line.endswith(" s") for line in lines)
+    assert len(lines) > 3
+
+
+def test_compilation_is_told_once(capsys: pytest.CaptureFixture[str]) -> None:
+    import numba
+
+    with progress.progress(None, verbose=True) as stage:
+        stage("solving")
+        numba.njit(lambda x: x + 1)(1)
+        numba.njit(lambda x: x + 2)(1)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines.count(f"deltamesh: {progress.COMPILING}") == 1
+    assert lines[-1].startswith("deltamesh: solving: ")
+
+
+@posix
+def test_ctrl_c_ends_with_130_and_no_file(folder: Path) -> None:
+    os.mkfifo("pipe.ply")
+    command = [*PROGRAM, "encode", "pipe.ply", "out.dmesh"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE) as process:
+        assert process.stderr is not None
+        with open("pipe.ply", "wb"):  # waits until the program has opened it, and waits for bytes
+            process.send_signal(signal.SIGINT)
+            assert process.stderr.read().endswith(b"deltamesh: interrupted\n")
+    assert process.returncode == 130
+    assert not Path("out.dmesh").exists()
+
+
+@posix
+def test_ctrl_c_is_heard_while_the_codec_works() -> None:
+    threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+    start = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        signals.interruptible(lambda: time.sleep(3))
+    assert time.perf_counter() - start < 2
+
+
+def test_what_the_second_thread_raises_is_raised_here() -> None:
+    assert signals.interruptible(lambda: 3) == 3
+    with pytest.raises(ZeroDivisionError):
+        signals.interruptible(lambda: 1 // 0)
+
+
+@posix
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_while_writing_leaves_no_file(folder: Path, number: signal.Signals) -> None:
+    previous = signal.getsignal(number)
+
+    def write() -> None:
+        with files.open_output("out.dmesh") as stream:
+            stream.write(b"half")
+            os.kill(os.getpid(), number)
+            time.sleep(1)
+
+    with pytest.raises(signals.Stopped) as stopped:
+        write()
+    assert stopped.value.number == number
+    assert signal.getsignal(number) is previous
+    assert not Path("out.dmesh").exists()
+
+
+@posix
+def test_an_ignored_signal_stays_ignored(folder: Path) -> None:
+    previous = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with files.open_output("out.dmesh") as stream:
+            os.kill(os.getpid(), signal.SIGHUP)
+            stream.write(b"whole")
+    finally:
+        signal.signal(signal.SIGHUP, previous)
+    assert Path("out.dmesh").read_bytes() == b"whole"

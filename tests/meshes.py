@@ -1,0 +1,152 @@
+"""Small generated meshes: functions that return (vertices, faces), closed unless they say else.
+
+Vertices are float64 (n, 3), faces int64 (m, 3), counter-clockwise seen from outside.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh.mesh import Mesh
+
+Arrays = tuple[NDArray[np.float64], NDArray[np.int64]]
+
+
+def tetrahedron() -> Arrays:
+    vertices = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    return vertices, np.array([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
+
+
+def icosphere(levels: int) -> Arrays:
+    """Unit sphere: icosahedron with each face split in four, `levels` times; 10 * 4^levels + 2."""
+    golden = (1 + 5**0.5) / 2
+    near = [(0.0, s, t * golden) for s in (-1.0, 1.0) for t in (-1.0, 1.0)]
+    vertices = [np.roll(v, turn) for turn in range(3) for v in near]
+    V = np.array(vertices) / np.hypot(1, golden)
+    # A face is three vertices at the least distance from each other, turned outwards.
+    close = np.linalg.norm(V[:, None] - V[None], axis=2) < 1.1
+    faces = [
+        (i, j, k) if np.linalg.det(V[[i, j, k]]) > 0 else (i, k, j)
+        for i in range(12)
+        for j in range(i + 1, 12)
+        for k in range(j + 1, 12)
+        if close[i, j] and close[j, k] and close[i, k]
+    ]
+    F = np.array(faces)
+    for _ in range(levels):
+        V, F = _split(V, F)
+        V /= np.linalg.norm(V, axis=1, keepdims=True)
+    return V, F
+
+
+def _split(V: NDArray[np.float64], F: NDArray[np.int64]) -> Arrays:
+    halves = np.sort(np.stack((F, np.roll(F, -1, axis=1)), axis=2).reshape(-1, 2), axis=1)
+    pairs, inverse = np.unique(halves, axis=0, return_inverse=True)
+    middle = len(V) + inverse.reshape(-1, 3)
+    a, b, c = F.T
+    ab, bc, ca = middle.T
+    parts = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+    faces = np.concatenate([np.stack(part, axis=1) for part in parts])
+    return np.concatenate((V, V[pairs].mean(axis=1))), faces
+
+
+def torus(m: int, n: int) -> Arrays:
+    """Radii 2 and 1, m x n quads halved; m, n >= 3 (5 and more for a simple neighbourhood)."""
+    i, j = (x.ravel() for x in np.meshgrid(np.arange(m), np.arange(n), indexing="ij"))
+    u, v = 2 * np.pi * i / m, 2 * np.pi * j / n
+    ring = 2 + np.cos(v)
+    vertices = np.stack((ring * np.cos(u), ring * np.sin(u), np.sin(v)), axis=1)
+    here, right = i * n + j, (i + 1) % m * n + j
+    up, both = i * n + (j + 1) % n, (i + 1) % m * n + (j + 1) % n
+    return vertices, np.concatenate(
+        (np.stack((here, right, both), axis=1), np.stack((here, both, up), axis=1))
+    )
+
+
+def double_torus() -> Arrays:
+    """Genus 2: two tori, each without one face, joined along its edges."""
+    V, F = torus(7, 6)
+    n = len(V)
+    a, b, c = F[0]
+    mirrored = np.delete(F, 0, axis=0)[:, ::-1] + n
+    faces = np.concatenate((np.delete(F, 0, axis=0), mirrored))
+    label = np.arange(2 * n)
+    label[[n + a, n + b, n + c]] = [a, b, c]
+    keep = label == np.arange(2 * n)
+    number = np.cumsum(keep) - 1
+    vertices = np.concatenate((V, V * [1, -1, 1] + [0, 0, 4]))[keep]
+    return vertices, number[label][faces]
+
+
+def grid(m: int, n: int) -> Arrays:
+    """Open disk, a gently curved rectangle of m x n vertices; m, n >= 2."""
+    i, j = np.meshgrid(np.arange(m), np.arange(n), indexing="ij")
+    x, y = i.ravel() / (m - 1), j.ravel() / (n - 1)
+    corner = (i[:-1, :-1] * n + j[:-1, :-1]).ravel()
+    lower = np.stack((corner, corner + n, corner + n + 1), axis=1)
+    upper = np.stack((corner, corner + n + 1, corner + 1), axis=1)
+    return np.stack((x, y, 0.2 * np.sin(5 * x) * y), axis=1), np.concatenate((lower, upper))
+
+
+def union(*meshes: Arrays) -> Arrays:
+    """All of the meshes side by side, as one of several components."""
+    starts = np.cumsum([0] + [len(V) for V, _ in meshes])
+    faces = [F + start for (_, F), start in zip(meshes, starts, strict=False)]
+    return np.concatenate([V for V, _ in meshes]), np.concatenate(faces)
+
+
+def two_components() -> Arrays:
+    V, F = torus(8, 6)
+    return union(icosphere(1), (V + np.array([5.0, 0, 0]), F))
+
+
+def with_isolated() -> Arrays:
+    """A sphere with four vertices on no face: first, amid, and the last two."""
+    V, F = icosphere(1)
+    places = np.array([0, 20, len(V), len(V)])
+    number = np.arange(len(V)) + np.searchsorted(places, np.arange(len(V)), side="right")
+    extra = np.array([[3.0, 0, 0], [0, 3, 0], [0, 0, 3], [0, 0, 4]])
+    return np.insert(V, places, extra, axis=0), number[F]
+
+
+def three_pages() -> Arrays:
+    """Three triangles on one edge."""
+    vertices = np.array([[0.0, 0, 0], [0, 0, 1], [1, 0, 0], [0, 1, 0], [-1, -1, 0]])
+    return vertices, np.array([[0, 1, 2], [0, 1, 3], [1, 0, 4]])
+
+
+def every() -> dict[str, Arrays]:
+    """All of them by name, for parametrization."""
+    return {
+        "tetrahedron": tetrahedron(),
+        "icosphere": icosphere(2),
+        "torus": torus(9, 7),
+        "double_torus": double_torus(),
+        "grid": grid(7, 9),
+        "two_components": two_components(),
+        "with_isolated": with_isolated(),
+        "three_pages": three_pages(),
+    }
+
+
+def shuffled(
+    V: NDArray[np.float64], F: NDArray[np.int64], seed: int
+) -> tuple[Mesh, NDArray[np.int64]]:
+    """The same mesh with vertices and faces in another order and faces rotated; the map to it."""
+    rng = np.random.default_rng(seed)
+    to = rng.permutation(len(V))
+    turns = (np.arange(3) + rng.integers(0, 3, (len(F), 1))) % 3
+    faces = np.take_along_axis(to[F], turns, axis=1)[rng.permutation(len(F))]
+    vertices = np.empty_like(V)
+    vertices[to] = V
+    return Mesh(vertices, faces), to
+
+
+def folder() -> Path:
+    """Where larger meshes are, if anywhere: tests that want one skip without it."""
+    beside = Path(__file__).parents[2] / "shared" / "meshes"
+    return Path(os.environ.get("DELTAMESH_MESHES", beside))

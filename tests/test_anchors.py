@@ -1,0 +1,134 @@
+from __future__ import annotations
+
+import meshes
+import numpy as np
+import oracle
+import pytest
+
+from deltamesh import anchors, laplacian
+from deltamesh.kernels import distance
+from deltamesh.laplacian import adjacency, component_labels, graph_laplacian
+
+MESHES = meshes.every()
+
+
+@pytest.mark.parametrize("k", [1, 4, 25])
+@pytest.mark.parametrize("name", MESHES)
+def test_farthest_equals_its_oracle(name: str, k: int) -> None:
+    V, F = MESHES[name]
+    labels = component_labels(F, len(V))
+    chosen = anchors.farthest(*adjacency(F, len(V)), labels, k)
+    assert chosen.dtype == np.int64
+    assert chosen.tolist() == oracle.farthest(oracle.laplacian(F, len(V)), k)
+
+
+def test_every_vertex_can_be_an_anchor() -> None:
+    V, F = meshes.with_isolated()
+    labels = component_labels(F, len(V))
+    for k in (len(V), 10 * len(V)):
+        assert sorted(anchors.farthest(*adjacency(F, len(V)), labels, k)) == list(range(len(V)))
+        assert sorted(anchors.random(labels, k, 3)) == list(range(len(V)))
+        L = graph_laplacian(F, len(V))
+        assert sorted(anchors.greedy(L, V, L @ V, k)) == list(range(len(V)))
+
+
+@pytest.mark.parametrize("seed", [0, 1, 0x123456789ABCDEF, 2**64 - 1])
+def test_random_follows_its_definition(seed: int) -> None:
+    V, F = meshes.two_components()
+    labels = component_labels(F, len(V))
+    keys = oracle.splitmix64(seed, len(V))
+    order = sorted(range(len(V)), key=lambda i: (keys[i], i))
+    first = [next(i for i in order if labels[i] == c) for c in (0, 1)]
+    expected = first + [i for i in order if i not in first]
+    assert anchors.random(labels, 30, seed).tolist() == expected[:30]
+
+
+def test_splitmix64_is_the_published_one() -> None:
+    # The first outputs for seed 1234567, as in the reference implementation's test.
+    expected = [6457827717110365317, 3203168211198807973, 9817491932198370423]
+    assert anchors._splitmix64(1234567, 3).tolist() == expected == oracle.splitmix64(1234567, 3)
+
+
+@pytest.mark.parametrize("k", [1, 6, 40])
+def test_one_anchor_for_each_component_at_least(k: int) -> None:
+    V, F = meshes.with_isolated()
+    labels, L = component_labels(F, len(V)), graph_laplacian(F, len(V))
+    for chosen in (
+        anchors.farthest(*adjacency(F, len(V)), labels, k),
+        anchors.random(labels, k, 99),
+        anchors.greedy(L, V, L @ V, k),
+    ):
+        assert set(labels[chosen]) == set(labels)
+        assert len(set(chosen.tolist())) == len(chosen) == max(k, 5)
+
+
+@pytest.mark.parametrize("step", [0.02, None], ids=["quantized", "least-squares mesh"])
+@pytest.mark.parametrize("name", ["torus", "grid", "two_components"])
+def test_greedy_takes_vertices_of_nearly_the_largest_error(name: str, step: float | None) -> None:
+    V, F = MESHES[name]
+    L = graph_laplacian(F, len(V))
+    delta = np.round(L @ V / step) * step if step else np.zeros_like(V)
+    positions = np.round(V, 1)
+    chosen = anchors.greedy(L, V, delta, 30, positions).tolist()
+    components = component_labels(F, len(V)).max() + 1
+    for count in range(components, 30):
+        errors = oracle.greedy_errors(L.toarray(), V, delta, chosen[:count], positions)
+        share = 1 if count == components else anchors.SHARE
+        assert errors[chosen[count]] >= (share - 1e-9) * errors.max()
+
+
+def test_greedy_across_refactoring(monkeypatch: pytest.MonkeyPatch) -> None:
+    V, F = meshes.torus(12, 10)
+    L = graph_laplacian(F, len(V))
+    once = anchors.greedy(L, V, 0 * V, 30)
+    monkeypatch.setattr(anchors, "MAX_UPDATES", 7)
+    often = anchors.greedy(L, V, 0 * V, 30)
+    largest = [oracle.greedy_errors(L.toarray(), V, 0 * V, a, V).max() for a in (once, often)]
+    assert largest[1] == pytest.approx(largest[0], rel=0.2)
+    np.testing.assert_array_equal(once[:7], often[:7])
+
+
+def test_greedy_is_the_same_for_any_number_of_threads() -> None:
+    V, F = meshes.icosphere(4)
+    L = graph_laplacian(F, len(V))
+    one, two = (anchors.greedy(L, V, 0 * V, 200, threads=threads) for threads in (1, 2))
+    np.testing.assert_array_equal(one, two)
+
+
+def test_subtract_product_equals_numpy() -> None:
+    rng = np.random.default_rng(17)
+    W, block = rng.normal(size=(50, 6)), rng.normal(size=(50, 3))
+    rows = np.array([4, 0, 31])
+    expected = block - W[:, :5] @ W[rows, :5].T
+    distance.subtract_product(block, W, 5, rows)
+    np.testing.assert_allclose(block, expected, rtol=1e-12)
+
+
+def test_local_maxima_break_ties_by_index() -> None:
+    F = np.array([[0, 1, 2], [2, 1, 3]])
+    found = np.empty(4, dtype=bool)
+    distance.local_maxima(*laplacian.adjacency(F, 4), np.array([1.0, 1, 0, 1]), found)
+    assert found.tolist() == [True, False, False, False]
+
+
+@pytest.mark.parametrize(
+    ("wanted", "n", "components", "expected"),
+    [
+        (None, 100_000, 3, 100),
+        (None, 100, 1, 1),
+        (0.01, 1000, 1, 10),
+        (0.01, 1000, 40, 40),
+        (7, 1000, 1, 7),
+        (np.int32(7), 1000, 1, 7),
+        (7, 5, 1, 5),
+        (1, 1000, 3, 3),
+    ],
+)
+def test_count(wanted: float | None, n: int, components: int, expected: int) -> None:
+    assert anchors.count_anchors(wanted, n, components) == expected
+
+
+@pytest.mark.parametrize("wanted", [0, -1, 0.0, 1.0, 1.5, -0.1, float("nan"), True, "3"])
+def test_nonsense_counts_are_refused(wanted: float) -> None:
+    with pytest.raises(ValueError, match="anchors"):
+        anchors.count_anchors(wanted, 100, 1)

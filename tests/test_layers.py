@@ -1,0 +1,58 @@
+"""What is imported when: the codec and its machinery only by the commands that need them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+HEAVY = ("numba", "scipy", "trimesh", "rslab", "rich", "pypardiso")
+
+
+def modules_after(code: str) -> set[str]:
+    """Return the top-level packages that a fresh interpreter has imported after `code`."""
+    code += "\nimport sys; print('\\n', *{name.partition('.')[0] for name in sys.modules})"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(done.stdout.splitlines()[-1].split())
+
+
+@pytest.mark.parametrize("package", ["deltamesh_formats", "deltamesh", "deltamesh_cli"])
+def test_importing_a_package_is_cheap(package: str) -> None:
+    assert not modules_after(f"import {package}") & {*HEAVY, "numpy"}
+
+
+@pytest.mark.parametrize("line", ["--help", "--version", "encode --help", "info nothing.dmesh"])
+def test_help_and_info_import_click_only(line: str) -> None:
+    code = f"from deltamesh_cli.program import run\nrun({line.split()!r})"
+    assert not modules_after(code) & {*HEAVY, "numpy"}
+
+
+def test_info_of_a_file_imports_no_codec(tmp_path: Path) -> None:
+    from deltamesh_formats.layout import Parameters
+    from deltamesh_formats.writer import write_container
+
+    parameters = Parameters("cartesian", True, None, 8, 0.5, (0.0, 0.0, 0.0), 0.0, 0, 0, 0)
+    payloads = {"CONN": b"\x01", "CART": b"\x02"}
+    path = tmp_path / "small.dmesh"
+    path.write_bytes(write_container(3, 1, parameters, payloads, None, bytes(8)))
+    code = f"from deltamesh_cli.program import run\nassert run(['info', {str(path)!r}]) == 0"
+    assert not modules_after(code) & {*HEAVY, "numpy"}
+
+
+def test_the_formats_do_not_need_the_codec() -> None:
+    code = "import deltamesh_formats.reader, deltamesh_formats.writer"
+    assert not modules_after(code) & {*HEAVY, "numpy", "deltamesh", "deltamesh_cli"}
+    assert not modules_after("import deltamesh_formats.meshfile") & {"deltamesh", "deltamesh_cli"}
+
+
+@pytest.mark.parametrize("line", ["--help", "info nothing.dmesh"])
+def test_help_and_info_answer_at_once(line: str) -> None:
+    def seconds() -> float:
+        start = time.perf_counter()
+        subprocess.run([sys.executable, "-m", "deltamesh_cli", *line.split()], capture_output=True)
+        return time.perf_counter() - start
+
+    assert min(seconds() for _ in range(5)) < 0.3

@@ -1,0 +1,201 @@
+from __future__ import annotations
+
+import meshes
+import numpy as np
+import oracle
+import pytest
+
+from deltamesh import metrics
+from deltamesh.hausdorff import _surface_samples
+from deltamesh.kernels import closest
+from deltamesh.laplacian import edges
+from deltamesh.mesh import Mesh
+
+MESHES = meshes.every()
+TRIANGLE = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+# Two triangles that share the edge 0-1; the second one is folded up or down about it.
+HINGE = np.array([[0, 1, 2], [1, 0, 3]])
+
+
+def hinge(degrees):
+    """Vertices of a hinge, flat at 0 and convex above."""
+    angle = np.radians(degrees)
+    return np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, -np.cos(angle), -np.sin(angle)]])
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_equal_meshes_have_no_error(name: str) -> None:
+    V, F = MESHES[name]
+    errors = metrics.compare(Mesh(V, F), Mesh(V.copy(), F))
+    for field in ("rms", "max", "normal_deviation", "dihedral", "hausdorff", "visual"):
+        assert getattr(errors, field) == 0, field
+    assert errors.diagonal == pytest.approx(np.linalg.norm(V.max(axis=0) - V.min(axis=0)))
+
+
+def test_vertex_distances_by_hand() -> None:
+    V = np.zeros((4, 3))
+    V[3] = [2, 0, 0]
+    W = V + np.array([[0.0, 0, 0], [0, 3, 0], [0, 0, 4], [0, 0, 0]])
+    errors = metrics.vertex_errors(V, W, np.array([[0, 1, 2]]))
+    assert errors.rms == pytest.approx(2.5)  # sqrt((9 + 16) / 4)
+    assert errors.max == pytest.approx(4)
+
+
+def test_normal_deviation_is_weighted_by_area() -> None:
+    # Triangles of area 2 and 1/2; the larger is turned by 90 degrees about its side on the x axis.
+    V = np.array([[0.0, 0, 0], [2, 0, 0], [0, 2, 0], [5, 0, 0], [6, 0, 0], [5, 1, 0]])
+    W = V.copy()
+    W[2] = [0, 0, 2]
+    F = np.arange(6).reshape(2, 3)
+    assert metrics.normal_deviation(V, W, F) == pytest.approx(90 * 4 / 5)
+    assert metrics.vertex_errors(V, W, F).normal_deviation == pytest.approx(90 * 4 / 5)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "change"), [(0, 30, 30), (20, -20, 40), (170, -170, 20), (90, 90, 0)]
+)
+def test_dihedral_change_by_hand(before: float, after: float, change: float) -> None:
+    assert metrics.dihedral(hinge(before), hinge(after), HINGE) == pytest.approx(change, abs=1e-12)
+    # The same two triangles, one of them turned over.
+    turned = np.array([[0, 1, 2], [0, 1, 3]])
+    assert metrics.dihedral(hinge(before), hinge(after), turned) == pytest.approx(change, abs=1e-12)
+
+
+def test_tiny_angles_are_not_lost() -> None:
+    assert metrics.dihedral(hinge(0), hinge(1e-9), HINGE) == pytest.approx(1e-9, rel=1e-5)
+
+
+@pytest.mark.parametrize("name", ["icosphere", "double_torus", "grid", "two_components"])
+def test_dihedral_equals_its_oracle(name: str) -> None:
+    V, F = MESHES[name]
+    W = V + 0.05 * np.random.default_rng(71).normal(size=V.shape)
+    before, after = oracle.dihedral_angles(V, F), oracle.dihedral_angles(W, F)
+    change = [abs(before[edge] - after[edge]) for edge in before]
+    expected = np.mean([min(c, 360 - c) for c in change])
+    assert metrics.dihedral(V, W, F) == pytest.approx(expected, rel=1e-6)
+
+
+def test_edges_of_three_faces_are_no_dihedral() -> None:
+    V, F = meshes.three_pages()
+    assert metrics.dihedral(V, V[:, ::-1].copy(), F) == 0
+
+
+def test_geometric_laplacian_by_hand() -> None:
+    # Vertex 0 has neighbours at distances 1 and 2: weights 1 and 1/2, mean (2/3, 2/3, 0).
+    V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [7, 7, 7]])
+    laplacian = metrics.geometric_laplacian(V, edges(np.array([[0, 1, 2]]), 4))
+    np.testing.assert_allclose(laplacian[0], [-2 / 3, -2 / 3, 0])
+    np.testing.assert_array_equal(laplacian[3], 0)
+
+
+def test_visual_error_weighs_distance_and_laplacian() -> None:
+    V, F = meshes.icosphere(1)
+    moved = V + np.array([0.5, 0, 0])  # the Laplacians stay
+    assert metrics.visual_error(V, moved, F) == pytest.approx(0.15 * 0.5)
+    scaled = metrics.geometric_laplacian(V, edges(F, len(V)))
+    sq = np.sqrt((scaled**2).sum(axis=1).mean())
+    assert metrics.visual_error(V, 2 * V, F) == pytest.approx(0.15 + 0.85 * sq)
+
+
+@pytest.mark.parametrize("unit", [1e-200, 1.0, 1e150])
+def test_errors_scale_with_the_unit_and_ignore_the_origin(unit: float) -> None:
+    V, F = meshes.torus(9, 7)
+    W = V + 0.01 * np.random.default_rng(8).normal(size=V.shape)
+    one = vars(metrics.compare(Mesh(V, F), Mesh(W, F)))
+    other = vars(metrics.compare(Mesh(unit * (V + 7), F), Mesh(unit * (W + 7), F)))
+    for name, value in one.items():
+        angle = name in ("normal_deviation", "dihedral")
+        assert other[name] == pytest.approx(value if angle else unit * value, rel=1e-6, abs=0), name
+
+
+def test_faces_without_area() -> None:
+    # A sliver of no area, a face that repeats a vertex, and one that loses its area.
+    V = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0]])
+    F = np.array([[0, 1, 2], [3, 3, 4], [0, 1, 3], [1, 4, 3]])
+    W = V.copy()
+    W[4] = V[3]
+    errors = metrics.compare(Mesh(V, F), Mesh(W, F))
+    assert errors.normal_deviation == pytest.approx(45)  # half of the area counts 90 degrees
+    assert np.isfinite(list(vars(errors).values())).all()
+
+
+def test_a_mesh_without_area_faces_or_vertices() -> None:
+    point = Mesh(np.ones((3, 3)), np.array([[0, 1, 2]]))
+    assert set(vars(metrics.compare(point, point)).values()) == {0.0}
+    nothing = Mesh(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
+    assert set(vars(metrics.compare(nothing, nothing)).values()) == {0.0}
+
+
+def test_meshes_that_do_not_correspond_are_refused() -> None:
+    V, F = meshes.icosphere(1)
+    with pytest.raises(ValueError, match="same faces"):
+        metrics.compare(Mesh(V, F), Mesh(V, F[::-1]))
+    with pytest.raises(ValueError, match="one by one"):
+        metrics.compare(Mesh(V, F), Mesh(V[:-1], F))
+    with pytest.raises(ValueError, match="without faces"):
+        metrics.hausdorff(Mesh(V, F), Mesh(V, F[:0]))
+
+
+def test_point_to_triangle_equals_its_oracle() -> None:
+    rng = np.random.default_rng(31)
+    for _ in range(300):
+        triangle, p = rng.normal(size=(3, 3)), 2 * rng.normal(size=3)
+        expected = oracle.squared_to_triangle(p, triangle)
+        assert closest.squared_to_triangle(p, *triangle) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "corners",
+    [[[0, 0, 0]] * 3, [[0, 0, 0], [1, 0, 0], [1, 0, 0]], [[0, 0, 0], [1, 0, 0], [3, 0, 0]]],
+)
+def test_point_to_triangle_without_area(corners: list[list[float]]) -> None:
+    triangle = np.array(corners, dtype=float)
+    for p in np.random.default_rng(33).normal(size=(50, 3)):
+        expected = oracle.squared_to_triangle(p, triangle)
+        assert closest.squared_to_triangle(p, *triangle) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_hausdorff_of_vertices_equals_brute_force(name: str, monkeypatch) -> None:
+    monkeypatch.setattr("deltamesh.hausdorff._surface_samples", lambda t: (np.arange(0), t[:0, 0]))
+    V, F = MESHES[name]
+    F = F[:25]
+    rng = np.random.default_rng(12)
+    W = V + 0.2 * rng.normal(size=V.shape)
+    for other in (F, F[:-1]):  # with corresponding faces, and without
+        both = [(V[F].reshape(-1, 3), W[other]), (W[other].reshape(-1, 3), V[F])]
+        expected = max(oracle.largest_squared_distance(p, t) for p, t in both) ** 0.5
+        assert metrics.hausdorff(Mesh(V, F), Mesh(W, other)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_hausdorff_by_hand() -> None:
+    V, F = meshes.grid(6, 6)
+    V[:, 2] = 0
+    spike = V.copy()
+    spike[14, 2] = 0.7
+    assert metrics.hausdorff(Mesh(V, F), Mesh(spike, F)) == pytest.approx(0.7)
+    # A triangle that covers half of a square: the other corner is sqrt(1/2) from it.
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    square = Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    half = Mesh(square.vertices, square.faces[:1])
+    assert metrics.hausdorff(square, half) == pytest.approx(0.5**0.5)
+    assert metrics.hausdorff(half, square) == pytest.approx(0.5**0.5)
+
+
+def test_hausdorff_sees_between_the_vertices() -> None:
+    # The faces of a regular tetrahedron of height 2 / sqrt(3), two and two: the middle of the edge
+    # between two of them is half a height from the others.
+    V = np.array([[0.0, 0, 0], [1, 0, 1], [1, 1, 0], [0, 1, 1]])
+    one = Mesh(V, np.array([[0, 1, 2], [0, 2, 3]]))
+    other = Mesh(V, np.array([[0, 1, 3], [1, 2, 3]]))
+    assert metrics.hausdorff(one, other) == pytest.approx(3**-0.5, rel=0.02)
+
+
+def test_surface_samples_follow_the_area() -> None:
+    triangles = np.stack((TRIANGLE, 2 * TRIANGLE, 0 * TRIANGLE, 3 * TRIANGLE))
+    face, barycentric = _surface_samples(triangles)
+    share = np.bincount(face, minlength=4) / len(face)
+    np.testing.assert_allclose(share, np.array([1, 4, 0, 9]) / 14, atol=1e-3)
+    assert (barycentric >= 0).all()
+    np.testing.assert_allclose(barycentric.sum(axis=1), 1)
+    np.testing.assert_allclose(barycentric.mean(axis=0), 1 / 3, atol=1e-2)
