@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 import itertools
 
 import numpy as np
@@ -108,3 +109,237 @@ def dihedral_angles(V, faces):
             sign = np.sign(np.cross(m, k) @ sides[0][1])
             angles[edge] = sign * np.degrees(np.arccos(np.clip(cosine, -1, 1)))
     return angles
+
+
+# ---- Range coder ----------------------------------------------------------------------------
+
+
+class RangeCoder:
+    """The coder with mixing as its definition reads, in integers without a width.
+
+    Encoding keeps one number of any length, so that a carry is an addition and nothing is held
+    back. `slots` and `inputs` are as of `entropy.encoder`; `data` is what a decoder reads.
+    """
+
+    def __init__(self, tables, slots, inputs, weight_sum, data=None):
+        self.stretch, self.squash, self.rate = (table.tolist() for table in tables)
+        self.slots = [(1 << 21, 0)] * slots  # probability of a one in 2^-22, observations
+        sums = [1.0 if n == 1 else weight_sum for n in inputs]
+        self.weights = [[round(65536 * s / n)] * n for s, n in zip(sums, inputs, strict=True)]
+        self.decoding = data is not None
+        self.low, self.span, self.shifted = 0, 2**32 - 1, 0
+        if self.decoding:
+            self.data, self.position = data, 4
+            self.code = int.from_bytes(data[:4].ljust(4, b"\0"), "big")
+
+    def _code(self, bit, p):
+        """Code a bit that is one with probability p / 65536: ones have the lower part."""
+        bound = (self.span >> 16) * p
+        if self.decoding:
+            bit = int(self.code < bound)
+            self.code -= 0 if bit else bound
+        elif not bit:
+            self.low += bound
+        self.span = bound if bit else self.span - bound
+        while self.span < 2**24:
+            self.span *= 256
+            self.low *= 256
+            self.shifted += 1
+            if self.decoding:
+                self.code = 256 * self.code + sum(self.data[self.position : self.position + 1])
+                self.position += 1
+        return bit
+
+    def raw(self, value, bits):
+        coded = [self._code((value >> i) & 1, 32768) for i in reversed(range(bits))]
+        return sum(bit << i for i, bit in enumerate(reversed(coded)))
+
+    def bit(self, bit, contexts, mixer, limit):
+        weights = self.weights[mixer]
+        inputs = [self.stretch[self.slots[c][0] >> 10] for c in contexts]
+        dot = sum(w * x for w, x in zip(weights, inputs, strict=True)) >> 16
+        p = self.squash[min(max(dot, -2047), 2047) + 2048]
+        bit = self._code(bit, p)
+        error = 65536 * bit - p
+        for i, (c, x) in enumerate(zip(contexts, inputs, strict=True)):
+            weights[i] += (x * error + 8192) >> 14
+            probability, count = self.slots[c]
+            probability += (((bit << 22) - probability) * self.rate[count]) >> 16
+            self.slots[c] = probability, min(count + 1, limit)
+        return bit
+
+    def finish(self):
+        """The number of most zeros at the end in [low, low + span), without them."""
+        for bits in (32, 24, 16, 8, 0):
+            rounded = -(-self.low >> bits) << bits
+            if rounded < self.low + self.span:
+                return rounded.to_bytes(4 + self.shifted, "big").rstrip(b"\0")
+
+
+# ---- Connectivity ---------------------------------------------------------------------------
+
+
+class Node:
+    """An appearance of a vertex on a front, with the half-edge of the face beyond its gate."""
+
+    def __init__(self, vertex):
+        self.vertex, self.free, self.waiting_since = vertex, None, None
+        self.next, self.previous, self.gate = None, None, None
+
+
+class RegionGrower:
+    """The visit of `kernels.connectivity`, with dictionaries and searches over everything.
+
+    `grow()` gives the faces in new labels, and the old vertex of each new label. Before each step,
+    the free edges of all nodes are counted in the mesh.
+    """
+
+    def __init__(self, faces):
+        faces = [tuple(map(int, f)) for f in faces]
+        self.left = {(f[i - 2], f[i - 1]): f[i] for f in faces for i in range(3)}
+        self.face_of = {(f[i - 1], f[i]): at for at, f in enumerate(faces) for i in range(3)}
+        self.todo = dict(enumerate(faces))
+        self.degree = collections.Counter(a for a, _ in self.left)
+        self.live, self.owner, self.clock = [], {}, 0
+        self.faces, self.label = [], {}
+
+    def grow(self):
+        while self.todo:
+            assert all(node.free == self.count_free(node) for node in self.live)
+            if not self.live:
+                self.begin(next(iter(self.todo.values())))
+                continue
+            # The fewest free edges; of these, the one that has had so many for longest.
+            pivot = min(self.live, key=lambda node: (min(node.free, 63), node.waiting_since))
+            if pivot.free == 0:
+                self.close(pivot)
+            else:
+                self.expand(pivot)
+        assert not self.live
+        return [tuple(self.label[v] for v in f) for f in self.faces], list(self.label)
+
+    def count_free(self, node):
+        """Turn about a node from its gate to the gate before: the edges passed."""
+        end, passed = self.left[node.vertex, node.next.vertex], 0
+        while self.face_of[node.vertex, end] in self.todo:
+            end, passed = self.left[node.vertex, end], passed + 1
+        assert end == node.previous.vertex
+        return passed
+
+    def visit(self, a, b, c):
+        del self.todo[self.face_of[a, b]]
+        assert self.left[a, b] == c
+        self.faces.append((a, b, c))
+
+    def new_label(self, vertex):
+        self.label[vertex] = len(self.label)
+
+    def node(self, vertex, free):
+        node = Node(vertex)
+        self.live.append(node)
+        self.set_free(node, free)
+        return node
+
+    def set_free(self, node, free):
+        self.clock += 1
+        node.free, node.waiting_since = free, self.clock
+
+    def link(self, a, b):
+        a.next, b.previous = b, a
+        self.owner[a.vertex, b.vertex] = a
+
+    def begin(self, face):
+        nodes = []
+        for v in face:
+            self.new_label(v)
+            nodes.append(self.node(v, self.degree[v] - 2))
+        self.visit(*face)
+        for i in range(3):
+            self.link(nodes[i], nodes[i - 1])  # the unvisited side is on the left
+
+    def close(self, node):
+        before, after = node.previous, node.next
+        self.visit(before.vertex, node.vertex, after.vertex)
+        self.live.remove(node)
+        if after.next is before:
+            assert before.free == after.free == 0
+            self.live.remove(before)
+            self.live.remove(after)
+            return
+        self.set_free(before, before.free - 1)
+        self.set_free(after, after.free - 1)
+        self.link(before, after)
+
+    def expand(self, pivot):
+        after = pivot.next
+        apex = self.left[pivot.vertex, after.vertex]
+        if apex in self.label:
+            self.join(pivot, after, apex)
+            return
+        self.new_label(apex)
+        self.visit(pivot.vertex, after.vertex, apex)
+        node = self.node(apex, self.degree[apex] - 2)
+        self.set_free(pivot, pivot.free - 1)
+        self.set_free(after, after.free - 1)
+        self.link(pivot, node)
+        self.link(node, after)
+
+    def join(self, pivot, after, apex):
+        target, side = self.beyond(apex, pivot.vertex)
+        self.visit(pivot.vertex, after.vertex, apex)
+        twin = self.node(apex, target.free - 2 - side)
+        self.set_free(target, side)
+        self.set_free(pivot, pivot.free - 1)
+        self.set_free(after, after.free - 1)
+        self.link(target.previous, twin)
+        self.link(pivot, target)
+        self.link(twin, after)
+
+    def beyond(self, apex, v):
+        """Turn about `apex` from its edge to v: the node at the first gate, and the edges passed."""
+        passed = 0
+        while True:
+            v = self.left[v, apex]  # of the face on the left of (v, apex): the next neighbour
+            if self.face_of[v, apex] not in self.todo:
+                return self.owner[apex, v], passed
+            passed += 1
+
+
+# ---- Geometry -------------------------------------------------------------------------------
+
+
+def level(x):
+    """Two levels an octave, by counting the numbers at which they begin."""
+    starts = sorted({1, 2, 3} | {m << e for m in (2, 3) for e in range(1, 70)})
+    return min(sum(start <= x for start in starts) + (x >= 2), 31)
+
+
+def diffuse(neighbours, delta, step):
+    """Round each row of delta and hand its error on; neighbours are lists."""
+    carried, out = delta.copy(), []
+    for i, around in enumerate(neighbours):
+        later = [j for j in around if j > i]
+        rounded = np.rint(carried[i] / step)
+        for j in later:
+            carried[j] += (carried[i] - rounded * step) / len(later)
+        out.append(rounded)
+    return np.array(out, dtype=np.int64)
+
+
+def parallelograms(faces):
+    """(a, b, o) for each vertex i: i and o are across the edge a-b, and i is the last of the four."""
+    left = {(f[i - 2], f[i - 1]): f[i] for f in np.asarray(faces).tolist() for i in range(3)}
+    found = {}
+    for (a, b), apex in left.items():
+        if (b, a) in left and max(a, b, left[b, a]) < apex:
+            found.setdefault(apex, []).append((a, b, left[b, a]))
+    return found
+
+
+def predict(values, corners):
+    """The mean of all a + b - o, to the nearest integer, halves up."""
+    return [
+        (2 * sum(values[a][x] + values[b][x] - values[o][x] for a, b, o in corners) + len(corners))
+        // (2 * len(corners))
+        for x in range(3)
+    ]

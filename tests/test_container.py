@@ -529,7 +529,7 @@ def test_spec_types():
         ("2", layout.HEADER_FIELDS),
         ("4.1", layout.PARAMETER_FIELDS),
         ("4.2", layout.META_FIELDS),
-        ("5.5", layout.CHECK_FIELDS),
+        ("5.6", layout.CHECK_FIELDS),
     ],
 )
 def test_spec_byte_tables(number, fields):

@@ -115,7 +115,7 @@ META_FIELDS: Final = (
     Field("source", "string"),
 )
 
-# SPEC.md#55-chek
+# SPEC.md#56-chek
 
 CHECK_FIELDS: Final = (Field("digest", "bytes8"),)
 DIGEST_SIZE: Final = 8

@@ -75,7 +75,7 @@ def reconstruct(
 
 def write(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
     """Return the payload of CART."""
-    coder = entropy.encoder(len(integers.values), residual.SLOTS, residual.MIXER_INPUTS)
+    coder = entropy.encoder(len(integers.values), residual.SLOTS, residual.MIXERS)
     _code(coder, surface, integers.values.copy())
     return {"CART": entropy.finish(coder)}
 
@@ -89,7 +89,7 @@ def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Sectio
     """
     values = np.zeros((surface.vertex_count + surface.isolated_count, 3), dtype=np.int64)
     with payload_of(sections["CART"]) as payload:
-        coder = entropy.decoder(payload, residual.SLOTS, residual.MIXER_INPUTS)
+        coder = entropy.decoder(payload, residual.SLOTS, residual.MIXERS)
         _code(coder, surface, values)
         entropy.check_end(coder, 0)
     return Integers(values, NONE, NO_POINTS, NO_POINTS)

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import entropy
-from deltamesh.kernels.connectivity import HALFEDGE, NEW_VERTEX, OK, Region, grow
+from deltamesh.kernels.connectivity import HALFEDGE, NEW_VERTEX, OK, OLD_VERTEX, Region, grow
 from deltamesh.kernels.front import JOINS, new_front
-from deltamesh.kernels.valence import MIXER_INPUTS, MODEL_SIZE, PRIOR, SLOTS
+from deltamesh.kernels.valence import MIXERS, MODEL_SIZE, PRIOR, SLOTS
 from deltamesh.topology import Topology
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.reader import read_varint
@@ -42,9 +42,12 @@ def encode_connectivity(topology: Topology) -> tuple[bytes, Connectivity]:
     face_count, degree = len(topology.faces), topology.valence
     halfedges = np.empty(3 * face_count, dtype=HALFEDGE)
     halfedges["origin"], halfedges["opposite"] = topology.faces.ravel(), topology.opposite
-    region = _region(halfedges, degree, int(np.count_nonzero(degree)), face_count)
+    halfedges["node"] = -1
+    old = np.empty(len(degree), dtype=OLD_VERTEX)
+    old["degree"], old["new"] = degree, -1
+    region = _region(halfedges, old, int(np.count_nonzero(degree)), face_count)
     front = new_front(len(region.vertices) + face_count)
-    coder = entropy.encoder(face_count, SLOTS, MIXER_INPUTS)
+    coder = entropy.encoder(face_count, SLOTS, MIXERS)
     coder.memory[: len(PRIOR)] = PRIOR
     if grow(coder, front, region, topology.loop_count, topology.vertex_count) != OK:
         raise AssertionError("the region grower lost its way in a manifold")
@@ -67,10 +70,10 @@ def decode_connectivity(
     joins, at = read_varint(payload, at)
     if loops > border or border > 3 * face_count or joins > face_count + border:
         raise FormatError("the counts of the connectivity contradict each other", 0)
-    halfedges, degree = np.empty(0, dtype=HALFEDGE), np.zeros(0, dtype=np.int64)
-    region = _region(halfedges, degree, vertex_count + loops, face_count + border)
+    halfedges, old = np.empty(0, dtype=HALFEDGE), np.empty(0, dtype=OLD_VERTEX)
+    region = _region(halfedges, old, vertex_count + loops, face_count + border)
     front = new_front(vertex_count + loops + joins)
-    coder = entropy.decoder(payload[at:], SLOTS, MIXER_INPUTS)
+    coder = entropy.decoder(payload[at:], SLOTS, MIXERS)
     coder.memory[: len(PRIOR)] = PRIOR
     status = grow(coder, front, region, loops, vertex_count)
     if status != OK or front.counts[JOINS] != joins:
@@ -83,14 +86,12 @@ def decode_connectivity(
 
 
 def _region(
-    halfedges: NDArray[np.void], degree: NDArray[np.int64], vertices: int, faces: int
+    halfedges: NDArray[np.void], old: NDArray[np.void], vertices: int, faces: int
 ) -> Region:
     model = np.zeros(MODEL_SIZE, dtype=np.int64)
     return Region(
         halfedges=halfedges,
-        degree=degree,
-        new_index=np.full(len(degree), -1, dtype=np.int64),
-        done=np.zeros(len(halfedges) // 3, dtype=np.bool_),
+        old=old,
         faces=np.empty((faces, 3), dtype=np.int64),
         vertices=np.zeros(vertices, dtype=NEW_VERTEX),
         model=model,

@@ -10,11 +10,14 @@ from numpy.typing import NDArray
 from deltamesh.kernels.coder import (
     MASK32,
     MAX_INPUTS,
+    MIXER_INPUTS,
+    MIXER_LIMIT,
+    MIXER_SIZE,
+    MIXERS,
     POSITION,
     RANGE,
     STATE_SIZE,
     UNKNOWN,
-    WEIGHTS,
     Coder,
     finish_encoding,
     start_decoding,
@@ -25,32 +28,38 @@ from deltamesh_formats.errors import FormatError
 # are all too careful at first, than from one that starts at zero.
 INITIAL_WEIGHT_SUM = 1.2
 
+# What each mixer of a model is: number of inputs, bound of the counts.
+Mixers = Sequence[tuple[int, int]]
+
 # No element takes more: three numbers of 31 + 31 + 1 bits, each of at most log2(65536 / P_MIN)
 # = 11.5. What is reserved and not written costs no memory.
 ELEMENT_BYTES = 280
 
 
-def _coder(data: NDArray[np.uint8], slots: int, inputs: Sequence[int]) -> Coder:
+def _coder(data: NDArray[np.uint8], slots: int, mixers: Mixers) -> Coder:
     state = np.zeros(STATE_SIZE, dtype=np.int64)
     state[RANGE] = MASK32
-    state[WEIGHTS] = slots
-    sums = [1.0 if n == 1 else INITIAL_WEIGHT_SUM for n in inputs]
-    weights = [round(65536 * total / n) for total, n in zip(sums, inputs, strict=True)]
-    memory = np.concatenate([np.full(slots, UNKNOWN), np.repeat(weights, MAX_INPUTS)])
-    return Coder(state, memory.astype(np.int64), data)
+    state[MIXERS] = slots
+    memory = np.full(slots + len(mixers) * MIXER_SIZE, UNKNOWN, dtype=np.int64)
+    table = memory[slots:].reshape(-1, MIXER_SIZE)
+    inputs, limits = np.array(mixers, dtype=np.int64).T
+    total = np.where(inputs == 1, 1.0, INITIAL_WEIGHT_SUM)
+    table[:, :MAX_INPUTS] = np.rint(65536 * total / inputs)[:, None]
+    table[:, MIXER_INPUTS], table[:, MIXER_LIMIT] = inputs, limits
+    return Coder(state, memory, data)
 
 
-def encoder(elements: int, slots: int, inputs: Sequence[int]) -> Coder:
-    """Return a coder for that many vertices, faces or points; `inputs` are those of each mixer."""
-    coder = _coder(np.zeros(1024 + ELEMENT_BYTES * elements, dtype=np.uint8), slots, inputs)
+def encoder(elements: int, slots: int, mixers: Mixers) -> Coder:
+    """Return a coder for that many vertices, faces or points; each mixer is (inputs, limit)."""
+    coder = _coder(np.zeros(1024 + ELEMENT_BYTES * elements, dtype=np.uint8), slots, mixers)
     coder.state[POSITION] = -1  # the first byte that leaves LOW is always zero: not stored
     return coder
 
 
-def decoder(payload: bytes | memoryview, slots: int, inputs: Sequence[int]) -> Coder:
+def decoder(payload: bytes | memoryview, slots: int, mixers: Mixers) -> Coder:
     """Return a coder that reads `payload`."""
     # A copy: a read-only array would be another type, and every kernel compiled for it again.
-    coder = _coder(np.frombuffer(payload, dtype=np.uint8).copy(), slots, inputs)
+    coder = _coder(np.frombuffer(payload, dtype=np.uint8).copy(), slots, mixers)
     start_decoding(coder)
     return coder
 

@@ -60,7 +60,7 @@ NO_POINTS = np.zeros((0, 3), dtype=np.int64)
 
 
 def digest(faces: NDArray[np.int64], integers: Integers) -> bytes:
-    """Return the checksum of everything exact that a decoder makes (SPEC.md 5.5)."""
+    """Return the checksum of everything exact that a decoder makes (SPEC.md 5.6)."""
     arrays = (faces, integers.values, integers.anchors, integers.positions, integers.isolated)
     result = hashlib.blake2b(digest_size=8)
     for array in arrays:

@@ -166,7 +166,7 @@ def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Sectio
 def _write_anchors(surface: Surface, parameters: Parameters, integers: Integers) -> bytes:
     both = np.concatenate([integers.positions, integers.isolated])
     bits = [int(size).bit_length() for size in both.max(axis=0, initial=0)]
-    coder = entropy.encoder(len(both), points.SLOTS, points.MIXER_INPUTS)
+    coder = entropy.encoder(len(both), points.SLOTS, points.MIXERS)
     if parameters.anchor_method == "greedy":
         points.code_gaps(coder, integers.anchors.copy(), surface.vertex_count)
     points.code_points(coder, integers.positions.copy(), np.array(bits))
@@ -180,7 +180,7 @@ def _read_anchors(
     bits = np.array(take(payload, 0, 3), dtype=np.int64)
     if bits.max() > MAX_GRID_BITS:
         raise FormatError(f"a grid of more than {MAX_GRID_BITS} bits", int(np.argmax(bits)))
-    coder = entropy.decoder(payload[3:], points.SLOTS, points.MIXER_INPUTS)
+    coder = entropy.decoder(payload[3:], points.SLOTS, points.MIXERS)
     k, n = parameters.anchor_count, surface.vertex_count
     anchors = np.zeros(k, dtype=np.int64)
     positions = np.zeros((k, 3), dtype=np.int64)
@@ -203,7 +203,7 @@ def _read_anchors(
 def _write_deltas(surface: Surface, parameters: Parameters, values: NDArray[np.int64]) -> bytes:
     if not parameters.step:
         return b""
-    coder = entropy.encoder(len(values), residual.SLOTS, residual.MIXER_INPUTS)
+    coder = entropy.encoder(len(values), residual.SLOTS, residual.MIXERS)
     graph = adjacency(surface.faces, surface.vertex_count)
     delta_kernels.code_deltas(coder, *graph, values.copy())
     return entropy.finish(coder)
@@ -217,7 +217,7 @@ def _read_deltas(
         if len(payload):
             raise FormatError("deltas in a file of 0 bits", 0)
         return values
-    coder = entropy.decoder(payload, residual.SLOTS, residual.MIXER_INPUTS)
+    coder = entropy.decoder(payload, residual.SLOTS, residual.MIXERS)
     graph = adjacency(surface.faces, surface.vertex_count)
     delta_kernels.code_deltas(coder, *graph, values)
     entropy.check_end(coder, 0)

@@ -22,11 +22,16 @@ from deltamesh.kernels.jit import Int, inlined, kernel
 
 # Indices into Coder.state: the registers; the slots of the bit at hand, set by the caller; what
 # the mixer was given for each.
-LOW, RANGE, CODE, CACHE, PENDING, POSITION, DECODING, WEIGHTS = range(8)
+LOW, RANGE, CODE, CACHE, PENDING, POSITION, DECODING, MIXERS = range(8)
 CONTEXT = 8
 MAX_INPUTS = 8
 INPUT = CONTEXT + MAX_INPUTS
 STATE_SIZE = INPUT + MAX_INPUTS
+
+# A mixer in Coder.memory: a weight in 1/65536 for each input; how many inputs it has; the bound of
+# the counts of its slots, and so of their memory.
+MIXER_INPUTS, MIXER_LIMIT = MAX_INPUTS, MAX_INPUTS + 1
+MIXER_SIZE = MAX_INPUTS + 2
 
 PROBABILITY_BITS = 22  # of a slot; 10 bits below it count the observations
 COUNT_BITS = 10
@@ -65,8 +70,8 @@ class Coder(NamedTuple):
         Registers. Invariant while encoding: LOW < 2^32 + RANGE; a carry out of LOW goes into
         CACHE, through the PENDING bytes of 0xFF behind it.
     memory : int64
-        Slots, each a probability of a one (22 bits) and a count (10 bits); from state[WEIGHTS]
-        on, MAX_INPUTS weights in 1/65536 for each mixer.
+        Slots, each a probability of a one (22 bits) and a count (10 bits); from state[MIXERS]
+        on, the mixers.
     data : uint8
         Written while encoding; read, with zeros beyond its end, while decoding.
     """
@@ -162,17 +167,19 @@ def code_raw(c: Coder, value: Int, bits: Int) -> Int:
     """Code a number of that many bits, all equally likely, the high bit first."""
     result = 0
     for shift in range(bits - 1, -1, -1):
-        result = (result << 1) | _code_with(c, (value >> shift) & 1, 32768)
+        result = (result << 1) | _code_with(c, (value >> shift) & 1, np.int64(32768))
     return result
 
 
 @kernel
-def code_bit(c: Coder, bit: Int, inputs: Int, mixer: Int, limit: Int) -> Int:
-    """Code one bit, predicted by the slots state[CONTEXT :][:inputs], and learn from it.
+def code_bit(c: Coder, bit: Int, mixer: Int) -> Int:
+    """Code one bit and learn from it.
 
-    `mixer` selects the weights; `limit` bounds the count of a slot, and with it its memory.
+    It is predicted by the slots that the caller has put into `state[CONTEXT:]`, as many as the
+    mixer has inputs.
     """
-    weights = c.state[WEIGHTS] + mixer * MAX_INPUTS
+    weights = c.state[MIXERS] + mixer * MIXER_SIZE
+    inputs, limit = c.memory[weights + MIXER_INPUTS], c.memory[weights + MIXER_LIMIT]
     dot = 0
     for i in range(inputs):
         slot = c.memory[c.state[CONTEXT + i]]

@@ -30,10 +30,10 @@ from deltamesh.kernels.front import (
     remove_node,
     set_free,
 )
-from deltamesh.kernels.jit import Int, inlined, kernel
+from deltamesh.kernels.jit import Flag, Int, inlined, kernel
 from deltamesh.kernels.topology import next_halfedge, previous_halfedge
 from deltamesh.kernels.valence import (
-    LENGTH_OF_LOOP,
+    OF_LOOP,
     RECENT,
     VALENCE_CAP,
     code_join_flag,
@@ -47,9 +47,11 @@ from deltamesh.kernels.valence import (
 )
 
 OK, CORRUPT = 0, 1
+DONE = -2
 
 
 HALFEDGE = np.dtype([("origin", np.int64), ("opposite", np.int64), ("node", np.int64)])
+OLD_VERTEX = np.dtype([("degree", np.int64), ("new", np.int64)])
 NEW_VERTEX = np.dtype([("valence", np.int64), ("old", np.int64), ("is_loop", np.bool_)])
 
 
@@ -59,11 +61,10 @@ class Region(NamedTuple):
     Attributes
     ----------
     halfedges : HALFEDGE (3 f,)
-        Of the closed mesh: vertex of origin, opposite, node whose gate it is.
-    degree, new_index : int64 (n,)
+        Of the closed mesh: vertex of origin; opposite; node whose gate it is, or DONE in the first
+        of a visited face.
+    old : OLD_VERTEX (n,)
         Valence of each vertex; its new index, -1 before its visit.
-    done : bool (f,)
-        The faces visited.
     faces : int64 (f, 3), vertices : NEW_VERTEX (n,)
         The closed mesh in the order of the visit.
     model : int64 (MODEL_SIZE,)
@@ -71,9 +72,7 @@ class Region(NamedTuple):
     """
 
     halfedges: Any
-    degree: NDArray[np.int64]
-    new_index: NDArray[np.int64]
-    done: NDArray[np.bool_]
+    old: Any
     faces: NDArray[np.int64]
     vertices: Any
     model: NDArray[np.int64]
@@ -88,7 +87,7 @@ def grow(c: Coder, front: Front, r: Region, loops: Int, loop_start: Int) -> Int:
     while front.counts[FACES] < len(r.faces):
         pivot = choose_pivot(front)
         if pivot < 0:
-            while encoding and r.done[seed]:
+            while encoding and r.halfedges[3 * seed].node == DONE:
                 seed += 1
             status = _begin(c, front, r, seed)
         elif front.nodes[pivot].free == 0:
@@ -100,6 +99,11 @@ def grow(c: Coder, front: Front, r: Region, loops: Int, loop_start: Int) -> Int:
             return status
     complete = choose_pivot(front) < 0 and front.counts[VERTICES] == len(r.vertices)
     return OK if complete and remaining == 0 else CORRUPT
+
+
+@inlined
+def _is_done(r: Region, h: Int) -> Flag:
+    return r.halfedges[h - h % 3].node == DONE
 
 
 @inlined
@@ -119,55 +123,55 @@ def _set_gate(c: Coder, front: Front, r: Region, a: Int, b: Int, behind: Int, in
     link(front, a, b, behind, gate)
 
 
-@inlined
+@kernel
 def _add_vertex(c: Coder, front: Front, r: Region, vertex: Int, mixer: Int) -> Int:
     """Code a vertex that is no loop's; return its node."""
     new = front.counts[VERTICES]
     front.counts[VERTICES] = new + 1
-    degree = r.degree[vertex] if c.state[DECODING] == 0 else 0
+    degree = r.old[vertex].degree if c.state[DECODING] == 0 else 0
     r.vertices[new].valence = code_valence(c, degree, r.model, mixer)
     r.vertices[new].is_loop = False
     if c.state[DECODING] == 0:
-        r.new_index[vertex] = new
+        r.old[vertex].new = new
         r.vertices[new].old = vertex
     return add_node(front, new, r.vertices[new].valence - 2)
 
 
-@inlined
+@kernel
 def _add_loop(c: Coder, front: Front, r: Region, vertex: Int) -> Int:
     """Code a vertex that closes a boundary loop; return its node."""
     new = front.counts[VERTICES]
     front.counts[VERTICES] = new + 1
-    degree = r.degree[vertex] if c.state[DECODING] == 0 else 1
-    r.vertices[new].valence = code_number(c, degree, LENGTH_OF_LOOP)
+    degree = r.old[vertex].degree if c.state[DECODING] == 0 else 1
+    r.vertices[new].valence = code_number(c, degree, np.int64(OF_LOOP))
     r.vertices[new].is_loop = True
     if c.state[DECODING] == 0:
-        r.new_index[vertex] = new
+        r.old[vertex].new = new
         r.vertices[new].old = vertex
     return add_node(front, new, max(r.vertices[new].valence - 2, 0))
 
 
-@inlined
+@kernel
 def _begin(c: Coder, front: Front, r: Region, seed: Int) -> Int:
     """Begin a component with a face; its three edges are the first front."""
     if front.counts[VERTICES] + 3 > len(r.vertices):
         return CORRUPT
-    seed_contexts(r.model)
+    mixer = seed_contexts(r.model)
     encoding = c.state[DECODING] == 0
-    n0 = _add_vertex(c, front, r, r.halfedges[3 * seed].origin if encoding else 0, 0)
-    n1 = _add_vertex(c, front, r, r.halfedges[3 * seed + 1].origin if encoding else 0, 0)
-    n2 = _add_vertex(c, front, r, r.halfedges[3 * seed + 2].origin if encoding else 0, 0)
+    n0 = _add_vertex(c, front, r, r.halfedges[3 * seed].origin if encoding else 0, mixer)
+    n1 = _add_vertex(c, front, r, r.halfedges[3 * seed + 1].origin if encoding else 0, mixer)
+    n2 = _add_vertex(c, front, r, r.halfedges[3 * seed + 2].origin if encoding else 0, mixer)
     v0, v1, v2 = front.nodes[n0].vertex, front.nodes[n1].vertex, front.nodes[n2].vertex
     _add_face(front, r, v0, v1, v2)
     if encoding:
-        r.done[seed] = True
+        r.halfedges[3 * seed].node = DONE
     _set_gate(c, front, r, n1, n0, v2, 3 * seed)
     _set_gate(c, front, r, n2, n1, v0, 3 * seed + 1)
     _set_gate(c, front, r, n0, n2, v1, 3 * seed + 2)
     return OK
 
 
-@inlined
+@kernel
 def _close(c: Coder, front: Front, r: Region, node: Int) -> Int:
     """Add the one face left at a node without free edges."""
     before, after = front.nodes[node].predecessor, front.nodes[node].successor
@@ -176,7 +180,7 @@ def _close(c: Coder, front: Front, r: Region, node: Int) -> Int:
     )
     gate = front.nodes[before].gate
     if c.state[DECODING] == 0:
-        r.done[gate // 3] = True
+        r.halfedges[gate - gate % 3].node = DONE
     remove_node(front, node)
     if front.nodes[after].successor == before:  # the last face of a front
         remove_node(front, before)
@@ -191,7 +195,7 @@ def _close(c: Coder, front: Front, r: Region, node: Int) -> Int:
     return OK
 
 
-@inlined
+@kernel
 def _expand(c: Coder, front: Front, r: Region, pivot: Int, loops: Int, loop_start: Int) -> Int:
     """Add the face at the gate of a pivot; return the loops that remain, or -1: corrupt."""
     after = front.nodes[pivot].successor
@@ -201,8 +205,8 @@ def _expand(c: Coder, front: Front, r: Region, pivot: Int, loops: Int, loop_star
     if encoding:
         gate = front.nodes[pivot].gate
         vertex = r.halfedges[previous_halfedge(gate)].origin
-        r.done[gate // 3] = True
-    if code_join_flag(c, front, pivot, encoding and r.new_index[vertex] >= 0):
+        r.halfedges[gate - gate % 3].node = DONE
+    if code_join_flag(c, front, pivot, encoding and r.old[vertex].new >= 0):
         return loops if _join(c, front, r, pivot, gate) == OK else -1
     if front.counts[VERTICES] == len(r.vertices):
         return -1
@@ -236,17 +240,17 @@ def _find_target(front: Front, r: Region, gate: Int) -> tuple[Int, Int]:
     steps = 0
     while True:
         left = next_halfedge(r.halfedges[left].opposite)  # leaves the vertex
-        if r.done[r.halfedges[left].opposite // 3]:
+        if _is_done(r, r.halfedges[left].opposite):
             node = r.halfedges[left].node
             return node, steps
         right = previous_halfedge(r.halfedges[right].opposite)  # enters the vertex
-        if r.done[r.halfedges[right].opposite // 3]:
+        if _is_done(r, r.halfedges[right].opposite):
             node = front.nodes[r.halfedges[right].node].successor
             return node, front.nodes[node].free - 2 - steps
         steps += 1
 
 
-@inlined
+@kernel
 def _join(c: Coder, front: Front, r: Region, pivot: Int, gate: Int) -> Int:
     """Add a face whose third vertex is on a front: split the node there in two, and relink."""
     if front.counts[NODES] == front.nodes.size:

@@ -9,13 +9,13 @@ from deltamesh.kernels.coder import CONTEXT, Coder, code_bit, code_raw
 from deltamesh.kernels.jit import Int, kernel
 
 LENGTHS = 64
-GAP_AT, STEP_AT, SLOTS = 0, LENGTHS, 2 * LENGTHS
-MIXER_INPUTS = (1, 1)
-LIMIT = 255
+SLOTS = 2 * LENGTHS
+GAP, STEP = 0, 1
+MIXERS = ((1, 255), (1, 255))
 
 
 @kernel
-def _code_count(c: Coder, value: Int, slots: Int, mixer: Int) -> Int:
+def _code_count(c: Coder, value: Int, kind: Int) -> Int:
     """Code a number >= 0: the length of value + 1 in adaptive unary, then its bits."""
     value += 1
     length = 0
@@ -23,8 +23,8 @@ def _code_count(c: Coder, value: Int, slots: Int, mixer: Int) -> Int:
         length += 1
     k = 0
     while k < LENGTHS - 1:
-        c.state[CONTEXT] = slots + k
-        if code_bit(c, 1 if length > k else 0, 1, mixer, LIMIT) == 0:
+        c.state[CONTEXT] = kind * LENGTHS + k
+        if code_bit(c, 1 if length > k else 0, kind) == 0:
             break
         k += 1
     return ((1 << k) | code_raw(c, value & ((1 << k) - 1), k)) - 1
@@ -35,7 +35,7 @@ def code_gaps(c: Coder, indices: NDArray[np.int64], n: Int) -> bool:
     """Code ascending indices below n, filled in when decoding; return whether they fit."""
     previous = np.int64(-1)
     for k in range(len(indices)):
-        indices[k] = previous + 1 + _code_count(c, indices[k] - previous - 1, GAP_AT, 0)
+        indices[k] = previous + 1 + _code_count(c, indices[k] - previous - 1, GAP)
         if indices[k] >= n or indices[k] < 0:
             return False
         previous = indices[k]
@@ -55,7 +55,7 @@ def code_sorted_points(c: Coder, points: NDArray[np.int64], bits: NDArray[np.int
     """Code `points` (k, 3) in ascending order of x, as steps in x; return whether x fits."""
     x = np.int64(0)
     for k in range(len(points)):
-        x += _code_count(c, points[k, 0] - x, STEP_AT, 1)
+        x += _code_count(c, points[k, 0] - x, STEP)
         if x < 0 or x >> bits[0] > 0:
             return False
         points[k, 0] = x

@@ -33,7 +33,7 @@ SLOTS = 3 * AXIS_SLOTS
 
 # Mixers of one coordinate: one for each bit of the length, the leading bits, the sign.
 AXIS_MIXERS = LENGTHS + 2
-MIXER_INPUTS = 3 * ((MAGNITUDES,) * LENGTHS + (MANTISSAS, SIGNS))
+MIXERS = 3 * (((MAGNITUDES, LIMIT),) * LENGTHS + ((MANTISSAS, LIMIT), (SIGNS, LIMIT)))
 
 # Indices into what a caller knows of a vertex: for each axis, sums over the known neighbours, the
 # value of the vertex before, and a magnitude of the caller's choice; then for all axes: the
@@ -119,7 +119,7 @@ def _code_number(c: Coder, value: Int, slots: NDArray[np.int64], mixer: Int) -> 
     while k < LENGTHS - 1:
         for i in range(MAGNITUDES):
             c.state[CONTEXT + i] = slots[i] + k
-        if code_bit(c, 1 if length > k else 0, MAGNITUDES, mixer + k, LIMIT) == 0:
+        if code_bit(c, 1 if length > k else 0, mixer + k) == 0:
             break
         k += 1
     if k == 0:
@@ -127,7 +127,7 @@ def _code_number(c: Coder, value: Int, slots: NDArray[np.int64], mixer: Int) -> 
     magnitude = _code_mantissa(c, magnitude, k, slots, mixer + LENGTHS)
     for i in range(SIGNS):
         c.state[CONTEXT + i] = slots[MAGNITUDES + MANTISSAS + i]
-    negative = code_bit(c, 1 if value < 0 else 0, SIGNS, mixer + LENGTHS + 1, LIMIT)
+    negative = code_bit(c, 1 if value < 0 else 0, mixer + LENGTHS + 1)
     return -magnitude if negative == 1 else magnitude
 
 
@@ -142,7 +142,7 @@ def _code_mantissa(
         node = 8 * length + result  # result is 1; 2, 3; 4 to 7
         c.state[CONTEXT] = slots[MAGNITUDES] + node
         c.state[CONTEXT + 1] = slots[MAGNITUDES + 1] + node
-        bit = code_bit(c, (magnitude >> (length - 2 - j)) & 1, MANTISSAS, mixer, LIMIT)
+        bit = code_bit(c, (magnitude >> (length - 2 - j)) & 1, mixer)
         result = 2 * result + bit
     rest = length - 1 - modelled
     return (result << rest) | code_raw(c, magnitude & ((1 << rest) - 1), rest)

@@ -55,17 +55,19 @@ LOOP_FLAG = JOIN_FLAG + 3 * JOIN_CONTEXT
 NEAR_FLAG = LOOP_FLAG + 1
 NEAR_TREE = NEAR_FLAG + 1
 SIDE_TREE = NEAR_TREE + 64
-LENGTH_OF_VALENCE = SIDE_TREE + 64
-LENGTH_OF_LOOP = LENGTH_OF_VALENCE + 48
-LENGTH_OF_SIDE = LENGTH_OF_LOOP + 48
-SLOTS = LENGTH_OF_SIDE + 48
+NUMBER = SIDE_TREE + 64
+OF_VALENCE, OF_LOOP, OF_SIDE = 0, 1, 2
+NUMBER_SLOTS = 48
+SLOTS = NUMBER + 3 * NUMBER_SLOTS
 
-# Mixers: one for each node of the tree, twice; then the rarer bits.
-LENGTH_MIXER = 2 * TREE
-JOIN_MIXER, LOOP_MIXER, NEAR_MIXER, TARGET_MIXER, SIDE_MIXER = range(2 * TREE + 1, 2 * TREE + 6)
-MIXER_INPUTS = (VALENCE_INPUTS,) * LENGTH_MIXER + (1, 3, 1, 1, 1, 1)
-
-ADAPTIVE, STATIONARY = 255, 1000  # bounds of the counts; a join is too rare to forget one
+# Mixers: one for each node of the tree, twice; then those of the rarer bits. A join is too rare to
+# forget one.
+RARE = 2 * TREE
+LENGTH, JOIN, LOOP, NEAR_BY, TARGET, SIDE = range(6)
+MIXERS = (
+    *((VALENCE_INPUTS, 255),) * RARE,
+    *((1, 255), (3, 1000), (1, 1000), (1, 255), (1, 255), (1, 255)),
+)
 NEAR_BITS = 6
 NEAR = 1 << (NEAR_BITS - 1)  # a join is addressed along the front that far, then among all nodes
 MAX_BITS = 40  # of a number: counts are below 2^40
@@ -85,15 +87,15 @@ PRIOR = np.array(
 
 
 @kernel
-def code_number(c: Coder, value: Int, slots: Int) -> Int:
+def code_number(c: Coder, value: Int, kind: Int) -> Int:
     """Code a number >= 1: its length in adaptive unary, then its bits below the highest."""
     bits = 0
     while value >> (bits + 1) > 0:
         bits += 1
     k = 0
     while k < MAX_BITS:
-        c.state[CONTEXT] = slots + k
-        if code_bit(c, 1 if bits > k else 0, 1, LENGTH_MIXER, ADAPTIVE) == 0:
+        c.state[CONTEXT] = NUMBER + kind * NUMBER_SLOTS + k
+        if code_bit(c, 1 if bits > k else 0, RARE + LENGTH) == 0:
             break
         k += 1
     return (1 << k) | code_raw(c, value & ((1 << k) - 1), k)
@@ -108,19 +110,21 @@ def code_below(c: Coder, value: Int, bound: Int) -> Int:
     return code_raw(c, value, bits)
 
 
-@inlined
+@kernel
 def _ask(c: Coder, model: NDArray[np.int64], node: Int, mixer: Int, answer: Flag) -> Flag:
     for i in range(VALENCE_INPUTS):
         c.state[CONTEXT + i] = model[TREES + i] + node
-    return code_bit(c, 1 if answer else 0, VALENCE_INPUTS, mixer + node, ADAPTIVE) == 1
+    return code_bit(c, 1 if answer else 0, mixer + node) == 1
 
 
 @kernel
 def code_valence(c: Coder, valence: Int, model: NDArray[np.int64], mixer: Int) -> Int:
     """Code a valence >= 2 with one tree for each context."""
-    if _ask(c, model, NODE_SIX, mixer, valence == 6):
+    node = NODE_SIX
+    if _ask(c, model, node, mixer, valence == 6):
         return 6
-    if _ask(c, model, NODE_LESS, mixer, valence < 6):
+    node = NODE_LESS
+    if _ask(c, model, node, mixer, valence < 6):
         for k in range(3):
             if _ask(c, model, NODE_BELOW + k, mixer, valence == 5 - k):
                 return 5 - k
@@ -128,13 +132,14 @@ def code_valence(c: Coder, valence: Int, model: NDArray[np.int64], mixer: Int) -
     for k in range(7, UNARY_END + 1):
         if _ask(c, model, NODE_ABOVE + k - 7, mixer, valence == k):
             return k
-    return UNARY_END + code_number(c, valence - UNARY_END, LENGTH_OF_VALENCE)
+    return UNARY_END + code_number(c, valence - UNARY_END, np.int64(OF_VALENCE))
 
 
 @inlined
-def seed_contexts(model: NDArray[np.int64]) -> None:
-    """Set the contexts of the vertices of a first face: none is known."""
+def seed_contexts(model: NDArray[np.int64]) -> Int:
+    """Set the contexts of the vertices of a first face: none is known; return the mixer."""
     model[TREES:] = 0
+    return np.int64(0)
 
 
 @inlined
@@ -178,7 +183,7 @@ def code_join_flag(c: Coder, front: Front, pivot: Int, is_join: Flag) -> Flag:
     c.state[CONTEXT] = JOIN_FLAG + ahead + _two_bits(front, a3)
     c.state[CONTEXT + 1] = JOIN_FLAG + JOIN_CONTEXT + back + _two_bits(front, b2)
     c.state[CONTEXT + 2] = JOIN_FLAG + 2 * JOIN_CONTEXT + ahead + _two_bits(front, b3)
-    return code_bit(c, 1 if is_join else 0, 3, JOIN_MIXER, STATIONARY) == 1
+    return code_bit(c, 1 if is_join else 0, RARE + JOIN) == 1
 
 
 @inlined
@@ -191,7 +196,7 @@ def _two_bits(front: Front, node: Int) -> Int:
 def code_loop_flag(c: Coder, is_loop: Flag) -> Flag:
     """Code whether a new vertex is one that closes a boundary loop."""
     c.state[CONTEXT] = LOOP_FLAG
-    return code_bit(c, 1 if is_loop else 0, 1, LOOP_MIXER, STATIONARY) == 1
+    return code_bit(c, 1 if is_loop else 0, RARE + LOOP) == 1
 
 
 @inlined
@@ -207,10 +212,10 @@ def code_target(c: Coder, front: Front, pivot: Int, target: Int) -> Int:
                 near = 2 * k + (0 if ahead == target else 1)
                 break
     c.state[CONTEXT] = NEAR_FLAG
-    if code_bit(c, 1 if near >= 0 else 0, 1, NEAR_MIXER, ADAPTIVE) == 0:
+    if code_bit(c, 1 if near >= 0 else 0, RARE + NEAR_BY) == 0:
         place = code_below(c, front.nodes[max(target, 0)].place, front.counts[LIVE])
         return front.live[place] if place < front.counts[LIVE] else -1
-    near = _code_tree(c, near, NEAR_BITS, NEAR_TREE, TARGET_MIXER)
+    near = _code_tree(c, near, NEAR_BITS, NEAR_TREE, RARE + TARGET)
     node = pivot if near & 1 else n1
     for _ in range((near >> 1) + 1):
         node = front.nodes[node].predecessor if near & 1 else front.nodes[node].successor
@@ -221,10 +226,10 @@ def code_target(c: Coder, front: Front, pivot: Int, target: Int) -> Int:
 def code_side(c: Coder, free: Int, side: Int) -> Int:
     """Code how many of the free edges of a node that splits stay on the pivot's front."""
     if free >= 8:
-        return code_number(c, side + 1, LENGTH_OF_SIDE) - 1
+        return code_number(c, side + 1, np.int64(OF_SIDE)) - 1
     if free == 0:
         return 0
-    return _code_tree(c, side, 3, SIDE_TREE + 8 * free, SIDE_MIXER)
+    return _code_tree(c, side, 3, SIDE_TREE + 8 * free, RARE + SIDE)
 
 
 @kernel
@@ -233,5 +238,5 @@ def _code_tree(c: Coder, value: Int, bits: Int, slots: Int, mixer: Int) -> Int:
     node = 1
     for shift in range(bits - 1, -1, -1):
         c.state[CONTEXT] = slots + node
-        node = 2 * node + code_bit(c, (value >> shift) & 1, 1, mixer, ADAPTIVE)
+        node = 2 * node + code_bit(c, (value >> shift) & 1, mixer)
     return node - (1 << bits)

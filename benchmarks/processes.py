@@ -1,0 +1,64 @@
+"""What a whole process takes: seconds, and its peak memory.
+
+A child's `ru_maxrss` starts at what its parent had resident when it was started (getrusage(2) and
+exec on Linux), and a parent with numba in it has a lot. So each command is started by a bare
+interpreter that runs this file as a script and imports next to nothing. POSIX only.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Mapping
+from typing import NamedTuple
+
+
+class Usage(NamedTuple):
+    """What a process took.
+
+    Attributes
+    ----------
+    seconds : float
+        From its start to its end.
+    peak : int
+        Largest resident set, in bytes.
+    """
+
+    seconds: float
+    peak: int
+
+
+def deltamesh(*arguments: object, environment: Mapping[str, str] | None = None) -> Usage:
+    """Run a `deltamesh` command of this interpreter's environment; its output goes nowhere.
+
+    Raises
+    ------
+    RuntimeError
+        When it fails, with what it said.
+    """
+    command = [sys.executable, "-m", "deltamesh_cli", *map(str, arguments)]
+    launcher = [sys.executable, "-I", "-S", __file__, *command]
+    env = {**os.environ, **(environment or {})}
+    done = subprocess.run(launcher, env=env, capture_output=True, text=True)
+    if done.returncode:
+        raise RuntimeError(f"{' '.join(command)}: {done.stderr.strip()}")
+    return Usage(**json.loads(done.stdout))
+
+
+def main(command: list[str]) -> int:
+    """Run a command, print what it took as JSON, and return its exit code."""
+    start = time.perf_counter()
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    _, status, used = os.wait4(process.pid, 0)
+    seconds = time.perf_counter() - start
+    process.returncode = os.waitstatus_to_exitcode(status)
+    unit = 1 if sys.platform == "darwin" else 1024  # macOS counts bytes, others KiB
+    print(json.dumps({"seconds": seconds, "peak": used.ru_maxrss * unit}))
+    return process.returncode
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,133 @@
+"""How long `deltamesh` takes, as whole processes, and how fast connectivity is coded."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+
+import click
+import corpus
+from processes import Usage, deltamesh
+
+from deltamesh.connectivity import decode_connectivity, encode_connectivity
+from deltamesh.topology import build_topology, weld
+from deltamesh_cli.output import number, table
+
+_EXAMPLES = """\
+python benchmarks/speed.py
+python benchmarks/speed.py --mesh bunny --mesh turbineblade --runs 5
+python benchmarks/speed.py --quick"""
+
+_PROCESSES = ("mesh", "vertices", "encode", "median", "MiB", "decode", "median", "MiB")
+_CONNECTIVITY = ("mesh", "faces", "encode", "decode")
+
+
+@click.command(epilog=corpus.epilog(_EXAMPLES))
+@corpus.selection
+@click.option(
+    "--runs",
+    type=click.IntRange(1),
+    default=3,
+    show_default=True,
+    help="Run each command so many times.",
+)
+@click.option(
+    "--method",
+    type=click.Choice(["highpass", "cartesian"]),
+    default="highpass",
+    show_default=True,
+    help="Method of encoding; everything else is the command's default.",
+)
+def command(names: tuple[str, ...], quick: bool, runs: int, method: str) -> None:
+    """Measure seconds and peak memory of the commands, from process start to end.
+
+    Then that of start-up, of the first encode when no kernel has been compiled yet, and faces per
+    second of the connectivity coder inside a process. Nothing is stored.
+    """
+    chosen = corpus.chosen(names, quick)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        _encode(corpus.GENERATED, folder, method)  # compiles the kernels, should that be due
+        rows = [_PROCESSES, *(of_processes(name, folder, runs, method) for name in chosen)]
+        click.echo(f"whole processes, kernels cached, seconds (best and median of {runs}):")
+        click.echo(table(rows))
+        click.echo(f"\nthe same for {corpus.GENERATED}, seconds:")
+        click.echo(table(_start_up(folder, runs, method)))
+    rows = [_CONNECTIVITY, *(of_connectivity(name, runs) for name in chosen)]
+    click.echo(f"\nconnectivity after warm-up, million faces a second (best of {runs}):")
+    click.echo(table(rows))
+
+
+def of_processes(name: str, folder: Path, runs: int, method: str) -> tuple[str, ...]:
+    """Return a row: least and median seconds and peak memory of encoding and of decoding."""
+    encoding = [_encode(name, folder, method) for _ in range(runs)]
+    decoding = [_decode(name, folder) for _ in range(runs)]
+    return (name, str(len(corpus.load(name).vertices)), *_cells(encoding), *_cells(decoding))
+
+
+def _encode(name: str, folder: Path, method: str, **environment: str) -> Usage:
+    target = folder / f"{name}.dmesh"
+    arguments = ("encode", corpus.path(name), target, "-f", "-q", "--method", method)
+    return deltamesh(*arguments, environment=environment)
+
+
+def _decode(name: str, folder: Path, **environment: str) -> Usage:
+    arguments = ("decode", folder / f"{name}.dmesh", folder / f"{name}.ply", "-f", "-q")
+    return deltamesh(*arguments, environment=environment)
+
+
+def _cells(usages: list[Usage]) -> tuple[str, ...]:
+    seconds = [usage.seconds for usage in usages]
+    peak = max(usage.peak for usage in usages)
+    return f"{min(seconds):.2f}", f"{median(seconds):.2f}", f"{peak / 2**20:.0f}"
+
+
+def _start_up(folder: Path, runs: int, method: str) -> list[tuple[str, ...]]:
+    """Return rows: what costs least and, with an empty kernel cache, most; each cache is used once.
+
+    The file of the generated mesh must be in the folder.
+    """
+    helps = [deltamesh("--help") for _ in range(runs)]
+    infos = [deltamesh("info", folder / f"{corpus.GENERATED}.dmesh") for _ in range(runs)]
+    with tempfile.TemporaryDirectory() as cache:
+        encode = _encode(corpus.GENERATED, folder, method, NUMBA_CACHE_DIR=cache)
+    with tempfile.TemporaryDirectory() as cache:
+        decode = _decode(corpus.GENERATED, folder, NUMBA_CACHE_DIR=cache)
+    return [
+        ("", "best", "median", "MiB"),
+        ("--help", *_cells(helps)),
+        ("info", *_cells(infos)),
+        ("encode, no kernels yet", *_cells([encode])),
+        ("decode, no kernels yet", *_cells([decode])),
+    ]
+
+
+def of_connectivity(name: str, runs: int) -> tuple[str, ...]:
+    """Return a row: million faces a second of the two directions, arrays to bytes and back."""
+    mesh = corpus.load(name)
+    keep, welded = weld(mesh.vertices)
+    topology = build_topology(welded[mesh.faces], len(keep), keep)
+    payload, coded = encode_connectivity(topology)
+    view, n, m = memoryview(payload), len(coded.order), len(coded.faces)
+    seconds = (
+        _best(lambda: encode_connectivity(topology), runs),
+        _best(lambda: decode_connectivity(view, n, m), runs),
+    )
+    return (name, str(m), *(number(m / 1e6 / one) for one in seconds))
+
+
+def _best(function: Callable[[], object], runs: int) -> float:
+    """Return the least seconds of some runs, after one that does not count."""
+    times = []
+    for _ in range(runs + 1):
+        start = time.perf_counter()
+        function()
+        times.append(time.perf_counter() - start)
+    return min(times[1:])
+
+
+if __name__ == "__main__":
+    command()
