@@ -37,16 +37,16 @@ def command(names: tuple[str, ...], quick: bool, bits: tuple[int, ...]) -> None:
 
     For each number of bits: our bytes, Draco's, and ours over Draco's.
     """
-    rows, ratios = [], []
-    for name in corpus.chosen(names, quick):
-        sizes = [file_sizes(name, one) for one in bits]
-        ratios.append([ours / draco for ours, draco in sizes])
-        cells = (f"{cell}" for ours, draco in sizes for cell in (ours, draco, f"{ours / draco:.3f}"))
-        rows.append((name, *cells))
-    mean = np.exp(np.log(ratios).mean(axis=0))
-    last = (cell for ratio in mean for cell in ("", "", f"{ratio:.3f}"))
-    heading = (cell for one in bits for cell in (f"{one} bits", "Draco", "ratio"))
+    sizes = {name: [file_sizes(name, one) for one in bits] for name in corpus.chosen(names, quick)}
+    heading = [cell for one in bits for cell in (f"{one} bits", "Draco", "ratio")]
+    rows = [(name, *_cells(of_mesh)) for name, of_mesh in sizes.items()]
+    means = np.exp(np.log([[a / b for a, b in one] for one in sizes.values()]).mean(axis=0))
+    last = [cell for mean in means for cell in ("", "", f"{mean:.3f}")]
     click.echo(table([("", *heading), *rows, ("geometric mean", *last)]))
+
+
+def _cells(sizes: list[tuple[int, int]]) -> list[str]:
+    return [cell for a, b in sizes for cell in (str(a), str(b), f"{a / b:.3f}")]
 
 
 def file_sizes(name: str, bits: int) -> tuple[int, int]:

@@ -118,14 +118,15 @@ class RangeCoder:
     """The coder with mixing as its definition reads, in integers without a width.
 
     Encoding keeps one number of any length, so that a carry is an addition and nothing is held
-    back. `slots` and `inputs` are as of `entropy.encoder`; `data` is what a decoder reads.
+    back. `slots` and `mixers` are as of `entropy.encoder`; `data` is what a decoder reads.
     """
 
-    def __init__(self, tables, slots, inputs, weight_sum, data=None):
+    def __init__(self, tables, slots, mixers, weight_sum, data=None):
         self.stretch, self.squash, self.rate = (table.tolist() for table in tables)
         self.slots = [(1 << 21, 0)] * slots  # probability of a one in 2^-22, observations
-        sums = [1.0 if n == 1 else weight_sum for n in inputs]
-        self.weights = [[round(65536 * s / n)] * n for s, n in zip(sums, inputs, strict=True)]
+        sums = [1.0 if n == 1 else weight_sum for n, _ in mixers]
+        self.weights = [[round(65536 * s / n)] * n for s, (n, _) in zip(sums, mixers, strict=True)]
+        self.limits = [limit for _, limit in mixers]
         self.decoding = data is not None
         self.low, self.span, self.shifted = 0, 2**32 - 1, 0
         if self.decoding:
@@ -154,7 +155,7 @@ class RangeCoder:
         coded = [self._code((value >> i) & 1, 32768) for i in reversed(range(bits))]
         return sum(bit << i for i, bit in enumerate(reversed(coded)))
 
-    def bit(self, bit, contexts, mixer, limit):
+    def bit(self, bit, contexts, mixer):
         weights = self.weights[mixer]
         inputs = [self.stretch[self.slots[c][0] >> 10] for c in contexts]
         dot = sum(w * x for w, x in zip(weights, inputs, strict=True)) >> 16
@@ -165,7 +166,7 @@ class RangeCoder:
             weights[i] += (x * error + 8192) >> 14
             probability, count = self.slots[c]
             probability += (((bit << 22) - probability) * self.rate[count]) >> 16
-            self.slots[c] = probability, min(count + 1, limit)
+            self.slots[c] = probability, min(count + 1, self.limits[mixer])
         return bit
 
     def finish(self):

@@ -21,7 +21,6 @@ from deltamesh.kernels.coder import DECODING, Coder
 from deltamesh.kernels.front import (
     FACES,
     JOINS,
-    NODES,
     VERTICES,
     Front,
     add_node,
@@ -253,7 +252,8 @@ def _find_target(front: Front, r: Region, gate: Int) -> tuple[Int, Int]:
 @kernel
 def _join(c: Coder, front: Front, r: Region, pivot: Int, gate: Int) -> Int:
     """Add a face whose third vertex is on a front: split the node there in two, and relink."""
-    if front.counts[NODES] == front.nodes.size:
+    # Of the nodes, as many as there are vertices are kept for these.
+    if front.counts[JOINS] >= front.nodes.size - len(r.vertices):
         return CORRUPT
     front.counts[JOINS] += 1
     after = front.nodes[pivot].successor
