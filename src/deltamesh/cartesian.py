@@ -15,7 +15,6 @@ from deltamesh import entropy
 from deltamesh.geometry import NO_POINTS, NONE, Integers, Surface, payload_of
 from deltamesh.kernels import parallelogram, residual
 from deltamesh.kernels.coder import Coder
-from deltamesh.laplacian import adjacency
 from deltamesh.options import Options
 from deltamesh.quantize import from_grid, grid_step, to_grid
 from deltamesh.topology import pair_halfedges
@@ -98,7 +97,9 @@ def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Sectio
 def _code(coder: Coder, surface: Surface, values: NDArray[np.int64]) -> None:
     n = surface.vertex_count + surface.isolated_count
     first, corners = parallelograms(surface.faces, n)
-    parallelogram.code_positions(coder, *adjacency(surface.faces, n), first, corners, values)
+    indptr, indices = surface.graph
+    indptr = np.pad(indptr, (0, surface.isolated_count), mode="edge")
+    parallelogram.code_positions(coder, indptr, indices, first, corners, values)
 
 
 def parallelograms(faces: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

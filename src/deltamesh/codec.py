@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from deltamesh import cartesian, highpass
 from deltamesh.connectivity import decode_connectivity, encode_connectivity
-from deltamesh.geometry import Integers, Surface, digest, payload_of
+from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
 from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_limits
 from deltamesh.mesh import Mesh, checked_mesh
 from deltamesh.metrics import diagonal, vertex_errors
@@ -151,7 +151,7 @@ def encode_mesh(mesh: Mesh, options: Options, progress: Progress = silent) -> En
     payload, connectivity = encode_connectivity(topology)
     used, isolated = _vertices(mesh, topology, keep, connectivity.order, options.drop_isolated)
     progress("geometry")
-    surface = Surface(connectivity.faces, len(used), len(isolated))
+    surface = surface_of(connectivity.faces, len(used), len(isolated))
     coder = _METHODS[options.method]
     V = mesh.vertices
     parameters, integers = coder.quantize(surface, V[used], V[isolated], options)
@@ -227,7 +227,7 @@ def _read(
     with payload_of(sections["CONN"]) as payload:
         faces = decode_connectivity(payload, count, container.faces)
     progress("geometry")
-    surface = Surface(faces, count, parameters.isolated)
+    surface = surface_of(faces, count, parameters.isolated)
     integers = _METHODS[parameters.method].read(surface, parameters, sections)
     if digest(faces, integers) != container.digest:
         raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh.laplacian import adjacency
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.layout import Section
 
@@ -23,15 +24,25 @@ class Surface:
     Attributes
     ----------
     faces : int64 (m, 3)
-    vertex_count : int
-        Vertices of the faces.
+    graph : pair of int64 arrays
+        Neighbours of the vertices of the faces, as of `laplacian.adjacency`.
     isolated_count : int
         Vertices without a face; they come after the others.
     """
 
     faces: NDArray[np.int64]
-    vertex_count: int
+    graph: tuple[NDArray[np.int64], NDArray[np.int64]]
     isolated_count: int
+
+    @property
+    def vertex_count(self) -> int:
+        """Number of vertices of the faces."""
+        return len(self.graph[0]) - 1
+
+
+def surface_of(faces: NDArray[np.int64], vertex_count: int, isolated_count: int) -> Surface:
+    """Return a `Surface` with its graph."""
+    return Surface(faces, adjacency(faces, vertex_count), isolated_count)
 
 
 @dataclass(frozen=True)

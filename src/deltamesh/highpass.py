@@ -18,7 +18,7 @@ from deltamesh import entropy
 from deltamesh.geometry import Integers, Surface, payload_of
 from deltamesh.kernels import delta as delta_kernels
 from deltamesh.kernels import points, residual
-from deltamesh.laplacian import adjacency, component_labels, graph_laplacian
+from deltamesh.laplacian import adjacency_labels, adjacency_laplacian
 from deltamesh.options import Options
 from deltamesh.quantize import delta_step, from_grid, quantize_delta, to_delta, to_grid
 from deltamesh.solve import LeastSquares
@@ -54,14 +54,13 @@ def quantize(
     MeshError, OptionError, SolveError
     """
     n = surface.vertex_count
-    L = graph_laplacian(surface.faces, n)
+    L = adjacency_laplacian(*surface.graph)
     delta = L @ vertices
     bits = options.effective_bits
     step = options.step or (0.0 if bits == 0 else delta_step(delta, bits or 0))
     values = np.zeros((n, 3), dtype=np.int64)
     if step:
-        graph = adjacency(surface.faces, n)
-        values = quantize_delta(delta, graph, step, options.diffusion)
+        values = quantize_delta(delta, surface.graph, step, options.diffusion)
     everything = np.concatenate([vertices, isolated])
     origin, fine = everything.min(axis=0), _anchor_step(everything, step)
     grid, isolated_grid = to_grid(vertices, origin, fine), to_grid(isolated, origin, fine)
@@ -95,7 +94,7 @@ def reconstruct(
     ------
     SolveError
     """
-    L = graph_laplacian(surface.faces, surface.vertex_count)
+    L = adjacency_laplacian(*surface.graph)
     origin = np.array(parameters.origin)
     positions = from_grid(integers.positions, origin, parameters.anchor_step)
     system = LeastSquares(L, integers.anchors, solver, threads)
@@ -120,7 +119,7 @@ def _choose(
     options: Options,
 ) -> NDArray[np.int64]:
     """Return the anchors that the options ask for, ascending where their indices are stored."""
-    labels = component_labels(surface.faces, surface.vertex_count)
+    labels = adjacency_labels(*surface.graph)
     components = int(labels.max()) + 1
     try:
         k = choice.count_anchors(options.anchors, surface.vertex_count, components)
@@ -138,7 +137,7 @@ def _computed(
     """Return the anchors that follow from connectivity and seed."""
     if method == "random":
         return choice.random(labels, k, seed)
-    return choice.farthest(*adjacency(surface.faces, surface.vertex_count), labels, k)
+    return choice.farthest(*surface.graph, labels, k)
 
 
 def write(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
@@ -185,7 +184,7 @@ def _read_anchors(
     anchors = np.zeros(k, dtype=np.int64)
     positions = np.zeros((k, 3), dtype=np.int64)
     isolated = np.zeros((surface.isolated_count, 3), dtype=np.int64)
-    labels = component_labels(surface.faces, n)
+    labels = adjacency_labels(*surface.graph)
     if parameters.anchor_method == "greedy":
         if not points.code_gaps(coder, anchors, n):
             raise FormatError("an anchor that is no vertex", 3)
@@ -204,8 +203,7 @@ def _write_deltas(surface: Surface, parameters: Parameters, values: NDArray[np.i
     if not parameters.step:
         return b""
     coder = entropy.encoder(len(values), residual.SLOTS, residual.MIXERS)
-    graph = adjacency(surface.faces, surface.vertex_count)
-    delta_kernels.code_deltas(coder, *graph, values.copy())
+    delta_kernels.code_deltas(coder, *surface.graph, values.copy())
     return entropy.finish(coder)
 
 
@@ -218,7 +216,6 @@ def _read_deltas(
             raise FormatError("deltas in a file of 0 bits", 0)
         return values
     coder = entropy.decoder(payload, residual.SLOTS, residual.MIXERS)
-    graph = adjacency(surface.faces, surface.vertex_count)
-    delta_kernels.code_deltas(coder, *graph, values)
+    delta_kernels.code_deltas(coder, *surface.graph, values)
     entropy.check_end(coder, 0)
     return values

@@ -79,7 +79,12 @@ def graph_laplacian(faces: NDArray[np.int64], n: int) -> sparse.csr_array:
     csr_array, float64 (n, n)
         Symmetric, with sorted indices. The row of an isolated vertex is one stored zero.
     """
-    indptr, indices = adjacency(faces, n)
+    return adjacency_laplacian(*adjacency(faces, n))
+
+
+def adjacency_laplacian(indptr: NDArray[np.int64], indices: NDArray[np.int64]) -> sparse.csr_array:
+    """Return `graph_laplacian` of a graph whose neighbour lists exist already."""
+    n = len(indptr) - 1
     A = sparse.csr_array((np.ones(len(indices)), indices, indptr), shape=(n, n))
     L = (sparse.diags_array(np.diff(indptr).astype(np.float64)) - A).tocsr()
     L.sort_indices()

@@ -67,8 +67,8 @@ class Coder(NamedTuple):
     Attributes
     ----------
     state : int64 (STATE_SIZE,)
-        Registers. Invariant while encoding: LOW < 2^32 + RANGE; a carry out of LOW goes into
-        CACHE, through the PENDING bytes of 0xFF behind it.
+        Registers. Invariant while encoding: LOW + RANGE <= 2^33, so that at most one carry leaves
+        LOW; it goes into CACHE, through the PENDING bytes of 0xFF behind it.
     memory : int64
         Slots, each a probability of a one (22 bits) and a count (10 bits); from state[MIXERS]
         on, the mixers.

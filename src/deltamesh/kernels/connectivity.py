@@ -2,9 +2,9 @@
 
 Touma & Gotsman, *Triangle Mesh Compression*, Graphics Interface 1998, with the choice of pivot of
 Alliez & Desbrun, *Valence-Driven Connectivity Encoding for 3D Meshes*, Eurographics 2001: the
-front vertex with the fewest free edges grows next, which keeps fronts convex and joins rare.
-Unlike both, joins need no stack of fronts: linking a pivot to any live node splits its front in
-two or, if the node is on another front, merges the two (a handle).
+front vertex with the fewest free edges grows next, the oldest of several, which keeps fronts convex
+and joins rare. Unlike both, joins need no stack of fronts: linking a pivot to any live node splits
+its front in two or, if the node is on another front, merges the two (a handle).
 
 The same functions encode and decode. Where the encoder looks at the mesh, the decoder reads.
 Each step adds one face, so that any stream ends after as many steps as there are faces.

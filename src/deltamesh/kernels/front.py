@@ -135,7 +135,7 @@ def link(front: Front, a: Int, b: Int, behind: Int, gate: Int) -> None:
 
 @inlined
 def choose_pivot(front: Front) -> Int:
-    """Return the newest node with the fewest free edges, -1 when all fronts are closed."""
+    """Return the oldest node with the fewest free edges, -1 when all fronts are closed."""
     b = front.counts[LOWEST]
     while b < BUCKETS and front.counts[OLDEST + b] < 0:
         b += 1

@@ -1,0 +1,426 @@
+from __future__ import annotations
+
+import meshes
+import numpy as np
+import oracle
+import pytest
+import strategies
+from hypothesis import given
+from hypothesis import strategies as st
+
+from deltamesh import cartesian, entropy, highpass
+from deltamesh.connectivity import encode_connectivity
+from deltamesh.geometry import NO_POINTS, NONE, Integers, Surface
+from deltamesh.kernels import delta as delta_kernels
+from deltamesh.kernels import parallelogram, points, residual
+from deltamesh.laplacian import adjacency, graph_laplacian
+from deltamesh.quantize import (
+    LARGEST,
+    delta_step,
+    from_grid,
+    grid_step,
+    quantize_delta,
+    to_grid,
+)
+from deltamesh.topology import build_topology
+from deltamesh_formats.errors import FormatError, MeshError
+from deltamesh_formats.layout import Parameters, Section
+
+MESHES = meshes.every()
+NO_FACES = np.empty((0, 3), dtype=np.int64)
+
+
+def neighbours_of(F, n):
+    indptr, indices = adjacency(F, n)
+    return [indices[indptr[i] : indptr[i + 1]].tolist() for i in range(n)]
+
+
+def integers_of(size, seed):
+    """Triples of which some are near the bounds, most are small, and many zero."""
+    rng = np.random.default_rng(seed)
+    scale = 2.0 ** rng.uniform(-1, 30.9, (size, 1))
+    values = np.rint(rng.normal(size=(size, 3)) * scale * rng.integers(0, 2, (size, 3)))
+    return np.clip(values, 1 - 2**31, 2**31 - 1).astype(np.int64)
+
+
+# ---- Coding of deltas --------------------------------------------------------------------------
+
+
+def deltas_round_trip(F, values):
+    graph = adjacency(F, len(values))
+    coder = entropy.encoder(len(values), residual.SLOTS, residual.MIXERS)
+    kept = values.copy()
+    delta_kernels.code_deltas(coder, *graph, kept)
+    np.testing.assert_array_equal(kept, values)
+    data = entropy.finish(coder)
+    decoder = entropy.decoder(data, residual.SLOTS, residual.MIXERS)
+    decoded = np.zeros_like(values)
+    delta_kernels.code_deltas(decoder, *graph, decoded)
+    entropy.check_end(decoder, 0)
+    np.testing.assert_array_equal(decoded, values)
+    return data
+
+
+EXTREMES = [0, 1, -1, 2**30 - 1, -(2**30) + 1, 2**30, -(2**30), 2**31 - 1, 1 - 2**31]
+
+
+@strategies.SOME
+@given(
+    st.sampled_from(sorted(MESHES)),
+    st.lists(st.tuples(*[st.sampled_from(EXTREMES) | st.integers(1 - 2**31, 2**31 - 1)] * 3)),
+)
+def test_deltas_round_trip(name: str, values: list[tuple[int, int, int]]) -> None:
+    V, F = MESHES[name]
+    filled = np.zeros((len(V), 3), dtype=np.int64)
+    filled[: len(values)] = np.array(values, dtype=np.int64).reshape(-1, 3)[: len(V)]
+    deltas_round_trip(F, filled)
+
+
+@strategies.SOME
+@given(strategies.surfaces(), strategies.SMALL)
+def test_deltas_of_any_surface_round_trip(mesh: meshes.Arrays, seed: int) -> None:
+    deltas_round_trip(mesh[1], integers_of(len(mesh[0]), seed))
+
+
+@pytest.mark.parametrize("n", [0, 1, 2])
+@pytest.mark.parametrize("value", [0, 1, -1, 2**31 - 1, 1 - 2**31])
+def test_deltas_without_faces(n: int, value: int) -> None:
+    deltas_round_trip(NO_FACES, np.full((n, 3), value, dtype=np.int64))
+
+
+def test_zeros_cost_next_to_nothing_and_noise_its_entropy() -> None:
+    V, F = meshes.torus(50, 40)
+    assert len(deltas_round_trip(F, np.zeros((len(V), 3), dtype=np.int64))) < 30
+    noise = np.random.default_rng(41).integers(-7, 8, (len(V), 3))
+    assert 8 * len(deltas_round_trip(F, noise)) < 1.1 * 3 * len(V) * np.log2(15)
+
+
+@pytest.mark.parametrize("x", [*range(40), 63, 64, 95, 96, 1000, 2**16, 3 << 20, 2**40, 2**62])
+def test_level_equals_its_oracle(x: int) -> None:
+    assert residual.level(x) == oracle.level(x)
+    assert residual.level(-x) == 0
+
+
+# ---- Coding of positions -----------------------------------------------------------------------
+
+
+def positions_round_trip(F, values):
+    surface = Surface(F, len(values), 0)
+    payload = cartesian.write(surface, GRID, Integers(values, NONE, NO_POINTS, NO_POINTS))["CART"]
+    sections = {"CART": Section("CART", 0, payload, len(payload) + 9)}
+    decoded = cartesian.read(surface, GRID, sections)
+    np.testing.assert_array_equal(decoded.values, values)
+    return payload
+
+
+GRID = Parameters("cartesian", False, None, 11, 1.0, (0.0, 0.0, 0.0), 0.0, 0, 0, 0)
+
+
+@strategies.SOME
+@given(strategies.surfaces(), strategies.SMALL, st.sampled_from([1, 5, 11, 20, 30]))
+def test_positions_round_trip(mesh: meshes.Arrays, seed: int, bits: int) -> None:
+    V, F = mesh
+    noise = np.random.default_rng(seed).integers(0, 2**bits, (len(V), 3))
+    positions_round_trip(F, noise)
+    positions_round_trip(F, np.rint((V - V.min()) / np.ptp(V) * (2**bits - 1)).astype(np.int64))
+
+
+@strategies.SOME
+@given(st.sampled_from(sorted(MESHES)), st.lists(st.booleans(), min_size=1, max_size=300))
+def test_positions_at_the_corners_of_the_grid(name: str, corners: list[bool]) -> None:
+    """The predictions that lie farthest outside."""
+    V, F = MESHES[name]
+    positions_round_trip(F, np.resize(np.array(corners) * (LARGEST - 1), (len(V), 3)))
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, 7])
+def test_positions_without_faces(n: int) -> None:
+    positions_round_trip(NO_FACES, integers_of(n, 3) & (LARGEST - 1))
+
+
+def test_parallelograms_equal_their_oracle() -> None:
+    for V, F in MESHES.values():
+        if F is MESHES["three_pages"][1]:
+            continue
+        first, corners = cartesian.parallelograms(F, len(V))
+        expected = oracle.parallelograms(F)
+        for i in range(len(V)):
+            rows = corners[first[i] : first[i + 1]].tolist()
+            assert sorted(map(tuple, rows)) == sorted(expected.get(i, []))
+
+
+@strategies.SOME
+@given(strategies.surfaces(), strategies.SMALL)
+def test_prediction_equals_its_oracle(mesh: meshes.Arrays, seed: int) -> None:
+    V, F = mesh
+    n, graph = len(V), adjacency(F, len(V))
+    first, corners = cartesian.parallelograms(F, n)
+    values = np.random.default_rng(seed).integers(0, LARGEST, (n, 3))
+    around, expected = neighbours_of(F, n), oracle.parallelograms(F)
+    known, prediction = np.zeros(residual.KNOWN, dtype=np.int64), np.zeros(3, dtype=np.int64)
+    for i in range(n):
+        known[:] = 0
+        parallelogram._predict(*graph, first, corners, values, i, known, prediction)
+        before = [j for j in around[i] if j < i]
+        if i in expected:
+            wanted = oracle.predict(values.tolist(), expected[i])
+        elif before:
+            wanted = [sum(values[before, x].tolist()) // len(before) for x in range(3)]
+        else:
+            wanted = values[i - 1].tolist() if i else [0, 0, 0]
+        assert prediction.tolist() == wanted
+
+
+def test_a_plane_is_predicted_exactly() -> None:
+    """An affine grid of vertices is all parallelograms: next to nothing is left to send."""
+    i, j = np.meshgrid(np.arange(40), np.arange(30), indexing="ij")
+    _, F = meshes.grid(40, 30)
+    plane = np.stack([5000 + 7 * i - 3 * j, 100 * j, 9000 - 11 * i + j], axis=2).reshape(-1, 3)
+    assert len(positions_round_trip(F, plane)) < 60
+
+
+# ---- Diffusion ---------------------------------------------------------------------------------
+
+
+@strategies.SOME
+@given(
+    strategies.surfaces(), st.sampled_from([1e-9, 0.01, 0.37, 1.0, 1e6]), st.floats(1e-3, 1e3)
+)
+def test_diffusion_equals_its_oracle(mesh: meshes.Arrays, step: float, steps: float) -> None:
+    V, F = mesh
+    delta = V * (step * steps)
+    kept = delta.copy()
+    values = quantize_delta(delta, adjacency(F, len(V)), step, diffusion=True)
+    np.testing.assert_array_equal(delta, kept)
+    np.testing.assert_array_equal(values, oracle.diffuse(neighbours_of(F, len(V)), kept, step))
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_diffusion_conserves_the_error(name: str) -> None:
+    """What is lost of the sum is what the vertices without neighbours to come could not hand on."""
+    V, F = MESHES[name]
+    delta = np.random.default_rng(4).normal(size=V.shape)
+    values = quantize_delta(delta, adjacency(F, len(V)), 0.3, diffusion=True)
+    last = [all(j < i for j in around) for i, around in enumerate(neighbours_of(F, len(V)))]
+    lost = np.abs((delta - 0.3 * values).sum(axis=0))
+    assert (lost <= 0.15 * sum(last) + 1e-9).all()
+
+
+def test_diffusion_drops_the_error_of_a_last_vertex() -> None:
+    """Three vertices: the first hands on halves, the second all, the last keeps what remains."""
+    graph = adjacency(np.array([[0, 1, 2]]), 3)
+    delta = np.array([[0.4, 0.0, -0.4], [0.1, 0.4, 0.0], [0.4, 0.2, 0.9]])
+    values = quantize_delta(delta, graph, 1.0, diffusion=True)
+    # x: 0.4 -> 0, hands 0.2 to both; 0.3 -> 0, hands 0.3; 0.9 -> 1.
+    # y: 0 -> 0; 0.4 -> 0, hands 0.4; 0.6 -> 1.
+    # z: -0.4 -> 0, hands -0.2 to both; -0.2 -> 0, hands -0.2; 0.5 -> 0, half to even.
+    assert values.tolist() == [[0, 0, 0], [0, 0, 0], [1, 1, 0]]
+
+
+def test_isolated_vertices_are_rounded_alone() -> None:
+    delta = np.array([[0.6, -0.6, 1.4]] * 5)
+    values = quantize_delta(delta, adjacency(NO_FACES, 5), 1.0, diffusion=True)
+    assert values.tolist() == [[1, -1, 1]] * 5
+
+
+@given(strategies.surfaces(), st.floats(1e-3, 10))
+def test_rounding_without_diffusion(mesh: meshes.Arrays, step: float) -> None:
+    V, F = mesh
+    delta = graph_laplacian(F, len(V)) @ V
+    values = quantize_delta(delta, adjacency(F, len(V)), step, diffusion=False)
+    assert values.dtype == np.int64
+    assert (np.abs(values * step - delta) <= step / 2 * (1 + 1e-9)).all()
+
+
+def test_diffusion_takes_the_low_frequencies_out_of_the_error() -> None:
+    """What it is for: in coding order, the sum of the errors over any half nearly vanishes."""
+    V, F = meshes.icosphere(3)
+    _, coded = encode_connectivity(build_topology(F, len(V), np.arange(len(V))))
+    V, graph = V[coded.order], adjacency(coded.faces, len(V))
+    rng = np.random.default_rng(9)
+    delta = rng.normal(size=V.shape)
+    halves = V @ rng.normal(size=(3, 50)) > 0
+    plain, diffused = (
+        np.sqrt(np.mean((halves.T @ (delta - 0.5 * quantize_delta(delta, graph, 0.5, d))) ** 2))
+        for d in (False, True)
+    )
+    assert diffused < 0.4 * plain
+
+
+# ---- Steps and grids ---------------------------------------------------------------------------
+
+coordinates = st.floats(-1e6, 1e6, allow_subnormal=False)
+
+
+@given(st.lists(st.tuples(*[coordinates] * 3), min_size=1, max_size=20), st.floats(0.01, 1e3))
+def test_grid_error_is_at_most_half_a_step(rows: list[tuple[float, ...]], step: float) -> None:
+    vertices = np.array(rows)
+    origin = vertices.min(axis=0)
+    grid = to_grid(vertices, origin, step)
+    assert grid.dtype == np.int64
+    assert (grid >= 0).all()
+    error = np.abs(from_grid(grid, origin, step) - vertices)
+    assert (error <= step / 2 + 1e-9).all()
+
+
+@given(st.lists(st.tuples(*[coordinates] * 3), min_size=2, max_size=20), st.integers(1, 30))
+def test_grid_of_bits_has_so_many(rows: list[tuple[float, ...]], bits: int) -> None:
+    vertices = np.array(rows)
+    step = grid_step(vertices, bits)
+    grid = to_grid(vertices, vertices.min(axis=0), step)
+    extent = np.ptp(vertices, axis=0).max()
+    assert grid.max() == (2**bits - 1 if extent else 0)
+
+
+@given(st.lists(st.tuples(*[coordinates] * 3), min_size=2, max_size=20), st.integers(1, 30))
+def test_step_of_the_papers(rows: list[tuple[float, ...]], bits: int) -> None:
+    delta = np.array(rows)
+    step = delta_step(delta, bits)
+    extent = float(np.ptp(delta, axis=0).max())
+    assert step == (extent / 2**bits or 1.0)
+
+
+@pytest.mark.parametrize("diffusion", [True, False])
+def test_a_step_that_is_too_small_is_refused(diffusion: bool) -> None:
+    delta = np.array([[0.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+    graph = adjacency(NO_FACES, 2)
+    fits = quantize_delta(delta, graph, 1.001 / LARGEST, diffusion)
+    assert fits.min() > -LARGEST
+    for step in (1 / LARGEST, 1e-300):
+        with pytest.raises(MeshError, match="too small"):
+            quantize_delta(delta, graph, step, diffusion)
+        with pytest.raises(MeshError, match="too small"):
+            to_grid(delta, delta.min(axis=0), step)
+
+
+# ---- Points and gaps ---------------------------------------------------------------------------
+
+
+@given(
+    st.lists(st.integers(0, 5000), max_size=40, unique=True),
+    st.lists(st.tuples(*[st.integers(0, 2**30 - 1)] * 3), max_size=20),
+    st.lists(st.tuples(*[st.integers(0, 2**30 - 1)] * 3), max_size=20),
+)
+def test_points_round_trip(
+    gaps: list[int], anchors: list[tuple[int, int, int]], isolated: list[tuple[int, int, int]]
+) -> None:
+    indices = np.array(sorted(gaps), dtype=np.int64)
+    first = np.array(anchors, dtype=np.int64).reshape(-1, 3)
+    second = np.array(sorted(isolated), dtype=np.int64).reshape(-1, 3)
+    bits = np.array([30, 30, 30])
+    coder = entropy.encoder(100, points.SLOTS, points.MIXERS)
+    assert points.code_gaps(coder, indices.copy(), 5001)
+    points.code_points(coder, first.copy(), bits)
+    assert points.code_sorted_points(coder, second.copy(), bits)
+    decoder = entropy.decoder(entropy.finish(coder), points.SLOTS, points.MIXERS)
+    out = np.zeros_like(indices), np.zeros_like(first), np.zeros_like(second)
+    assert points.code_gaps(decoder, out[0], 5001)
+    points.code_points(decoder, out[1], bits)
+    assert points.code_sorted_points(decoder, out[2], bits)
+    entropy.check_end(decoder, 0)
+    for decoded, given_values in zip(out, (indices, first, second), strict=True):
+        np.testing.assert_array_equal(decoded, given_values)
+
+
+def test_indices_outside_are_refused() -> None:
+    coder = entropy.encoder(10, points.SLOTS, points.MIXERS)
+    assert points.code_gaps(coder, np.array([3, 9]), 10)
+    data = entropy.finish(coder)
+    decoder = entropy.decoder(data, points.SLOTS, points.MIXERS)
+    assert not points.code_gaps(decoder, np.zeros(2, dtype=np.int64), 9)
+
+
+# ---- Payloads that no encoder has written ------------------------------------------------------
+
+SPHERE = meshes.icosphere(1)[1]
+SURFACE = Surface(SPHERE, 42, 3)
+
+
+def highpass_parameters(**changes):
+    fields = {
+        "method": "highpass",
+        "diffusion": True,
+        "anchor_method": "greedy",
+        "bits": None,
+        "step": 0.01,
+        "origin": (0.0, 0.0, 0.0),
+        "anchor_step": 0.001,
+        "seed": 0,
+        "anchor_count": 5,
+        "isolated": 3,
+    }
+    return Parameters(**(fields | changes))
+
+
+def section_of(name, payload):
+    return Section(name, 50, payload, len(payload) + 9)
+
+
+def read_or_refused(reader, parameters, **payloads):
+    """What a reader makes of payloads, None where it refuses them."""
+    sections = {name: section_of(name, payload) for name, payload in payloads.items()}
+    try:
+        return reader(SURFACE, parameters, sections)
+    except FormatError as error:
+        assert error.offset is not None
+        assert error.offset >= 50
+        return None
+
+
+@given(st.binary(max_size=200), st.sampled_from(["greedy", "farthest", "random"]))
+def test_random_anchors(payload: bytes, method: str) -> None:
+    parameters = highpass_parameters(anchor_method=method, bits=0, step=0.0)
+    integers = read_or_refused(highpass.read, parameters, ANCH=payload, DELT=b"")
+    if integers is not None:
+        assert integers.anchors.shape == (5,)
+        assert ((0 <= integers.anchors) & (integers.anchors < 42)).all()
+        assert ((0 <= integers.positions) & (integers.positions < 2**30)).all()
+        assert integers.isolated.shape == (3, 3)
+        assert ((0 <= integers.isolated) & (integers.isolated < 2**30)).all()
+        assert (np.diff(integers.isolated[:, 0]) >= 0).all()
+
+
+@given(st.binary(max_size=300))
+def test_random_deltas(payload: bytes) -> None:
+    anchors = _written_anchors()
+    integers = read_or_refused(highpass.read, highpass_parameters(), ANCH=anchors, DELT=payload)
+    if integers is not None:
+        assert integers.values.shape == (42, 3)
+        assert np.abs(integers.values).max() < 2**31
+
+
+def _written_anchors():
+    grid = np.arange(15).reshape(5, 3)
+    integers = Integers(NO_POINTS, np.arange(5) * 8, grid, grid[:3])
+    return highpass.write(SURFACE, highpass_parameters(bits=0, step=0.0), integers)["ANCH"]
+
+
+@given(st.binary(max_size=300))
+def test_random_positions(payload: bytes) -> None:
+    """Extrapolation upon extrapolation stays within the integers."""
+    integers = read_or_refused(cartesian.read, GRID, CART=payload)
+    if integers is not None:
+        assert integers.values.shape == (45, 3)
+        assert np.abs(integers.values).max() <= parallelogram.BOUND
+
+
+def test_a_grid_of_too_many_bits_is_refused() -> None:
+    parameters = highpass_parameters(bits=0, step=0.0)
+    for at in range(3):
+        bits = bytes(31 if i == at else 5 for i in range(3))
+        payloads = {"ANCH": section_of("ANCH", bits), "DELT": section_of("DELT", b"")}
+        with pytest.raises(FormatError, match="bits") as caught:
+            highpass.read(SURFACE, parameters, payloads)
+        assert caught.value.offset == 50 + 5 + at
+
+
+@pytest.mark.parametrize("size", [0, 1, 2])
+def test_anchors_without_their_grid_are_refused(size: int) -> None:
+    parameters = highpass_parameters(bits=0, step=0.0)
+    assert read_or_refused(highpass.read, parameters, ANCH=bytes(size), DELT=b"") is None
+
+
+def test_deltas_of_zero_bits_are_refused() -> None:
+    parameters = highpass_parameters(bits=0, step=0.0)
+    assert read_or_refused(highpass.read, parameters, ANCH=_written_anchors(), DELT=b"") is not None
+    assert read_or_refused(highpass.read, parameters, ANCH=_written_anchors(), DELT=b"\1") is None
