@@ -13,11 +13,13 @@ from deltamesh.kernels.coder import (
     MIXER_INPUTS,
     MIXER_LIMIT,
     MIXER_SIZE,
+    MIXER_YOUTH,
     MIXERS,
     POSITION,
     RANGE,
     STATE_SIZE,
     UNKNOWN,
+    YOUTH,
     Coder,
     finish_encoding,
     start_decoding,
@@ -46,6 +48,7 @@ def _coder(data: NDArray[np.uint8], slots: int, mixers: Mixers) -> Coder:
     total = np.where(inputs == 1, 1.0, INITIAL_WEIGHT_SUM)
     table[:, :MAX_INPUTS] = np.rint(65536 * total / inputs)[:, None]
     table[:, MIXER_INPUTS], table[:, MIXER_LIMIT] = inputs, limits
+    table[:, MIXER_YOUTH] = YOUTH
     return Coder(state, memory, data)
 
 

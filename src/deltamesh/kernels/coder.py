@@ -29,9 +29,9 @@ INPUT = CONTEXT + MAX_INPUTS
 STATE_SIZE = INPUT + MAX_INPUTS
 
 # A mixer in Coder.memory: a weight in 1/65536 for each input; how many inputs it has; the bound of
-# the counts of its slots, and so of their memory.
-MIXER_INPUTS, MIXER_LIMIT = MAX_INPUTS, MAX_INPUTS + 1
-MIXER_SIZE = MAX_INPUTS + 2
+# the counts of its slots, and so of their memory; the bits that it may still learn fast from.
+MIXER_INPUTS, MIXER_LIMIT, MIXER_YOUTH, MIXER_SIZE = range(MAX_INPUTS, MAX_INPUTS + 4)
+YOUTH = 300  # then it learns half as fast: 0.2 % smaller than either speed alone
 
 PROBABILITY_BITS = 22  # of a slot; 10 bits below it count the observations
 COUNT_BITS = 10
@@ -57,8 +57,8 @@ SQUASH = np.array(
     dtype=np.int32,
 )
 # How far a slot that has seen n bits moves towards the next, in 1/65536: a running mean, with
-# 1.6 for the n + 1.5 of Krichevsky and Trofimov's estimator, rounded to what measured best.
-RATE = np.array([int(65536 / (n + 1.6)) for n in range(COUNT_MASK + 1)], dtype=np.int32)
+# 1.8 for the n + 1.5 of Krichevsky and Trofimov's estimator, rounded to what measured best.
+RATE = np.array([int(65536 / (n + 1.8)) for n in range(COUNT_MASK + 1)], dtype=np.int32)
 
 
 class Coder(NamedTuple):
@@ -189,8 +189,11 @@ def code_bit(c: Coder, bit: Int, mixer: Int) -> Int:
     p = np.int64(SQUASH[min(max(dot >> 16, -2047), 2047) + 2048])
     bit = _code_with(c, bit, p)
     error = (bit << 16) - p
+    young = c.memory[weights + MIXER_YOUTH] > 0
+    c.memory[weights + MIXER_YOUTH] -= young
+    shift = 14 if young else 15
     for i in range(inputs):
-        c.memory[weights + i] += (c.state[INPUT + i] * error + (1 << 13)) >> 14
+        c.memory[weights + i] += (c.state[INPUT + i] * error + (1 << (shift - 1))) >> shift
         slot = c.memory[c.state[CONTEXT + i]]
         count = slot & COUNT_MASK
         probability = slot >> COUNT_BITS

@@ -41,8 +41,8 @@ CONTEXTS = sum(CONTEXT_SIZES)
 VALENCE_CAP = 15
 
 # What begins as likely: the shares in the valences of irregular meshes, for each node of the tree.
-_SHARES = (0.4, 0.5, 0.75, 0.8, 0.9, 0.7, *(0.65,) * 11, 0.5)
-_JOIN_SHARE = 0.02
+_SHARES = (0.35, 0.55, 0.68, 0.8, 0.95, 0.62, *(0.55,) * 11, 0.5)
+_JOIN_SHARE = 0.01
 
 # Indices into the model's state: the two valences coded last; the tree of each context.
 RECENT, TREES = 0, 2
@@ -65,10 +65,10 @@ SLOTS = NUMBER + 3 * NUMBER_SLOTS
 RARE = 2 * TREE
 LENGTH, JOIN, LOOP, NEAR_BY, TARGET, SIDE = range(6)
 MIXERS = (
-    *((VALENCE_INPUTS, 255),) * RARE,
+    *((VALENCE_INPUTS, 500),) * RARE,
     *((1, 255), (3, 1000), (1, 1000), (1, 255), (1, 255), (1, 255)),
 )
-NEAR_BITS = 6
+NEAR_BITS = 5
 NEAR = 1 << (NEAR_BITS - 1)  # a join is addressed along the front that far, then among all nodes
 MAX_BITS = 40  # of a number: counts are below 2^40
 
@@ -103,11 +103,17 @@ def code_number(c: Coder, value: Int, kind: Int) -> Int:
 
 @kernel
 def code_below(c: Coder, value: Int, bound: Int) -> Int:
-    """Code a number in [0, bound), all equally likely; the decoder may read one beyond."""
+    """Code a number in [0, bound), all equally likely, in the fewest bits or one more."""
     bits = 0
-    while (bound - 1) >> bits > 0:
+    while bound >> (bits + 1) > 0:
         bits += 1
-    return code_raw(c, value, bits)
+    short = (2 << bits) - bound  # so many numbers have only `bits` bits
+    shifted = value if value < short else value + short
+    if c.state[DECODING] == 1:
+        result = code_raw(c, 0, bits)
+        return result if result < short else 2 * result + code_raw(c, 0, 1) - short
+    code_raw(c, shifted, bits if value < short else bits + 1)
+    return value
 
 
 @kernel
@@ -201,7 +207,7 @@ def code_loop_flag(c: Coder, is_loop: Flag) -> Flag:
 
 @inlined
 def code_target(c: Coder, front: Front, pivot: Int, target: Int) -> Int:
-    """Code the node that a join goes to; the decoder may read one that does not fit."""
+    """Code the node that a join goes to; a decoder may read one that does not fit."""
     n1 = front.nodes[pivot].successor
     near = -1
     ahead, back = n1, pivot
@@ -213,8 +219,7 @@ def code_target(c: Coder, front: Front, pivot: Int, target: Int) -> Int:
                 break
     c.state[CONTEXT] = NEAR_FLAG
     if code_bit(c, 1 if near >= 0 else 0, RARE + NEAR_BY) == 0:
-        place = code_below(c, front.nodes[max(target, 0)].place, front.counts[LIVE])
-        return front.live[place] if place < front.counts[LIVE] else -1
+        return front.live[code_below(c, front.nodes[max(target, 0)].place, front.counts[LIVE])]
     near = _code_tree(c, near, NEAR_BITS, NEAR_TREE, RARE + TARGET)
     node = pivot if near & 1 else n1
     for _ in range((near >> 1) + 1):

@@ -1,0 +1,57 @@
+"""Files that no encoder has written, with all checksums right: for tests of what is refused."""
+
+from __future__ import annotations
+
+import dataclasses
+import struct
+import zlib
+
+from deltamesh import codec
+from deltamesh.connectivity import decode_connectivity
+from deltamesh.geometry import Surface, digest
+from deltamesh_formats import layout
+from deltamesh_formats.reader import read_container
+from deltamesh_formats.writer import write_container, write_varint
+
+UNTOUCHED = object()
+
+
+def forged(data, *, vertices=None, faces=None, checksum=None, parameters=None, meta=UNTOUCHED, **payloads):
+    """The file with other counts, parameters, digest or payloads."""
+    container = read_container(data)
+    own = {s.id: bytes(s.payload) for s in container.sections.values()}
+    own = {name: payload for name, payload in own.items() if name not in ("PARM", "meta", "CHEK")}
+    return write_container(
+        container.vertices if vertices is None else vertices,
+        container.faces if faces is None else faces,
+        dataclasses.replace(container.parameters, **(parameters or {})),
+        own | payloads,
+        container.meta if meta is UNTOUCHED else meta,
+        container.digest if checksum is None else checksum,
+    )
+
+
+def consistent(data):
+    """The file with the digest of whatever its payloads decode to; FormatError where they do not."""
+    container = read_container(data)
+    p = container.parameters
+    n = container.vertices - p.isolated
+    payload = memoryview(container.sections["CONN"].payload)
+    faces = decode_connectivity(payload, n, container.faces)
+    surface = Surface(faces, n, p.isolated)
+    integers = codec._METHODS[p.method].read(surface, p, container.sections)
+    return forged(data, checksum=digest(faces, integers))
+
+
+def section(name, payload):
+    raw = name.encode("ascii") + write_varint(len(payload)) + payload
+    return raw + struct.pack("<I", zlib.crc32(raw))
+
+
+def with_header(data, *, magic=layout.MAGIC, version=1, reserved=0):
+    """The file under another header, whose checksum is right."""
+    container = read_container(data)
+    start = next(iter(container.sections.values())).offset
+    counts = write_varint(container.vertices) + write_varint(container.faces)
+    raw = magic + struct.pack("<HH", version, reserved) + counts
+    return raw + struct.pack("<I", zlib.crc32(raw)) + data[start:]
