@@ -94,8 +94,9 @@ PINNED = bytes.fromhex(
         0000000000000000 0000000000000000 00 00 63fc746d
     434f4e4e 01 63 9e98c22e
     43415254 08 696e746567657273 f666a466
-    6d657461 28 0000003f 0000a03f 00000040 00008040 00000041
-        0f 64656c74616d65736820302e312e30 03 706c79 c19dacae
+    6d657461 34 000000000000e03f 000000000000f43f 00000040 00008040
+        0000000000002040
+        0f 64656c74616d65736820302e312e30 03 706c79 1cd4908b
     4348454b 08 3031323334353637 9774630b
     """
 )
@@ -112,7 +113,7 @@ positive = st.floats(min_value=5e-324, allow_infinity=False)
 not_negative = st.floats(min_value=0, allow_infinity=False)
 single = st.floats(min_value=0, allow_infinity=False, width=32)
 names = st.text(max_size=60).filter(lambda s: s.isprintable() and len(s.encode()) <= 255)
-metas = st.builds(Meta, single, single, single, single, single, names, names)
+metas = st.builds(Meta, not_negative, not_negative, single, single, not_negative, names, names)
 origins = st.tuples(finite, finite, finite)
 seeds = st.integers(0, 2**64 - 1)
 
@@ -427,12 +428,12 @@ def test_a_short_parameter_payload(cut):
 @pytest.mark.parametrize(
     ("payload", "message"),
     [
-        (struct.pack("<5f", 1, 1, 1, 1, float("nan")) + b"\0\0", "diagonal is nan"),
-        (struct.pack("<5f", -1, 1, 1, 1, 1) + b"\0\0", "rms is -1"),
-        (bytes(20) + b"\1\x1b\0", "control characters"),
-        (bytes(20) + b"\1\xff\0", "not UTF-8"),
-        (bytes(20) + b"\0\1", "truncated"),
-        (bytes(20) + b"\0\0\0", "too long"),
+        (struct.pack("<ddffd", 1, 1, 1, 1, float("nan")) + b"\0\0", "diagonal is nan"),
+        (struct.pack("<ddffd", -1, 1, 1, 1, 1) + b"\0\0", "rms is -1"),
+        (bytes(32) + b"\1\x1b\0", "control characters"),
+        (bytes(32) + b"\1\xff\0", "not UTF-8"),
+        (bytes(32) + b"\0\1", "truncated"),
+        (bytes(32) + b"\0\0\0", "too long"),
     ],
 )
 def test_meta_out_of_range(payload, message):
@@ -457,7 +458,7 @@ def test_the_digest_has_its_size():
         {"parameters": replace(HIGHPASS, anchor_count=1001)},
         {"parameters": replace(CARTESIAN, anchor_method="random")},
         {"parameters": replace(CARTESIAN, anchor_count=1)},
-        {"meta": replace(META, rms=1e39)},
+        {"meta": replace(META, dihedral=1e39)},
         {"meta": replace(META, normal=float("nan"))},
         {"meta": replace(META, encoder="x" * 256)},
         {"meta": replace(META, source="a\nb")},

@@ -20,6 +20,7 @@ from deltamesh_formats.errors import (
     DeltameshError,
     FormatError,
     LimitError,
+    OptionError,
     SolveError,
     TargetError,
 )
@@ -45,6 +46,7 @@ _CODES: Final[dict[type[BaseException], int]] = {
     FormatError: REFUSED,
     LimitError: REFUSED,
     TargetError: MISSED,
+    OptionError: USAGE,
 }
 
 _HINTS: Final[dict[type[BaseException], str]] = {

@@ -106,11 +106,11 @@ BITS_FROM_STEP: Final = 255
 # SPEC.md#42-meta
 
 META_FIELDS: Final = (
-    Field("rms", "f32"),
-    Field("max", "f32"),
+    Field("rms", "f64"),
+    Field("max", "f64"),
     Field("normal", "f32"),
     Field("dihedral", "f32"),
-    Field("diagonal", "f32"),
+    Field("diagonal", "f64"),
     Field("encoder", "string"),
     Field("source", "string"),
 )

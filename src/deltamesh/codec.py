@@ -17,7 +17,7 @@ from deltamesh import cartesian, highpass
 from deltamesh.connectivity import decode_connectivity, encode_connectivity
 from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
 from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_limits
-from deltamesh.mesh import Mesh, checked_mesh
+from deltamesh.mesh import LARGEST, Mesh, checked_mesh
 from deltamesh.metrics import diagonal, vertex_errors
 from deltamesh.options import Options
 from deltamesh.topology import Topology, build_topology, weld
@@ -210,9 +210,8 @@ def decode(
     surface, integers = _read(container, max_vertices, memory, progress)
     progress("positions")
     coder = _METHODS[container.parameters.method]
+    _check_scale(container, integers)
     vertices = coder.reconstruct(surface, container.parameters, integers, solver, threads)
-    if not np.isfinite(vertices).all():
-        raise FormatError("positions that are not finite")
     return Mesh(vertices, surface.faces)
 
 
@@ -232,6 +231,15 @@ def _read(
     if digest(faces, integers) != container.digest:
         raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)
     return surface, integers
+
+
+def _check_scale(container: Container, integers: Integers) -> None:
+    """Refuse steps and origins that no mesh has: the positions would overflow."""
+    p = container.parameters
+    values = max(int(np.abs(a).max(initial=0)) for a in (integers.values, integers.positions))
+    steps, origin = max(p.step, p.anchor_step), max(map(abs, p.origin))
+    if not values * steps + origin <= 100 * LARGEST:
+        raise FormatError("positions that are too large", container.sections["PARM"].offset)
 
 
 def _vertices(

@@ -22,6 +22,7 @@ from deltamesh.kernels.coder import (
     YOUTH,
     Coder,
     finish_encoding,
+    is_finished,
     start_decoding,
 )
 from deltamesh_formats.errors import FormatError
@@ -74,13 +75,17 @@ def finish(coder: Coder) -> bytes:
 
 
 def check_end(coder: Coder, offset: int) -> None:
-    """Refuse a stream of which a decoder has left bytes unread.
+    """Refuse a stream that does not end where its decoder has come to.
 
     Raises
     ------
     FormatError
-        With the place of the first unread byte; `offset` is where the stream begins.
+        With the place; `offset` is where the stream begins.
     """
-    position = int(coder.state[POSITION])
-    if position < len(coder.data):
-        raise FormatError("bytes are left over after the end of a stream", offset + position)
+    size, position = len(coder.data), int(coder.state[POSITION])
+    if size and coder.data[-1] == 0:
+        raise FormatError("a zero byte at the end of a stream", offset + size - 1)
+    if position < size or not is_finished(coder):
+        raise FormatError(
+            "a stream that does not end where it should", offset + min(position, size)
+        )

@@ -34,14 +34,24 @@ def check_limits(container: Container, max_vertices: int, memory: int) -> None:
     LimitError
         For more vertices, or more memory, than allowed.
     FormatError
-        For more faces than the bytes of the connectivity can hold.
+        For none or more faces, or more isolated vertices, than the bytes of a section can hold.
     """
     n, m = container.vertices, container.faces
     if n > max_vertices:
         raise LimitError(f"{n} vertices are more than the limit of {max_vertices}")
     section = container.sections["CONN"]
+    if m == 0:
+        raise FormatError("a file without faces")
     if m > PER_BYTE * (len(section.payload) + 4) or n - container.parameters.isolated > 3 * m:
         raise FormatError(f"{n} vertices and {m} faces do not fit into this file", section.offset)
+    _check_isolated(container)
     needed = memory_needed(container)
     if needed > memory:
         raise LimitError(f"decoding takes about {needed} bytes, more than the limit of {memory}")
+
+
+def _check_isolated(container: Container) -> None:
+    name = "CART" if container.parameters.method == "cartesian" else "ANCH"
+    section, count = container.sections[name], container.parameters.isolated
+    if count > PER_BYTE * (len(section.payload) + 4):
+        raise FormatError(f"{count} isolated vertices do not fit into this file", section.offset)

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from deltamesh_formats.errors import MeshError
+
+# The squares of coordinates, and of their sums, have to stay within double precision.
+LARGEST = 1e150
 
 
 @dataclass(frozen=True)
@@ -37,10 +41,10 @@ def checked_mesh(vertices: ArrayLike, faces: ArrayLike) -> Mesh:
     Raises
     ------
     MeshError
-        For a wrong shape or type, a coordinate that is not finite, an index out of range; the
-        message names the first offending element.
+        For a wrong shape or type, a coordinate that is not finite or beyond 1e150, an index out of
+        range; the message names the first offending element.
     """
-    V, F = np.asarray(vertices), np.asarray(faces)
+    V, F = _as_array(vertices, "vertices"), _as_array(faces, "faces")
     if V.ndim != 2 or V.shape[1] != 3:
         raise MeshError(f"vertices must have shape (n, 3), not {V.shape}")
     if F.ndim != 2 or F.shape[1] != 3:
@@ -51,8 +55,23 @@ def checked_mesh(vertices: ArrayLike, faces: ArrayLike) -> Mesh:
         raise MeshError(f"faces must be integers, not {F.dtype}")
     V = np.ascontiguousarray(V, dtype=np.float64)
     _check_finite(V)
+    _check_extent(V)
     _check_indices(F, len(V))
     return Mesh(V, np.ascontiguousarray(F, dtype=np.int64))
+
+
+def _as_array(value: ArrayLike, name: str) -> NDArray[Any]:
+    try:
+        return np.asarray(value)
+    except ValueError as error:
+        raise MeshError(f"{name} are not an array: {error}") from None
+
+
+def _check_extent(V: NDArray[np.float64]) -> None:
+    bad = (np.abs(V) > LARGEST).any(axis=1)
+    if bad.any():
+        i = int(np.argmax(bad))
+        raise MeshError(f"vertex {i} is beyond {LARGEST:g}: {V[i].tolist()}")
 
 
 def _check_finite(V: NDArray[np.float64]) -> None:

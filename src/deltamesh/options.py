@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from numbers import Integral
 
 from deltamesh_formats.errors import OptionError
 
 METHODS = ("highpass", "cartesian")
 ANCHOR_METHODS = ("farthest", "greedy", "random")
 DEFAULT_BITS = {"highpass": 8, "cartesian": 11}
+SOLVERS = ("auto", "rslab", "pardiso", "scipy")
 MAX_BITS = 30
+MAX_THREADS = 1024
+MAX_NAME = 255
 
 
 @dataclass(frozen=True)
@@ -36,20 +40,20 @@ class Options:
     source_format: str = ""
 
     def __post_init__(self) -> None:
-        _require(self.method in METHODS, f"method {self.method!r} is none of {METHODS}")
-        known = self.anchor_method in ANCHOR_METHODS
-        _require(known, f"anchor_method {self.anchor_method!r} is none of {ANCHOR_METHODS}")
+        _require_one_of("method", self.method, METHODS)
+        _require_one_of("anchor_method", self.anchor_method, ANCHOR_METHODS)
+        _require_one_of("solver", self.solver, SOLVERS)
         _require(self.bits is None or self.step is None, "bits and step exclude each other")
         if self.bits is not None:
-            lowest = 0 if self.method == "highpass" else 1
-            fits = not isinstance(self.bits, bool) and lowest <= self.bits <= MAX_BITS
-            _require(fits, f"bits must lie in {lowest}..{MAX_BITS}, not {self.bits}")
+            _require_within("bits", self.bits, 0 if self.method == "highpass" else 1, MAX_BITS)
         if self.step is not None:
             fits = math.isfinite(self.step) and self.step > 0
             _require(fits, f"step must be a length above 0, not {self.step}")
-        _require(0 <= self.seed < 1 << 64, f"seed must lie in 0..2^64 - 1, not {self.seed}")
-        enough = self.threads is None or self.threads >= 1
-        _require(enough, f"threads must be at least 1, not {self.threads}")
+        _require_within("seed", self.seed, 0, (1 << 64) - 1)
+        if self.threads is not None:
+            _require_within("threads", self.threads, 1, MAX_THREADS)
+        fits = self.source_format.isprintable() and len(self.source_format.encode()) <= MAX_NAME
+        _require(fits, "source_format must be printable, and at most 255 bytes")
 
     @property
     def effective_bits(self) -> int | None:
@@ -57,6 +61,15 @@ class Options:
         if self.bits is None and self.step is None:
             return DEFAULT_BITS[self.method]
         return self.bits
+
+
+def _require_one_of(name: str, value: str, known: tuple[str, ...]) -> None:
+    _require(value in known, f"{name} must be one of {', '.join(known)}, not {value!r}")
+
+
+def _require_within(name: str, value: int, low: int, high: int) -> None:
+    whole = isinstance(value, Integral) and not isinstance(value, bool)
+    _require(whole and low <= value <= high, f"{name} must lie in {low}..{high}, not {value!r}")
 
 
 def _require(holds: bool, message: str) -> None:

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.kernels.jit import Int, inlined, kernel
+from deltamesh.kernels.jit import Flag, Int, inlined, kernel
 
 # Indices into Coder.state: the registers; the slots of the bit at hand, set by the caller; what
 # the mixer was given for each.
@@ -122,15 +122,30 @@ def _shift_low(c: Coder) -> None:
     c.state[LOW] = (low << 8) & MASK32
 
 
+@inlined
+def _roundest(low: Int, span: Int) -> Int:
+    """Return the number in [low, low + span) that ends in the most zero bytes; span >= TOP."""
+    for bits in (32, 24, 16):
+        mask = (1 << bits) - 1
+        if (low + mask) & ~mask < low + span:
+            return (low + mask) & ~mask
+    return low
+
+
+@kernel
+def is_finished(c: Coder) -> Flag:
+    """Tell whether a decoder has come to where the encoder stopped, with nothing left over.
+
+    The decoder keeps LOW too, but for carries, so that a stream has one form only.
+    """
+    low = c.state[LOW] & MASK32
+    return c.state[CODE] == _roundest(low, c.state[RANGE]) - low
+
+
 @kernel
 def finish_encoding(c: Coder) -> Int:
     """Flush, with as many zero bytes at the end as can be, leave these out, return the length."""
-    low, span = c.state[LOW], c.state[RANGE]
-    for bits in (32, 24, 16, 8):  # the roundest value in [low, low + range)
-        mask = (1 << bits) - 1
-        if (low + mask) & ~mask < low + span:
-            c.state[LOW] = (low + mask) & ~mask
-            break
+    c.state[LOW] = _roundest(c.state[LOW], c.state[RANGE])
     for _ in range(5):
         _shift_low(c)
     length = c.state[POSITION]
@@ -149,13 +164,14 @@ def _code_with(c: Coder, bit: Int, p: Int) -> Int:
         bit = np.int64(code < bound)
         if bit == 0:
             c.state[CODE] = code - bound
-    elif bit == 0:
+    if bit == 0:
         c.state[LOW] += bound
     span = bound if bit == 1 else span - bound
     while span < TOP:
         span <<= 8
         if c.state[DECODING] == 1:
             c.state[CODE] = (c.state[CODE] << 8) | _next_byte(c)
+            c.state[LOW] = (c.state[LOW] << 8) & MASK32
         else:
             _shift_low(c)
     c.state[RANGE] = span
