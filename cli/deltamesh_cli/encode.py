@@ -41,13 +41,14 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
     type=options.whole(0, 62),
     metavar="B",
     help="Bits per coordinate: the step is the range of what is quantized over 2^B. With highpass,"
-    " 0 keeps connectivity and anchors alone.  [default: 8; cartesian 11]",
+    " 0 keeps connectivity and anchors alone.  [default: cartesian 11]",
 )
 @click.option(
     "--step",
     type=options.length,
     metavar="LENGTH",
-    help="The step itself, in the unit of the mesh, instead of --bits.",
+    help="The step itself, in the unit of the mesh, instead of --bits.  [default: highpass 1/1000 of"
+    " the diagonal of the bounding box]",
 )
 @click.option(
     "--anchors",

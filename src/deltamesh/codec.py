@@ -86,10 +86,11 @@ def encode(
     method : {"highpass", "cartesian"}
         What is quantized: differential coordinates, or x, y and z.
     bits : int, optional
-        The step is the range of what is quantized over 2^bits. Default: 8; Cartesian 11. With
-        "highpass", 0 is a least-squares mesh: connectivity and anchors alone.
+        The step is the range of what is quantized over 2^bits. With "highpass", 0 is a
+        least-squares mesh: connectivity and anchors alone. Default for "cartesian": 11.
     step : float, optional
-        The step itself, in the unit of the vertices.
+        The step itself, in the unit of the vertices. Default for "highpass": 1/1000 of the diagonal
+        of the bounding box.
     diffusion : bool
         Hand the error of each rounding on to the neighbours still to come.
     anchors : int or float, optional

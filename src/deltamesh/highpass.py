@@ -19,7 +19,7 @@ from deltamesh.geometry import Integers, Surface, payload_of
 from deltamesh.kernels import delta as delta_kernels
 from deltamesh.kernels import points, residual
 from deltamesh.laplacian import adjacency_labels, adjacency_laplacian
-from deltamesh.options import Options
+from deltamesh.options import DEFAULT_HIGHPASS_STEP, Options
 from deltamesh.quantize import delta_step, from_grid, quantize_delta, to_delta, to_grid
 from deltamesh.solve import LeastSquares
 from deltamesh_formats.errors import FormatError, OptionError
@@ -57,7 +57,7 @@ def quantize(
     L = adjacency_laplacian(*surface.graph)
     delta = L @ vertices
     bits = options.effective_bits
-    step = options.step or (0.0 if bits == 0 else delta_step(delta, bits or 0))
+    step = _step(vertices, delta, options)
     values = np.zeros((n, 3), dtype=np.int64)
     if step:
         values = quantize_delta(delta, surface.graph, step, options.diffusion)
@@ -100,6 +100,14 @@ def reconstruct(
     system = LeastSquares(L, integers.anchors, solver, threads)
     vertices = system.solve(to_delta(integers.values, parameters.step), positions)
     return np.concatenate([vertices, from_grid(integers.isolated, origin, parameters.anchor_step)])
+
+
+def _step(vertices: NDArray[np.float64], delta: NDArray[np.float64], options: Options) -> float:
+    """Return the quantization step that the options ask for, 0 for 0 bits."""
+    if options.bits is not None:
+        return delta_step(delta, options.bits) if options.bits else 0.0
+    diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    return options.step or DEFAULT_HIGHPASS_STEP * diagonal
 
 
 def _anchor_step(vertices: NDArray[np.float64], step: float) -> float:

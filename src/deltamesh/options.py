@@ -10,7 +10,11 @@ from deltamesh_formats.errors import OptionError
 
 METHODS = ("highpass", "cartesian")
 ANCHOR_METHODS = ("farthest", "greedy", "random")
-DEFAULT_BITS = {"highpass": 8, "cartesian": 11}
+# What is asked for by default: bits a coordinate, and a step in diagonals of the bounding box. The
+# range of the deltas is no scale to go by: one vertex of high valence makes it a thousand times
+# what it is elsewhere.
+DEFAULT_CARTESIAN_BITS = 11
+DEFAULT_HIGHPASS_STEP = 1 / 1000
 SOLVERS = ("auto", "rslab", "pardiso", "scipy")
 MAX_BITS = 30
 MAX_THREADS = 1024
@@ -57,9 +61,9 @@ class Options:
 
     @property
     def effective_bits(self) -> int | None:
-        """Bits per coordinate, None when a step was asked for."""
-        if self.bits is None and self.step is None:
-            return DEFAULT_BITS[self.method]
+        """Bits per coordinate, None for a step."""
+        if self.bits is None and self.step is None and self.method == "cartesian":
+            return DEFAULT_CARTESIAN_BITS
         return self.bits
 
 
