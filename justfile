@@ -28,9 +28,9 @@ reference:
 meshes:
     python benchmarks/make_meshes.py
 
-# Measure sizes, errors and times; write benchmarks/results.csv.
-bench *arguments:
-    python benchmarks/run.py {{arguments}}
+# Measure sizes and errors, write benchmarks/results.csv; or `just bench speed` and others there.
+bench script="run" *arguments:
+    python benchmarks/{{script}}.py {{arguments}}
 
 # Everything, in a fresh virtual environment.
 ci:

@@ -38,7 +38,7 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 @click.option(
     "-b",
     "--bits",
-    type=options.whole(0, 62),
+    type=options.whole(0, 30),
     metavar="B",
     help="Bits per coordinate: the step is the range of what is quantized over 2^B. With highpass,"
     " 0 keeps connectivity and anchors alone.  [default: cartesian 11]",

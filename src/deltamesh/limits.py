@@ -11,7 +11,7 @@ DEFAULT_MEMORY = 16 << 30
 
 # Bytes, measured as peak memory of whole processes over the counts (`benchmarks/memory.py`), and
 # rounded up: faces, half-edges and fronts; coder tables; factorization and its solves.
-BASE = 192 << 20
+BASE = {"cartesian": 192 << 20, "highpass": 256 << 20}
 PER_FACE = 320
 PER_VERTEX = {"cartesian": 400, "highpass": 4000}
 
@@ -22,8 +22,9 @@ PER_BYTE = 15200
 
 def memory_needed(container: Container) -> int:
     """Estimate the memory that decoding takes, in bytes, from counts alone."""
-    per_vertex = PER_VERTEX[container.parameters.method]
-    return BASE + per_vertex * container.vertices + PER_FACE * container.faces
+    method = container.parameters.method
+    fixed, per_vertex = BASE[method], PER_VERTEX[method]
+    return fixed + per_vertex * container.vertices + PER_FACE * container.faces
 
 
 def check_limits(container: Container, max_vertices: int, memory: int) -> None:
