@@ -47,8 +47,8 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
     "--step",
     type=options.length,
     metavar="LENGTH",
-    help="The step itself, in the unit of the mesh, instead of --bits.  [default: highpass 1/1000 of"
-    " the diagonal of the bounding box]",
+    help="The step itself, in the unit of the mesh, instead of --bits."
+    "  [default: highpass 1/1000 of the diagonal of the bounding box]",
 )
 @click.option(
     "--anchors",

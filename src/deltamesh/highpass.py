@@ -19,6 +19,7 @@ from deltamesh.geometry import Integers, Surface, payload_of
 from deltamesh.kernels import delta as delta_kernels
 from deltamesh.kernels import points, residual
 from deltamesh.laplacian import adjacency_labels, adjacency_laplacian
+from deltamesh.metrics import diagonal
 from deltamesh.options import DEFAULT_HIGHPASS_STEP, Options
 from deltamesh.quantize import delta_step, from_grid, quantize_delta, to_delta, to_grid
 from deltamesh.solve import LeastSquares
@@ -106,8 +107,7 @@ def _step(vertices: NDArray[np.float64], delta: NDArray[np.float64], options: Op
     """Return the quantization step that the options ask for, 0 for 0 bits."""
     if options.bits is not None:
         return delta_step(delta, options.bits) if options.bits else 0.0
-    diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    return options.step or DEFAULT_HIGHPASS_STEP * diagonal
+    return options.step or DEFAULT_HIGHPASS_STEP * diagonal(vertices)
 
 
 def _anchor_step(vertices: NDArray[np.float64], step: float) -> float:

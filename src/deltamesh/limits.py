@@ -42,7 +42,7 @@ def check_limits(container: Container, max_vertices: int, memory: int) -> None:
         raise LimitError(f"{n} vertices are more than the limit of {max_vertices}")
     section = container.sections["CONN"]
     if m == 0:
-        raise FormatError("a file without faces")
+        raise FormatError("a file without faces", section.offset)
     if m > PER_BYTE * (len(section.payload) + 4) or n - container.parameters.isolated > 3 * m:
         raise FormatError(f"{n} vertices and {m} faces do not fit into this file", section.offset)
     _check_isolated(container)
