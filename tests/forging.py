@@ -8,7 +8,7 @@ import zlib
 
 from deltamesh import codec
 from deltamesh.connectivity import decode_connectivity
-from deltamesh.geometry import Surface, digest
+from deltamesh.geometry import digest, surface_of
 from deltamesh_formats import layout
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.writer import write_container, write_varint
@@ -16,7 +16,9 @@ from deltamesh_formats.writer import write_container, write_varint
 UNTOUCHED = object()
 
 
-def forged(data, *, vertices=None, faces=None, checksum=None, parameters=None, meta=UNTOUCHED, **payloads):
+def forged(
+    data, *, vertices=None, faces=None, checksum=None, parameters=None, meta=UNTOUCHED, **payloads
+):
     """The file with other counts, parameters, digest or payloads."""
     container = read_container(data)
     own = {s.id: bytes(s.payload) for s in container.sections.values()}
@@ -32,13 +34,13 @@ def forged(data, *, vertices=None, faces=None, checksum=None, parameters=None, m
 
 
 def consistent(data):
-    """The file with the digest of whatever its payloads decode to; FormatError where they do not."""
+    """The file with the digest of what its payloads decode to; FormatError where they do not."""
     container = read_container(data)
     p = container.parameters
     n = container.vertices - p.isolated
     payload = memoryview(container.sections["CONN"].payload)
     faces = decode_connectivity(payload, n, container.faces)
-    surface = Surface(faces, n, p.isolated)
+    surface = surface_of(faces, n, p.isolated)
     integers = codec._METHODS[p.method].read(surface, p, container.sections)
     return forged(data, checksum=digest(faces, integers))
 

@@ -127,6 +127,7 @@ class RangeCoder:
         sums = [1.0 if n == 1 else weight_sum for n, _ in mixers]
         self.weights = [[round(65536 * s / n)] * n for s, (n, _) in zip(sums, mixers, strict=True)]
         self.limits = [limit for _, limit in mixers]
+        self.seen = [0] * len(mixers)
         self.decoding = data is not None
         self.low, self.span, self.shifted = 0, 2**32 - 1, 0
         if self.decoding:
@@ -161,9 +162,10 @@ class RangeCoder:
         dot = sum(w * x for w, x in zip(weights, inputs, strict=True)) >> 16
         p = self.squash[min(max(dot, -2047), 2047) + 2048]
         bit = self._code(bit, p)
-        error = 65536 * bit - p
+        half = 2**13 if self.seen[mixer] < 300 else 2**14
+        self.seen[mixer] += 1
         for i, (c, x) in enumerate(zip(contexts, inputs, strict=True)):
-            weights[i] += (x * error + 8192) >> 14
+            weights[i] += (x * (65536 * bit - p) + half) // (2 * half)
             probability, count = self.slots[c]
             probability += (((bit << 22) - probability) * self.rate[count]) >> 16
             self.slots[c] = probability, min(count + 1, self.limits[mixer])
@@ -297,7 +299,7 @@ class RegionGrower:
         self.link(twin, after)
 
     def beyond(self, apex, v):
-        """Turn about `apex` from its edge to v: the node at the first gate, and the edges passed."""
+        """Turn about `apex` from its edge to v: the node at the first gate; the edges passed."""
         passed = 0
         while True:
             v = self.left[v, apex]  # of the face on the left of (v, apex): the next neighbour
@@ -328,7 +330,7 @@ def diffuse(neighbours, delta, step):
 
 
 def parallelograms(faces):
-    """(a, b, o) for each vertex i: i and o are across the edge a-b, and i is the last of the four."""
+    """(a, b, o) for each vertex i: i and o are across the edge a-b; i is the last of the four."""
     left = {(f[i - 2], f[i - 1]): f[i] for f in np.asarray(faces).tolist() for i in range(3)}
     found = {}
     for (a, b), apex in left.items():

@@ -31,7 +31,7 @@ def is_manifold(faces: Faces) -> bool:
     if len(left) != 3 * len(faces):
         return False
     for v in {v for f in faces for v in f}:
-        link = {a: b for f in faces for i in range(3) if f[i] == v for a, b in [(f[i - 2], f[i - 1])]}
+        link = {f[i - 2]: f[i - 1] for f in faces for i in range(3) if f[i] == v}
         starts = [a for a in link if a not in link.values()] or [min(link)]
         a, fan = starts[0], 0
         while a in link and fan < len(link):

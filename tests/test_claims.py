@@ -2,12 +2,14 @@
 
 D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006; O. Sorkine,
 D. Cohen-Or, S. Toledo, "High-Pass Quantization for Mesh Encoding", SGP 2003; O. Sorkine,
-D. Cohen-Or, "Least-Squares Meshes", SMI 2004. Bounds leave room: each comment has what was measured.
+D. Cohen-Or, "Least-Squares Meshes", SMI 2004. The bounds leave
+room; comments have what was measured.
 """
 
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 
 import meshes
 import numpy as np
@@ -141,7 +143,7 @@ def test_diffusion_takes_its_low_part_away(name: str) -> None:
 def test_more_anchors_lower_the_error(method: str, options: dict) -> None:
     mesh = bumpy()
     rms = [errors_of(mesh, anchors=k, anchor_method=method, **options)[0] for k in (4, 16, 64, 256)]
-    assert all(more < 0.8 * fewer for fewer, more in zip(rms, rms[1:], strict=False))
+    assert all(more < 0.8 * fewer for fewer, more in pairwise(rms))
 
 
 @pytest.mark.parametrize("anchors", [16, 64, 256])
@@ -159,7 +161,8 @@ def test_greedy_beats_random(anchors: int, options: dict) -> None:
 def test_greedy_beats_random_on_meshes_of_the_papers(name: str) -> None:
     """Least-squares meshes of 1 % anchors, and 6 bits of delta; RMS, then the largest error."""
     mesh = from_folder(name)
-    # camelhead: 0.0143 and 0.0249, 0.029 and 0.188; screwdriver: 0.0132 and 0.0186, 0.023 and 0.047.
+    # camelhead: 0.0143 and 0.0249, 0.029 and 0.188;
+    # screwdriver: 0.0132 and 0.0186, 0.023 and 0.047.
     greedy, other = (
         errors_of(mesh, bits=0, anchors=0.01, anchor_method=method)
         for method in ("greedy", "random")

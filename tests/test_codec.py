@@ -254,7 +254,7 @@ def test_progress_tells_of_stages_and_changes_nothing() -> None:
 
 
 def same_as(V, F, reference):
-    """Whether the arguments encode to the same bytes as float64 and int64 arrays."""
+    """Whether the arguments encode to the bytes of a mesh of float64 and int64 arrays."""
     return encode(V, F) == encode(*reference)
 
 
@@ -309,7 +309,7 @@ def test_tiny_meshes(F: list[list[int]], method: str) -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("scale", [1e-300, 1e-100, 1e-20, 1e-3, 1e20, 1e37])
+@pytest.mark.parametrize("scale", [1e-300, 1e-100, 1e-20, 1e-3, 1e20, 1e100, 1e149])
 @pytest.mark.parametrize("options", [{}, {"bits": 12}], ids=str)
 def test_scale_changes_nothing(scale: float, method: str, options: dict) -> None:
     """By a power of two it scales the output; by any number, nearly."""
@@ -522,9 +522,9 @@ def test_message_names_the_vertices_of_the_users_mesh() -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("scale", [1e150, 1.7e308])
+@pytest.mark.parametrize("scale", [1.3e150, 1.7e308])
 def test_a_mesh_out_of_all_bounds_is_refused(scale: float, method: str) -> None:
-    with pytest.raises(MeshError):
+    with pytest.raises(MeshError, match="vertex 0 is beyond"):
         encode(SPHERE * scale, FACES, method=method)
 
 

@@ -111,7 +111,8 @@ def test_other_magic_and_versions() -> None:
 
 # ---- Counts ------------------------------------------------------------------------------------
 
-HUGE = [10**6, 3 * 10**7, 2**31, 2**32, 2**40]
+# The first passes the default limits.
+HUGE = [4 * 10**6, 2**31, 2**32, 2**40]
 
 
 def assert_refused_cheaply(data, error=(FormatError, LimitError), **options):
@@ -239,24 +240,15 @@ def payloads():
     ]
 
 
-def refused_or_the_same(data, original):
-    """The last bits of a stream may be without meaning; nothing else may."""
-    try:
-        mesh = decode(data)
-    except FormatError as error:
-        assert error.offset is not None
-        assert 0 <= error.offset <= len(data)
-        return
-    expected = decode(original)
-    np.testing.assert_array_equal(mesh.faces, expected.faces)
-    np.testing.assert_array_equal(mesh.vertices, expected.vertices)
+def refused_unless_the_same(name, section, payload):
+    """There is one form only of each file."""
+    if payload != bytes(read_container(FILES[name]).sections[section].payload):
+        refusal(forging.forged(FILES[name], **{section: payload}))
 
 
 @given(st.sampled_from(payloads()), st.binary(max_size=300))
 def test_random_payloads(place: tuple[str, str], payload: bytes) -> None:
-    name, section = place
-    data = forging.forged(FILES[name], **{section: payload})
-    refused_or_the_same(data, FILES[name])
+    refused_unless_the_same(*place, payload)
 
 
 @given(st.sampled_from(payloads()), strategies.SMALL, st.integers(0, 7))
@@ -265,24 +257,21 @@ def test_flipped_bits_of_payloads(place: tuple[str, str], at: int, bit: int) -> 
     payload = bytearray(read_container(FILES[name]).sections[section].payload)
     if payload:
         payload[at % len(payload)] ^= 1 << bit
-        data = forging.forged(FILES[name], **{section: bytes(payload)})
-        refused_or_the_same(data, FILES[name])
+        refused_unless_the_same(name, section, bytes(payload))
 
 
 @given(st.sampled_from(payloads()), strategies.SMALL)
 def test_truncated_payloads(place: tuple[str, str], size: int) -> None:
     name, section = place
     payload = bytes(read_container(FILES[name]).sections[section].payload)
-    shorter = payload[: size % max(len(payload), 1)]
-    if shorter != payload:
-        refused_or_the_same(forging.forged(FILES[name], **{section: shorter}), FILES[name])
+    refused_unless_the_same(name, section, payload[: size % max(len(payload), 1)])
 
 
 @pytest.mark.parametrize("place", payloads(), ids=" ".join)
 def test_payloads_with_more_behind(place: tuple[str, str]) -> None:
     name, section = place
     payload = bytes(read_container(FILES[name]).sections[section].payload)
-    for more in (bytes(8), b"\1" * 8, payload + bytes(8)):
+    for more in (b"\0", b"\1", bytes(8), payload + b"\1"):
         refusal(forging.forged(FILES[name], **{section: payload + more}))
 
 
@@ -345,30 +334,33 @@ def test_anchors_that_are_no_vertices() -> None:
         integers.values, np.array([0, 1, 2, 42]), integers.positions, integers.isolated
     )
     payload = highpass.write(surface, parameters, outside)["ANCH"]
-    if payload == bytes(read_container(data).sections["ANCH"].payload):
-        pytest.fail("the payload is that of the file itself")
     refusal(forging.forged(data, ANCH=payload))
 
 
-@pytest.mark.parametrize("name", FILES)
+def lengths():
+    """(file, parameter) for every length among the parameters that is not 0."""
+    return [
+        (name, field)
+        for name, data in FILES.items()
+        for field in ("step", "anchor_step", "origin")
+        if getattr(read_container(data).parameters, field)
+    ]
+
+
+@pytest.mark.parametrize("place", lengths(), ids=" ".join)
 @pytest.mark.parametrize("value", [1e300, 1.7e308])
-@pytest.mark.parametrize("field", ["step", "anchor_step", "origin"])
-def test_positions_out_of_bounds(name: str, value: float, field: str) -> None:
+def test_positions_out_of_bounds(place: tuple[str, str], value: float) -> None:
     """No warning on a terminal, and no infinite coordinate: a finite mesh or a refusal."""
-    data = FILES[name]
-    p = read_container(data).parameters
-    if getattr(p, field) == 0:
-        pytest.skip(f"a file without {field}")
-    values = {"origin": (value, -value, 0.0), field: (value, -value, 0.0)}
-    changed = {field: values[field] if field == "origin" else value}
+    name, field = place
+    changed = {field: (value, -value, 0.0) if field == "origin" else value}
     changed |= {"bits": None} if field == "step" else {}
-    data = forging.forged(data, parameters=changed)
+    data = forging.forged(FILES[name], parameters=changed)
     try:
         mesh = decode(data)
-    except FormatError as error:
-        assert error.offset is not None
-        return
     except SolveError:
+        return
+    except FormatError:
+        refusal(data)
         return
     assert np.isfinite(mesh.vertices).all()
 

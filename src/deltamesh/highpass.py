@@ -177,7 +177,8 @@ def _write_anchors(surface: Surface, parameters: Parameters, integers: Integers)
     if parameters.anchor_method == "greedy":
         points.code_gaps(coder, integers.anchors.copy(), surface.vertex_count)
     points.code_points(coder, integers.positions.copy(), np.array(bits))
-    points.code_sorted_points(coder, integers.isolated.copy(), np.array(bits))
+    if len(integers.isolated):  # most meshes have none, and need not wait for this kernel
+        points.code_sorted_points(coder, integers.isolated.copy(), np.array(bits))
     return bytes(bits) + entropy.finish(coder)
 
 
@@ -201,7 +202,7 @@ def _read_anchors(
     if len(np.unique(labels[anchors])) <= labels.max() or len(anchors) != k:
         raise FormatError("a component without an anchor", 3)
     points.code_points(coder, positions, bits)
-    if not points.code_sorted_points(coder, isolated, bits):
+    if len(isolated) and not points.code_sorted_points(coder, isolated, bits):
         raise FormatError("an isolated vertex outside the grid", 3)
     entropy.check_end(coder, 3)
     return anchors, positions, isolated

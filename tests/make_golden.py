@@ -1,0 +1,300 @@
+"""Write tests/golden and tests/refused anew: `python tests/make_golden.py`, by hand only.
+
+Golden files pin the decoder, not the encoder: old bytes must decode to the same mesh for ever, new
+bytes may become fewer. As long as SPEC.md says that the format is not frozen, both folders are
+written anew when it changes; after that, files are added to them and none is changed.
+
+What a golden file decodes to is compared here with what does not come from the decoder: the faces
+with those of the input, positions with a dense least-squares solution.
+"""
+
+from __future__ import annotations
+
+import zlib
+from pathlib import Path
+
+import forging
+import meshes
+import numpy as np
+import oracle
+import strategies
+
+from deltamesh import codec, highpass
+from deltamesh.codec import decode, encode_mesh
+from deltamesh.geometry import Integers, digest
+from deltamesh.mesh import Mesh
+from deltamesh.metrics import diagonal
+from deltamesh.options import Options
+from deltamesh.quantize import from_grid
+from deltamesh_formats.errors import FormatError, LimitError
+from deltamesh_formats.reader import read_container
+from deltamesh_formats.writer import write_varint
+
+HERE = Path(__file__).parent
+GOLDEN, REFUSED = HERE / "golden", HERE / "refused"
+TABLE = REFUSED / "expected.tsv"
+
+
+# ---- Files that must decode --------------------------------------------------------------------
+
+
+def surface_with_everything():
+    """Holes, handles and components, flipped edges."""
+    V, F = meshes.union(meshes.torus(7, 6), meshes.grid(6, 6), meshes.icosphere(1))
+    faces = [tuple(map(int, f)) for f in F]
+    for at in range(0, 600, 7):
+        faces = strategies.flip(faces, at * 31)
+    for at in range(0, 40, 5):
+        faces = strategies.open_hole(faces, at * 17)
+    for at in range(6):
+        faces = strategies.join_by_tube(faces, at * 23, at * 41 + 90)
+    assert strategies.is_manifold(faces)
+    noise = np.random.default_rng(2006).normal(size=V.shape)
+    return V + 0.02 * noise, np.array(faces)
+
+
+def fan(valence):
+    turn = np.linspace(0, 2 * np.pi, valence, endpoint=False)
+    V = np.stack((np.cos(turn), np.sin(turn), 0.2 * np.sin(5 * turn)), axis=1)
+    i = np.arange(valence)
+    F = np.stack((i, (i + 1) % valence, np.full(valence, valence)), axis=1)
+    return np.concatenate((V, [[0.1, 0, 0.3]])), F
+
+
+def golden():
+    """Name, mesh and options of each golden file."""
+    sphere, torus = meshes.icosphere(2), meshes.torus(9, 7)
+    far = sphere[0] * 50 + [4e6, -3e5, 12.5], sphere[1]
+    return [
+        ("highpass-farthest", sphere, {"bits": 8, "anchors": 5}),
+        ("highpass-greedy", sphere, {"bits": 6, "anchors": 9, "anchor_method": "greedy"}),
+        (
+            "highpass-random",
+            torus,
+            {"bits": 7, "anchors": 0.1, "anchor_method": "random", "seed": 2**63 + 5},
+        ),
+        ("highpass-default", torus, {}),
+        ("highpass-no-diffusion", torus, {"bits": 8, "diffusion": False}),
+        ("highpass-step", torus, {"step": 0.01, "source_format": "ply"}),
+        ("highpass-20-bits", torus, {"bits": 20}),
+        ("highpass-0-bits", sphere, {"bits": 0, "anchors": 12}),
+        ("highpass-0-bits-greedy", torus, {"bits": 0, "anchors": 12, "anchor_method": "greedy"}),
+        ("highpass-far-away", far, {"bits": 10}),
+        ("highpass-tetrahedron", meshes.tetrahedron(), {}),
+        ("highpass-triangle", (np.eye(3), np.array([[0, 1, 2]])), {}),
+        ("highpass-valence-300", fan(300), {"bits": 6}),
+        ("highpass-boundary", meshes.grid(7, 9), {"bits": 8}),
+        ("highpass-genus-2", meshes.double_torus(), {"bits": 8}),
+        ("highpass-components", meshes.two_components(), {"bits": 8, "anchors": 2}),
+        ("highpass-isolated", meshes.with_isolated(), {"bits": 8}),
+        ("highpass-everything", surface_with_everything(), {"bits": 9, "anchors": 0.02}),
+        ("cartesian", torus, {"method": "cartesian", "bits": 11}),
+        ("cartesian-1-bit", torus, {"method": "cartesian", "bits": 1}),
+        ("cartesian-30-bits", torus, {"method": "cartesian", "bits": 30}),
+        ("cartesian-step", sphere, {"method": "cartesian", "step": 0.003}),
+        ("cartesian-triangle", (np.eye(3), np.array([[0, 1, 2]])), {"method": "cartesian"}),
+        ("cartesian-isolated", meshes.with_isolated(), {"method": "cartesian"}),
+        ("cartesian-everything", surface_with_everything(), {"method": "cartesian"}),
+    ]
+
+
+def assert_right(encoded, V, F):
+    """Compare what a file decodes to with what does not come from the decoder."""
+    decoded = decode(encoded.data)
+    assert strategies.canonical(encoded.order[decoded.faces]) == strategies.canonical(F)
+    container = read_container(encoded.data)
+    surface, integers = codec._read(container, 10**9, 2**40, codec.silent)
+    p, n = container.parameters, surface.vertex_count
+    origin = np.array(p.origin)
+    if p.method == "cartesian":
+        expected = from_grid(integers.values, origin, p.step)
+        assert np.abs(expected - V[encoded.order]).max() <= 0.500001 * p.step
+    else:
+        anchored = from_grid(integers.positions, origin, p.anchor_step)
+        L = oracle.laplacian(surface.faces, n)
+        centre = anchored.mean(axis=0)
+        solution = oracle.least_squares(
+            L, integers.anchors, integers.values * p.step, anchored - centre
+        )
+        isolated = from_grid(integers.isolated, origin, p.anchor_step)
+        expected = np.concatenate((solution + centre, isolated))
+    assert np.abs(decoded.vertices - expected).max() <= 1e-9 * diagonal(V)
+    return decoded
+
+
+def write_golden():
+    for name, (V, F), options in golden():
+        encoded = encode_mesh(Mesh(V, F), Options(**options))
+        decoded = assert_right(encoded, V, F)
+        (GOLDEN / f"{name}.dmesh").write_bytes(encoded.data)
+        faces = decoded.faces.astype(np.uint16)
+        np.savez_compressed(GOLDEN / f"{name}.npz", vertices=decoded.vertices, faces=faces)
+
+
+# ---- Files that must be refused ----------------------------------------------------------------
+
+
+def encoded(mesh, **options):
+    return encode_mesh(Mesh(*mesh), Options(**options)).data
+
+
+def payload_of(data, name):
+    return bytes(read_container(data).sections[name].payload)
+
+
+def raw_section(data, name):
+    """The bytes of a section, and those before and after it."""
+    section = read_container(data).sections[name]
+    end = section.offset + section.size
+    return data[: section.offset], data[section.offset : end], data[end:]
+
+
+def exchanged(data, first, second):
+    """The file with two sections, one after the other, the other way round."""
+    before, one, _ = raw_section(data, first)
+    _, two, after = raw_section(data, second)
+    return before + two + one + after
+
+
+def with_section(data, name, replacement):
+    before, _, after = raw_section(data, name)
+    return before + replacement + after
+
+
+def with_parameter_bytes(data, at, value):
+    """PARM with some of its bytes replaced."""
+    payload = payload_of(data, "PARM")
+    changed = payload[:at] + value + payload[at + len(value) :]
+    return with_section(data, "PARM", forging.section("PARM", changed))
+
+
+def flipped(data, at, bit=0):
+    out = bytearray(data)
+    out[at] ^= 1 << bit
+    return bytes(out)
+
+
+def one_sided_anchors():
+    """Two components, both anchors in the first, and the digest right."""
+    data = encoded(meshes.two_components(), bits=6, anchors=2, anchor_method="greedy")
+    container = read_container(data)
+    surface, integers = codec._read(container, 10**9, 2**40, codec.silent)
+    anchors = np.array([0, 1])
+    wrong = Integers(integers.values, anchors, integers.positions, integers.isolated)
+    payload = highpass.write(surface, container.parameters, wrong)["ANCH"]
+    return forging.forged(data, ANCH=payload, checksum=digest(surface.faces, wrong))
+
+
+def long_varint(data):
+    """The count of vertices in one byte more than it needs."""
+    container = read_container(data)
+    start = next(iter(container.sections.values())).offset
+    vertices = bytearray(write_varint(container.vertices))
+    vertices[-1] |= 0x80
+    raw = data[:12] + bytes(vertices) + b"\0" + write_varint(container.faces)
+    return raw + zlib.crc32(raw).to_bytes(4, "little") + data[start:]
+
+
+def refused():
+    """Name and bytes of each file that must be refused."""
+    h = encoded(meshes.icosphere(1), bits=8, anchors=3)
+    c = encoded(meshes.icosphere(1), method="cartesian", bits=9)
+    sections = read_container(h).sections
+    connectivity, check = sections["CONN"], sections["CHEK"]
+    another = encoded(meshes.torus(7, 6), bits=8, anchors=3)  # 42 vertices, too
+    n, m = 42, 80
+    damage = {
+        "empty": b"",
+        "truncated-in-magic": h[:5],
+        "truncated-in-header": h[:14],
+        "truncated-between-sections": h[: connectivity.offset],
+        "truncated-in-section": h[: connectivity.offset + 9],
+        "truncated-before-chek": h[: check.offset],
+        "truncated-by-one-byte": h[:-1],
+        "appended-byte": h + b"\n",
+        "two-files": h + c,
+        "flipped-in-header": flipped(h, 12),
+        "flipped-in-id": flipped(h, connectivity.offset),
+        "flipped-in-payload": flipped(h, connectivity.offset + 8, 3),
+        "flipped-in-digest": flipped(h, check.offset + 7),
+        "flipped-in-crc": flipped(h, len(h) - 1, 7),
+        "text-transfer": h.replace(b"\r\n", b"\n"),
+        "seven-bits": bytes(byte & 0x7F for byte in h),
+        "a-png": b"\x89PNG\r\n\x1a\n" + bytes(20),
+        "a-ply": b"ply\nformat ascii 1.0\nelement vertex 0\nend_header\n",
+    }
+    header = {
+        "version-0": forging.with_header(h, version=0),
+        "version-2": forging.with_header(h, version=2),
+        "reserved-bit": forging.with_header(h, reserved=0x8000),
+        "long-varint": long_varint(h),
+        "terabytes": forging.forged(h, vertices=2**38, faces=2**39),
+        "too-many-faces": forging.forged(h, faces=2**30),
+        "too-many-isolated": forging.forged(c, vertices=2**25, parameters={"isolated": 2**25 - n}),
+        "too-many-anchors": forging.forged(h, parameters={"anchor_count": n - 1}),
+        "one-vertex-less": forging.forged(h, vertices=n - 1),
+        "one-face-more": forging.forged(h, faces=m + 1),
+        "no-faces": forging.forged(h, faces=0),
+    }
+    frames = {
+        "conn-missing": with_section(h, "CONN", b""),
+        "conn-twice": with_section(h, "CONN", 2 * raw_section(h, "CONN")[1]),
+        "sections-exchanged": exchanged(h, "ANCH", "DELT"),
+        "method-of-the-other": with_parameter_bytes(h, 0, b"\1"),
+        "unknown-required-section": with_section(
+            h, "CHEK", forging.section("XTRA", b"?") + raw_section(h, "CHEK")[1]
+        ),
+        "unknown-method": with_parameter_bytes(h, 0, b"\7"),
+        "unknown-anchor-method": with_parameter_bytes(h, 2, b"\3"),
+        "step-nan": with_parameter_bytes(h, 4, np.float64("nan").tobytes()),
+        "step-negative": with_parameter_bytes(h, 4, np.float64(-0.01).tobytes()),
+        "step-huge": with_parameter_bytes(h, 4, np.float64(1.7e308).tobytes()),
+        "origin-infinite": with_parameter_bytes(h, 12, np.float64("inf").tobytes()),
+    }
+    payloads = {
+        "digest-wrong": forging.forged(h, checksum=bytes(8)),
+        "connectivity-of-another": forging.forged(h, CONN=payload_of(another, "CONN")),
+        "connectivity-empty": forging.forged(h, CONN=b""),
+        "connectivity-noise": forging.forged(h, CONN=b"\0\0\0" + bytes(range(1, 30))),
+        "connectivity-counts": forging.forged(h, CONN=b"\2\1\0" + payload_of(h, "CONN")[3:]),
+        "connectivity-and-more": forging.forged(h, CONN=payload_of(h, "CONN") + b"\1"),
+        "connectivity-and-zero": forging.forged(h, CONN=payload_of(h, "CONN") + b"\0"),
+        "anchors-grid": forging.forged(h, ANCH=b"\37" + payload_of(h, "ANCH")[1:]),
+        "anchors-noise": forging.forged(h, ANCH=payload_of(h, "ANCH")[:3] + bytes(range(9, 50))),
+        "anchors-one-sided": one_sided_anchors(),
+        "deltas-noise": forging.forged(h, DELT=bytes(range(1, 200))),
+        "deltas-cut": forging.forged(h, DELT=payload_of(h, "DELT")[:-7]),
+        "deltas-of-0-bits": forging.forged(h, parameters={"bits": 0, "step": 0.0}),
+        "cartesian-noise": forging.forged(c, CART=bytes(range(1, 200))),
+        "cartesian-and-more": forging.forged(c, CART=payload_of(c, "CART") + b"\1"),
+    }
+    return damage | header | frames | payloads
+
+
+def write_refused():
+    rows = ["file\terror\toffset\tmessage begins with"]
+    for name, data in refused().items():
+        try:
+            decode(data)
+        except (FormatError, LimitError) as error:
+            offset = getattr(error, "offset", None)
+            start = str(error).split(" (at byte")[0][:48].rstrip()
+            where = "" if offset is None else str(offset)
+            rows.append("\t".join((name, type(error).__name__, where, start)))
+        else:
+            raise AssertionError(f"{name} is not refused")
+        (REFUSED / f"{name}.dmesh").write_bytes(data)
+    TABLE.write_text("\n".join(rows) + "\n", encoding="utf-8")
+
+
+def main():
+    for folder in (GOLDEN, REFUSED):
+        folder.mkdir(exist_ok=True)
+        for path in folder.iterdir():
+            path.unlink()
+    write_golden()
+    write_refused()
+
+
+if __name__ == "__main__":
+    main()

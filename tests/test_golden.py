@@ -1,0 +1,61 @@
+"""Files that must decode for ever, and files that must be refused: see make_golden.py."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from deltamesh import decode, info, solve, verify
+from deltamesh.metrics import diagonal
+from deltamesh_formats import errors
+
+GOLDEN, REFUSED = (Path(__file__).parent / name for name in ("golden", "refused"))
+TABLE = (REFUSED / "expected.tsv").read_text(encoding="utf-8").splitlines()[1:]
+SOLVERS = [name for name in ("rslab", "scipy") if name in solve.available_solvers()]
+
+
+def names(folder):
+    return sorted(path.stem for path in folder.glob("*.dmesh"))
+
+
+def test_the_folders_are_complete() -> None:
+    assert names(GOLDEN) == sorted(path.stem for path in GOLDEN.glob("*.npz"))
+    assert len(names(GOLDEN)) >= 20
+    assert names(REFUSED) == sorted(row.split("\t")[0] for row in TABLE)
+    size = sum(path.stat().st_size for folder in (GOLDEN, REFUSED) for path in folder.iterdir())
+    assert size < 200_000
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("name", names(GOLDEN))
+def test_golden_file_decodes(name: str, solver: str) -> None:
+    data = (GOLDEN / f"{name}.dmesh").read_bytes()
+    mesh = decode(data, solver=solver)
+    with np.load(GOLDEN / f"{name}.npz") as expected:
+        np.testing.assert_array_equal(mesh.faces, expected["faces"])
+        atol = 1e-9 * diagonal(expected["vertices"])
+        np.testing.assert_allclose(mesh.vertices, expected["vertices"], rtol=0, atol=atol)
+
+
+@pytest.mark.parametrize("name", names(GOLDEN))
+def test_golden_file_tells_of_itself(name: str) -> None:
+    container = info((GOLDEN / f"{name}.dmesh").read_bytes())
+    with np.load(GOLDEN / f"{name}.npz") as expected:
+        assert container.vertices == len(expected["vertices"])
+        assert container.faces == len(expected["faces"])
+    assert name.startswith(container.parameters.method)
+    assert container.meta is not None
+
+
+@pytest.mark.parametrize("row", TABLE, ids=lambda row: row.split("\t")[0])
+def test_refused_file_is_refused(row: str) -> None:
+    name, kind, offset, message = row.split("\t")
+    data = (REFUSED / f"{name}.dmesh").read_bytes()
+    for reader in (decode, verify):
+        with pytest.raises(getattr(errors, kind)) as caught:
+            reader(data)
+        assert type(caught.value) is getattr(errors, kind)
+        assert str(caught.value).startswith(message)
+        assert getattr(caught.value, "offset", None) == (int(offset) if offset else None)
