@@ -129,7 +129,8 @@ def test_cartesian_error_is_flat(name: str) -> None:
 
 @pytest.mark.parametrize("name", SMALL)
 def test_diffusion_takes_its_low_part_away(name: str) -> None:
-    """By 100 and more; the high part stays."""
+    """The high part stays."""
+    # By 49 and by 270; the high part by 0.8 and by 0.85.
     plain, diffused = (energy_below(name, 0.1, bits=8, diffusion=d) for d in (False, True))
     assert plain[0] > 30 * diffused[0]
     assert 0.2 < (plain[1] - plain[0]) / (diffused[1] - diffused[0]) < 5
@@ -187,7 +188,8 @@ def test_diffusion_lowers_the_error_at_the_same_rate(bits: int) -> None:
     diffused = errors_of(mesh, bits=bits)
     plain = errors_of(mesh, bits=bits, diffusion=False)
     assert plain[0] > 3 * diffused[0]
-    assert diffused[3] < 1.05 * plain[3]
+    # 4 % more bytes at 4 bits, 1 % or less above.
+    assert diffused[3] < 1.08 * plain[3]
 
 
 @pytest.mark.parametrize("name", ["bun_zipper.ply", "horse.ply"])

@@ -115,6 +115,22 @@ def test_any_bytes_decode_as_the_oracle_decodes_them(message: list[tuple], data:
     assert int(decoder.state[POSITION]) == twin.position
 
 
+def test_long_messages_equal_their_oracle() -> None:
+    """Long enough for every mixer to be past its youth, and every count at its bound."""
+    rng = np.random.default_rng(2003)
+    message = []
+    for _ in range(6000):
+        mixer = int(rng.integers(len(MIXERS)))
+        slots = rng.integers(0, SLOTS, MIXERS[mixer][0]).tolist()
+        message.append(("bit", int(rng.random() < (slots[0] + 1) / 14), slots, mixer))
+    twin = slow()
+    code_slowly(twin, message)
+    data = encoded(message)
+    assert data == twin.finish()
+    decoder = entropy.decoder(data, SLOTS, MIXERS)
+    assert code(decoder, message, decoding=True) == [value for _, value, *_ in message]
+
+
 def test_empty_stream_takes_no_bytes() -> None:
     assert encoded([]) == b"" == slow().finish()
     entropy.check_end(entropy.decoder(b"", SLOTS, MIXERS), 0)
