@@ -21,7 +21,7 @@ class Configuration(NamedTuple):
 
     Attributes
     ----------
-    method : {"highpass", "cartesian"}
+    method : {"highpass", "refined", "cartesian"}
     bits : int
         Bits per coordinate.
     diffusion : {"on", "off", "-"}
@@ -36,13 +36,14 @@ class Configuration(NamedTuple):
 # The papers' bit depths, as they round and as we do, and what quantizing x, y, z costs instead.
 CONFIGURATIONS = (
     *(Configuration("highpass", b, on) for b in (4, 5, 6, 7, 8) for on in ("on", "off")),
+    *(Configuration("refined", b, "on") for b in (4, 5, 6, 7, 8)),
     *(Configuration("cartesian", b, "-") for b in (8, 9, 10, 11, 12)),
 )
 
 # The columns of a row: what it is of; what is exact; errors, which the last bits of the solve may
 # move. Sizes are bytes, then bits per vertex of the file and its sections, their framing included.
 KEYS = ("mesh", "method", "bits", "diffusion")
-SECTIONS = ("CONN", "ANCH", "DELT", "CART")
+SECTIONS = ("CONN", "ANCH", "DELT", "NORM", "CART")
 EXACT = ("vertices", "faces", "bytes", "bpv", *SECTIONS, "rest")
 ERRORS = ("rms", "max", "hausdorff", "visual", "normal_deg", "dihedral_deg")
 COLUMNS = ("mesh", "vertices", "faces", *KEYS[1:], *EXACT[2:], *ERRORS)

@@ -36,7 +36,7 @@ _CONNECTIVITY = ("mesh", "faces", "encode", "decode")
 )
 @click.option(
     "--method",
-    type=click.Choice(["highpass", "cartesian"]),
+    type=click.Choice(["highpass", "refined", "cartesian"]),
     default="highpass",
     show_default=True,
     help="Method of encoding; everything else is the command's default.",

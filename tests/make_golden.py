@@ -78,6 +78,8 @@ def golden():
         ("highpass-step", torus, {"step": 0.01, "source_format": "ply"}),
         ("highpass-20-bits", torus, {"bits": 20}),
         ("highpass-0-bits", sphere, {"bits": 0, "anchors": 12}),
+        ("refined-default", torus, {"method": "refined"}),
+        ("refined-fine", sphere, {"method": "refined", "coarse": 2.5, "bits": 9, "anchors": 4}),
         ("highpass-0-bits-greedy", torus, {"bits": 0, "anchors": 12, "anchor_method": "greedy"}),
         ("highpass-far-away", far, {"bits": 10}),
         ("highpass-tetrahedron", meshes.tetrahedron(), {}),
@@ -113,9 +115,11 @@ def assert_right(encoded, V, F):
         anchored = from_grid(integers.positions, origin, p.anchor_step)
         L = oracle.laplacian(surface.faces, n)
         centre = anchored.mean(axis=0)
-        solution = oracle.least_squares(
-            L, integers.anchors, integers.values * p.step, anchored - centre
-        )
+        delta = integers.values * (p.coarse * p.step)
+        solution = oracle.least_squares(L, integers.anchors, delta, anchored - centre)
+        if p.method == "refined":
+            delta = delta + p.step * integers.refinements * oracle.normals(solution, surface.faces)
+            solution = oracle.least_squares(L, integers.anchors, delta, anchored - centre)
         isolated = from_grid(integers.isolated, origin, p.anchor_step)
         expected = np.concatenate((solution + centre, isolated))
     assert np.abs(decoded.vertices - expected).max() <= 1e-9 * diagonal(V)

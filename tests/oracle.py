@@ -346,3 +346,18 @@ def predict(values, corners):
         // (2 * len(corners))
         for x in range(3)
     ]
+
+
+# ---- Normals ------------------------------------------------------------------------------------
+
+
+def normals(V, F):
+    """The twin of normals.vertex_normals: a loop over the faces."""
+    s, area = np.zeros((len(V), 3)), np.zeros(len(V))
+    for a, b, c in F:
+        cross = np.cross(V[b] - V[a], V[c] - V[a])
+        for v in (a, b, c):
+            s[v] += cross
+            area[v] += np.linalg.norm(cross)
+    length = np.linalg.norm(s, axis=1) + 1e-6 * area
+    return np.array([s[v] / length[v] if length[v] else s[v] for v in range(len(V))])

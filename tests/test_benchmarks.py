@@ -48,7 +48,7 @@ def altered(row: dict[str, str], **columns: str) -> dict[str, str]:
 def test_the_committed_results_are_current(call: Any) -> None:
     done = call("--check")
     assert done.exit_code == 0, f"{done.output}\nwas that meant? then: python benchmarks/run.py"
-    assert "15 rows are as in" in done.output
+    assert "20 rows are as in" in done.output
 
 
 def test_the_committed_results_are_complete_and_have_no_times() -> None:

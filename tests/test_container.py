@@ -89,9 +89,9 @@ def test_payloads_are_views_of_any_buffer():
 PINNED = bytes.fromhex(
     """
     89444d530d0a1a0a 0100 0000 e807 d00f e30fb27d
-    5041524d 36 01 00 ff ff 000000000000e03f
+    5041524d 3c 01 00 ff ff 000000000000e03f
         0000000000000000 0000000000000000 0000000000000000
-        0000000000000000 0000000000000000 00 00 63fc746d
+        0000000000000000 0000000000000000 0000803f 00 00 00 00 38cae788
     434f4e4e 01 63 9e98c22e
     43415254 08 696e746567657273 f666a466
     6d657461 34 000000000000e03f 000000000000f43f 00000040 00008040
@@ -123,18 +123,22 @@ def containers(draw):
     vertices, faces = draw(st.integers(0, 2**40)), draw(st.integers(0, 2**40))
     method, counts = draw(st.sampled_from(list(layout.METHODS))), st.integers(0, vertices)
     bits = draw(st.none() | st.integers(0, layout.MAX_BITS))
-    highpass = method == "highpass"
+    anchored = method != "cartesian"
+    hundredths = st.integers(0, 255).map(lambda n: n / 100)
     parameters = Parameters(
         method,
         draw(st.booleans()),
-        draw(st.sampled_from(["farthest", "random", "greedy"])) if highpass else None,
+        draw(st.sampled_from(["farthest", "random", "greedy"])) if anchored else None,
         bits,
-        0.0 if highpass and bits == 0 else draw(positive),
+        0.0 if method == "highpass" and bits == 0 else draw(positive),
         draw(origins),
-        draw(not_negative) if highpass else 0.0,
+        draw(not_negative) if anchored else 0.0,
         draw(seeds),
-        draw(counts) if highpass else 0,
+        draw(counts) if anchored else 0,
         draw(counts),
+        draw(st.floats(1, 2**100, width=32)) if method == "refined" else 1.0,
+        draw(hundredths),
+        draw(hundredths),
     )
     required = layout.REQUIRED[method][1:]
     payloads = {name: draw(st.binary(max_size=300)) for name in required}
@@ -375,8 +379,11 @@ def with_parameters(**changes):
         "origin_z": 0.0,
         "anchor_step": 0.25,
         "seed": 0,
+        "coarse": 1.0,
+        "dead_zone": 0,
+        "normal_dead_zone": 0,
     } | {k: v for k, v in changes.items() if k not in ("anchor_count", "isolated", "extra")}
-    payload = struct.pack("<BBBBdddddQ", *values.values())
+    payload = struct.pack("<BBBBdddddQfBB", *values.values())
     payload += write_varint(changes.get("anchor_count", 1)) + write_varint(
         changes.get("isolated", 0)
     )
@@ -387,7 +394,7 @@ def with_parameters(**changes):
 @pytest.mark.parametrize(
     ("changes", "field", "message"),
     [
-        ({"method": 2}, "method", "method 2 is unknown"),
+        ({"method": 3}, "method", "method 3 is unknown"),
         ({"method": 1}, "anchor_method", "method cartesian with anchor method farthest"),
         ({"anchor_method": 3}, "anchor_method", "anchor method 3 is unknown"),
         ({"anchor_method": 255}, "anchor_method", "method highpass with anchor method none"),
@@ -399,6 +406,9 @@ def with_parameters(**changes):
         ({"bits": 0}, "step", "step of 0.001"),
         ({"origin_y": float("nan")}, "origin_y", "origin of nan"),
         ({"anchor_step": float("-inf")}, "anchor_step", "anchor step of -inf"),
+        ({"coarse": 2.0}, "coarse", "method highpass with deltas 2.0 times as coarse"),
+        ({"coarse": float("nan")}, "coarse", "method highpass with deltas nan times as coarse"),
+        ({"method": 2, "coarse": 0.5}, "coarse", "method refined with deltas 0.5 times as coarse"),
         ({"anchor_count": 1001}, "anchor_count", "1001 anchor vertices among 1000"),
         ({"isolated": 2**63 - 1}, "isolated", "isolated vertices among 1000"),
         ({"extra": b"\0"}, None, "PARM is 1 bytes too long"),
@@ -530,7 +540,7 @@ def test_spec_types():
         ("2", layout.HEADER_FIELDS),
         ("4.1", layout.PARAMETER_FIELDS),
         ("4.2", layout.META_FIELDS),
-        ("5.6", layout.CHECK_FIELDS),
+        ("5.7", layout.CHECK_FIELDS),
     ],
 )
 def test_spec_byte_tables(number, fields):
@@ -551,7 +561,7 @@ def test_spec_header_values():
 
 def test_spec_section_order():
     rows = spec_table("3.2", "`id`")
-    for column, method in ((2, "highpass"), (3, "cartesian")):
+    for column, method in ((2, "highpass"), (3, "cartesian"), (4, "refined")):
         numbered = sorted((int(row[column]), row[0]) for row in rows if row[column].isdigit())
         assert [name for _, name in numbered] == list(layout.REQUIRED[method])
     assert {row[0] for row in rows} == layout.KNOWN

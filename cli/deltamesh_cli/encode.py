@@ -30,10 +30,11 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 @options.output("IN.dmesh")
 @click.option(
     "--method",
-    type=click.Choice(["highpass", "cartesian"]),
+    type=click.Choice(["highpass", "refined", "cartesian"]),
     default="highpass",
     show_default=True,
-    help="What is quantized: differential coordinates (scans, organic shapes) or x, y, z (CAD).",
+    help="What is quantized: differential coordinates (scans, organic shapes); these coarsely, and"
+    " finely across the surface (the same look in fewer bytes); or x, y, z (CAD).",
 )
 @click.option(
     "-b",
@@ -49,6 +50,12 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
     metavar="LENGTH",
     help="The step itself, in the unit of the mesh, instead of --bits."
     "  [default: highpass 1/1000 of the diagonal of the bounding box]",
+)
+@click.option(
+    "--coarse",
+    type=options.factor,
+    metavar="C",
+    help="With refined, the step along the surface over that across it, 1 to 64.  [default: 8]",
 )
 @click.option(
     "--anchors",

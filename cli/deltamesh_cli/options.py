@@ -48,6 +48,13 @@ def length(text: str) -> float:
     return value
 
 
+def factor(text: str) -> float:
+    """Read a number from 1 to 64."""
+    if not 1 <= (value := _real(text)) <= 64:
+        raise click.BadParameter(f"{text!r} is not a number from 1 to 64.")
+    return value
+
+
 def _real(text: str) -> float:
     try:
         return float(text)

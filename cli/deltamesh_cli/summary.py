@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from deltamesh_cli.output import number, shown, table
 from deltamesh_formats.layout import Container, Meta, Parameters
 
-METHODS = {"highpass": "high-pass", "cartesian": "Cartesian"}
+METHODS = {"highpass": "high-pass", "refined": "refined high-pass", "cartesian": "Cartesian"}
 
 
 def bits_per_vertex(size: int, vertices: int) -> float:
@@ -51,6 +51,9 @@ def _parameters(parameters: Parameters) -> dict[str, object]:
         "method": parameters.method,
         "bits": parameters.bits,
         "step": parameters.step,
+        "coarse": parameters.coarse,
+        "dead_zone": parameters.dead_zone,
+        "normal_dead_zone": parameters.normal_dead_zone,
         "diffusion": parameters.diffusion,
         "anchors": parameters.anchor_count,
         "anchor_method": parameters.anchor_method,
@@ -110,7 +113,9 @@ def _described(parameters: Parameters) -> Iterator[str]:
     words = [] if parameters.bits is None else [f"{parameters.bits} bits"]
     if parameters.step:
         words.append(f"step {number(parameters.step)}")
-        if parameters.method == "highpass":
+        if parameters.method == "refined":
+            words.append(f"deltas {number(parameters.coarse)} times as coarse")
+        if parameters.method != "cartesian":
             words.append("error diffusion" if parameters.diffusion else "plain rounding")
     yield f"{METHODS[parameters.method]}: {', '.join(words)}"
     if parameters.anchor_method is not None:

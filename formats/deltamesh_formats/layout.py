@@ -66,6 +66,7 @@ PARAMETERS: Final = "PARM"
 CONNECTIVITY: Final = "CONN"
 ANCHORS: Final = "ANCH"
 DELTAS: Final = "DELT"
+NORMALS: Final = "NORM"
 CARTESIAN: Final = "CART"
 META: Final = "meta"
 CHECK: Final = "CHEK"
@@ -73,6 +74,7 @@ CHECK: Final = "CHEK"
 REQUIRED: Final[Mapping[str, tuple[str, ...]]] = {
     "highpass": (PARAMETERS, CONNECTIVITY, ANCHORS, DELTAS),
     "cartesian": (PARAMETERS, CONNECTIVITY, CARTESIAN),
+    "refined": (PARAMETERS, CONNECTIVITY, ANCHORS, DELTAS, NORMALS),
 }
 KNOWN: Final = frozenset({section for ids in REQUIRED.values() for section in ids} | {META, CHECK})
 
@@ -89,10 +91,13 @@ PARAMETER_FIELDS: Final = (
     Field("origin_z", "f64"),
     Field("anchor_step", "f64"),
     Field("seed", "u64"),
+    Field("coarse", "f32"),
+    Field("dead_zone", "u8"),
+    Field("normal_dead_zone", "u8"),
     Field("anchor_count", "varint"),
     Field("isolated", "varint"),
 )
-METHODS: Final[Mapping[str, int]] = {"highpass": 0, "cartesian": 1}
+METHODS: Final[Mapping[str, int]] = {"highpass": 0, "cartesian": 1, "refined": 2}
 FLAG_DIFFUSION: Final = 1
 ANCHOR_METHODS: Final[Mapping[str | None, int]] = {
     "farthest": 0,
@@ -100,6 +105,8 @@ ANCHOR_METHODS: Final[Mapping[str | None, int]] = {
     "greedy": 2,
     None: 255,
 }
+# Dead zones are stored in hundredths of a step.
+ZONE_UNIT: Final = 100
 MAX_BITS: Final = 62
 BITS_FROM_STEP: Final = 255
 
@@ -115,7 +122,7 @@ META_FIELDS: Final = (
     Field("source", "string"),
 )
 
-# SPEC.md#56-chek
+# SPEC.md#57-chek
 
 CHECK_FIELDS: Final = (Field("digest", "bytes8"),)
 DIGEST_SIZE: Final = 8
@@ -147,6 +154,11 @@ class Parameters:
         Number of anchors; 0 for the Cartesian method.
     isolated : int
         Number of vertices without a face.
+    coarse : float
+        The step of the deltas over `step`; 1 unless they are refined.
+    dead_zone, normal_dead_zone : float
+        How far beyond half a step the encoder still rounded deltas, and refinements, to 0, in
+        steps; multiples of 0.01. The decoder has no use for them.
     """
 
     method: str
@@ -159,6 +171,9 @@ class Parameters:
     seed: int
     anchor_count: int
     isolated: int
+    coarse: float = 1.0
+    dead_zone: float = 0.0
+    normal_dead_zone: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -215,8 +230,8 @@ class Container:
 def parameter_faults(parameters: Parameters, vertices: int) -> Iterator[tuple[str, str]]:
     """Yield (field, what is wrong with it) by the rules of SPEC.md 4.1, for reader and writer."""
     p = parameters
-    highpass, least_squares = p.method == "highpass", p.method == "highpass" and p.bits == 0
-    if highpass == (p.anchor_method is None):
+    cartesian, least_squares = p.method == "cartesian", p.method == "highpass" and p.bits == 0
+    if cartesian != (p.anchor_method is None):
         yield "anchor_method", f"method {p.method} with anchor method {p.anchor_method or 'none'}"
     if p.bits is not None and not 0 <= p.bits <= MAX_BITS:
         yield "bits", f"{p.bits} bits, outside 0..{MAX_BITS}"
@@ -230,7 +245,12 @@ def parameter_faults(parameters: Parameters, vertices: int) -> Iterator[tuple[st
     for name, count in (("anchor_count", p.anchor_count), ("isolated", p.isolated)):
         if not 0 <= count <= vertices:
             yield name, f"{count} {name.split('_')[0]} vertices among {vertices}"
-    if not highpass and (p.anchor_step or p.anchor_count):
+    if not (1 <= p.coarse < math.inf and (p.method == "refined" or p.coarse == 1)):
+        yield "coarse", f"method {p.method} with deltas {p.coarse} times as coarse"
+    for name in ("dead_zone", "normal_dead_zone"):
+        if not 0 <= getattr(p, name) * ZONE_UNIT < 256:
+            yield name, f"a dead zone of {getattr(p, name)}"
+    if cartesian and (p.anchor_step or p.anchor_count):
         yield "anchor_count", "anchors in a Cartesian file"
 
 

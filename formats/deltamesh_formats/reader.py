@@ -232,6 +232,9 @@ def _read_parameters(view: memoryview, section: Section, vertices: int) -> Param
         seed=values["seed"],
         anchor_count=values["anchor_count"],
         isolated=values["isolated"],
+        coarse=values["coarse"],
+        dead_zone=values["dead_zone"] / layout.ZONE_UNIT,
+        normal_dead_zone=values["normal_dead_zone"] / layout.ZONE_UNIT,
     )
     for field, message in layout.parameter_faults(parameters, vertices):
         raise FormatError(message, offsets[field])

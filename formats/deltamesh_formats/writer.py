@@ -145,6 +145,9 @@ def _parameters(parameters: Parameters, vertices: int) -> bytes:
         "seed": parameters.seed,
         "anchor_count": parameters.anchor_count,
         "isolated": parameters.isolated,
+        "coarse": parameters.coarse,
+        "dead_zone": round(parameters.dead_zone * layout.ZONE_UNIT),
+        "normal_dead_zone": round(parameters.normal_dead_zone * layout.ZONE_UNIT),
     }
     return _section(layout.PARAMETERS, _fields(layout.PARAMETER_FIELDS, values))
 

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from deltamesh import cartesian, highpass
+from deltamesh import cartesian, highpass, refined
 from deltamesh.connectivity import decode_connectivity, encode_connectivity
 from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
 from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_limits
@@ -29,7 +29,7 @@ from deltamesh_formats.writer import write_container
 
 Progress = Callable[[str], None]
 
-_METHODS: Final = {"highpass": highpass, "cartesian": cartesian}
+_METHODS: Final = {"highpass": highpass, "refined": refined, "cartesian": cartesian}
 
 
 def silent(stage: str) -> None:
@@ -66,6 +66,7 @@ def encode(
     anchors: int | float | None = None,
     anchor_method: str = "farthest",
     seed: int = 0,
+    coarse: float | None = None,
     solver: str = "auto",
     threads: int | None = None,
     drop_isolated: bool = False,
@@ -83,14 +84,15 @@ def encode(
         Finite real numbers.
     faces : array_like (m, 3)
         Vertex indices from 0, of an oriented manifold, with or without boundary.
-    method : {"highpass", "cartesian"}
-        What is quantized: differential coordinates, or x, y and z.
+    method : {"highpass", "refined", "cartesian"}
+        What is quantized: differential coordinates; these coarsely, and their component along the
+        normal finely; or x, y and z.
     bits : int, optional
         The step is the range of what is quantized over 2^bits. With "highpass", 0 is a
         least-squares mesh: connectivity and anchors alone. Default for "cartesian": 11.
     step : float, optional
-        The step itself, in the unit of the vertices. Default for "highpass": 1/1000 of the diagonal
-        of the bounding box.
+        The step itself, in the unit of the vertices. Default but for "cartesian": 1/1000 of the
+        diagonal of the bounding box.
     diffusion : bool
         Hand the error of each rounding on to the neighbours still to come.
     anchors : int or float, optional
@@ -99,6 +101,8 @@ def encode(
     anchor_method : {"farthest", "greedy", "random"}
     seed : int
         Of the random anchors.
+    coarse : float, optional
+        With "refined", the step along the surface over that across it, 1 to 64. Default: 8.
     solver : {"auto", "rslab", "pardiso", "scipy"}
     threads : int, optional
         For the solver. Default: all cores. The bytes do not depend on it.
@@ -133,6 +137,7 @@ def encode(
         anchors=anchors,
         anchor_method=anchor_method,
         seed=seed,
+        coarse=coarse,
         solver=solver,
         threads=threads,
         drop_isolated=drop_isolated,
@@ -237,8 +242,11 @@ def _read(
 def _check_scale(container: Container, integers: Integers) -> None:
     """Refuse steps and origins that no mesh has: the positions would overflow."""
     p = container.parameters
-    values = max(int(np.abs(a).max(initial=0)) for a in (integers.values, integers.positions))
-    steps, origin = max(p.step, p.anchor_step), max(map(abs, p.origin))
+    values = max(
+        int(np.abs(a).max(initial=0))
+        for a in (integers.values, integers.positions, integers.refinements)
+    )
+    steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
     if not values * steps + origin <= 100 * LARGEST:
         raise FormatError("positions that are too large", container.sections["PARM"].offset)
 

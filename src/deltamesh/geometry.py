@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,12 +58,15 @@ class Integers:
         Grid points of the anchors.
     isolated : int64 (i, 3)
         Grid points of the isolated vertices.
+    refinements : int64 (n, 1)
+        Of the deltas along the normals; empty where there are none.
     """
 
     values: NDArray[np.int64]
     anchors: NDArray[np.int64]
     positions: NDArray[np.int64]
     isolated: NDArray[np.int64]
+    refinements: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 1), np.int64))
 
 
 NONE = np.zeros(0, dtype=np.int64)
@@ -71,8 +74,9 @@ NO_POINTS = np.zeros((0, 3), dtype=np.int64)
 
 
 def digest(faces: NDArray[np.int64], integers: Integers) -> bytes:
-    """Return the checksum of everything exact that a decoder makes (SPEC.md 5.6)."""
-    arrays = (faces, integers.values, integers.anchors, integers.positions, integers.isolated)
+    """Return the checksum of everything exact that a decoder makes (SPEC.md 5.7)."""
+    i = integers
+    arrays = (faces, i.values, i.anchors, i.positions, i.isolated, i.refinements)
     result = hashlib.blake2b(digest_size=8)
     for array in arrays:
         result.update(np.ascontiguousarray(array, dtype="<i8").data)

@@ -20,7 +20,13 @@ from deltamesh.kernels import delta as delta_kernels
 from deltamesh.kernels import points, residual
 from deltamesh.laplacian import adjacency_labels, adjacency_laplacian
 from deltamesh.metrics import diagonal
-from deltamesh.options import DEFAULT_HIGHPASS_STEP, Options
+from deltamesh.options import (
+    DEAD_ZONE,
+    DEFAULT_COARSE,
+    DEFAULT_HIGHPASS_STEP,
+    NORMAL_DEAD_ZONE,
+    Options,
+)
 from deltamesh.quantize import delta_step, from_grid, quantize_delta, to_delta, to_grid
 from deltamesh.solve import LeastSquares
 from deltamesh_formats.errors import FormatError, OptionError
@@ -60,15 +66,17 @@ def quantize(
     bits = options.effective_bits
     step = _step(vertices, delta, options)
     values = np.zeros((n, 3), dtype=np.int64)
+    refined = options.method == "refined"
+    coarse, zone = (options.coarse or DEFAULT_COARSE, DEAD_ZONE) if refined else (1.0, 0.0)
     if step:
-        values = quantize_delta(delta, surface.graph, step, options.diffusion)
+        values = quantize_delta(delta, surface.graph, coarse * step, options.diffusion, zone)
     everything = np.concatenate([vertices, isolated])
     origin, fine = everything.min(axis=0), _anchor_step(everything, step)
     grid, isolated_grid = to_grid(vertices, origin, fine), to_grid(isolated, origin, fine)
     anchored = from_grid(grid, origin, fine)
-    anchors = _choose(surface, L, vertices, to_delta(values, step), anchored, options)
+    anchors = _choose(surface, L, vertices, to_delta(values, coarse * step), anchored, options)
     parameters = Parameters(
-        method="highpass",
+        method=options.method,
         diffusion=options.diffusion,
         anchor_method=options.anchor_method,
         bits=bits,
@@ -78,6 +86,9 @@ def quantize(
         seed=options.seed,
         anchor_count=len(anchors),
         isolated=surface.isolated_count,
+        coarse=coarse,
+        dead_zone=zone,
+        normal_dead_zone=NORMAL_DEAD_ZONE if refined else 0.0,
     )
     return parameters, Integers(values, anchors, grid[anchors], isolated_grid)
 
@@ -95,12 +106,27 @@ def reconstruct(
     ------
     SolveError
     """
-    L = adjacency_laplacian(*surface.graph)
-    origin = np.array(parameters.origin)
-    positions = from_grid(integers.positions, origin, parameters.anchor_step)
-    system = LeastSquares(L, integers.anchors, solver, threads)
-    vertices = system.solve(to_delta(integers.values, parameters.step), positions)
-    return np.concatenate([vertices, from_grid(integers.isolated, origin, parameters.anchor_step)])
+    system = LeastSquares(adjacency_laplacian(*surface.graph), integers.anchors, solver, threads)
+    vertices = system.solve(deltas(parameters, integers), anchor_positions(parameters, integers))
+    return with_isolated(vertices, parameters, integers)
+
+
+def deltas(parameters: Parameters, integers: Integers) -> NDArray[np.float64]:
+    """Return the delta coordinates as they were quantized, before any refinement."""
+    return to_delta(integers.values, parameters.coarse * parameters.step)
+
+
+def anchor_positions(parameters: Parameters, integers: Integers) -> NDArray[np.float64]:
+    """Return the positions of the anchors."""
+    return from_grid(integers.positions, np.array(parameters.origin), parameters.anchor_step)
+
+
+def with_isolated(
+    vertices: NDArray[np.float64], parameters: Parameters, integers: Integers
+) -> NDArray[np.float64]:
+    """Return the vertices of the faces, then the isolated ones."""
+    isolated = from_grid(integers.isolated, np.array(parameters.origin), parameters.anchor_step)
+    return np.concatenate([vertices, isolated])
 
 
 def _step(vertices: NDArray[np.float64], delta: NDArray[np.float64], options: Options) -> float:

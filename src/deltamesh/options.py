@@ -8,13 +8,19 @@ from numbers import Integral
 
 from deltamesh_formats.errors import OptionError
 
-METHODS = ("highpass", "cartesian")
+METHODS = ("highpass", "refined", "cartesian")
 ANCHOR_METHODS = ("farthest", "greedy", "random")
 # What is asked for by default: bits a coordinate, and a step in diagonals of the bounding box. The
 # range of the deltas is no scale to go by: one vertex of high valence makes it a thousand times
 # what it is elsewhere.
 DEFAULT_CARTESIAN_BITS = 11
 DEFAULT_HIGHPASS_STEP = 1 / 1000
+
+# How coarse the deltas are that get refined along the normals, and the dead zones of both.
+DEFAULT_COARSE = 8.0
+MAX_COARSE = 64.0
+DEAD_ZONE = 0.2
+NORMAL_DEAD_ZONE = 0.1
 SOLVERS = ("auto", "rslab", "pardiso", "scipy")
 MAX_BITS = 30
 MAX_THREADS = 1024
@@ -40,6 +46,7 @@ class Options:
     seed: int = 0
     solver: str = "auto"
     threads: int | None = None
+    coarse: float | None = None
     drop_isolated: bool = False
     source_format: str = ""
 
@@ -48,6 +55,10 @@ class Options:
         _require_one_of("anchor_method", self.anchor_method, ANCHOR_METHODS)
         _require_one_of("solver", self.solver, SOLVERS)
         _require(self.bits is None or self.step is None, "bits and step exclude each other")
+        if self.coarse is not None:
+            _require(self.method == "refined", f"coarse means nothing with method {self.method}")
+            fits = 1 <= self.coarse <= MAX_COARSE
+            _require(fits, f"coarse must lie in 1..{MAX_COARSE:g}, not {self.coarse!r}")
         if self.bits is not None:
             _require_within("bits", self.bits, 0 if self.method == "highpass" else 1, MAX_BITS)
         if self.step is not None:

@@ -60,6 +60,7 @@ def quantize_delta(
     graph: tuple[NDArray[np.int64], NDArray[np.int64]],
     step: float,
     diffusion: bool,
+    zone: float = 0.0,
 ) -> NDArray[np.int64]:
     """Round delta / step, with error diffusion or without.
 
@@ -69,15 +70,17 @@ def quantize_delta(
 
     Parameters
     ----------
-    delta : float64 (n, 3)
+    delta : float64 (n, d)
     graph : pair of int64 arrays
         Neighbours, from `laplacian.adjacency`.
     step : float
     diffusion : bool
+    zone : float
+        Dead zone: round to 0 up to 0.5 + zone steps.
 
     Returns
     -------
-    int64 (n, 3)
+    int64 (n, d)
 
     Raises
     ------
@@ -86,9 +89,10 @@ def quantize_delta(
     """
     _check_size(delta / step, step)
     if not diffusion:
-        return np.rint(delta / step).astype(np.int64)
+        steps = delta / step
+        return np.where(np.abs(steps) > 0.5 + zone, np.rint(steps), 0).astype(np.int64)
     out = np.empty(delta.shape, dtype=np.int64)
-    kernels.diffuse(*graph, delta.copy(), step, out)
+    kernels.diffuse(*graph, delta.copy(), step, zone, out)
     return out
 
 

@@ -62,16 +62,15 @@ def weld(vertices: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.i
     welded : int64 (n,)
         For each vertex, its index among `keep`.
     """
-    V = vertices + 0.0  # -0.0 becomes 0.0
-    order = np.lexsort(V.T)
-    new = np.ones(len(V), dtype=bool)
-    new[1:] = (V[order[1:]] != V[order[:-1]]).any(axis=1)
+    order = np.lexsort(vertices.T)  # -0.0 and 0.0 are equal here, as they are below
+    new = np.ones(len(vertices), dtype=bool)
+    new[1:] = (vertices[order[1:]] != vertices[order[:-1]]).any(axis=1)
     group = np.cumsum(new) - 1
     # lexsort is stable: the first of a group is its lowest index.
     first = order[new]
     rank = np.empty(len(first), dtype=np.int64)
     rank[np.argsort(first)] = np.arange(len(first))
-    welded = np.empty(len(V), dtype=np.int64)
+    welded = np.empty(len(vertices), dtype=np.int64)
     welded[order] = rank[group]
     return np.sort(first), welded
 

@@ -20,6 +20,7 @@ from deltamesh.kernels.residual import (
     KNOWN,
     LAST,
     NEIGHBOURS,
+    SPENT,
     SUM,
     code_vector,
 )
@@ -52,14 +53,45 @@ def code_deltas(c: Coder, indptr: _Ints, indices: _Ints, values: _Ints) -> None:
 
 
 @kernel
-def diffuse(indptr: _Ints, indices: _Ints, delta: _Floats, step: float, out: _Ints) -> None:
-    """Round delta / step into `out` (n, 3), handing errors on; `delta` (n, 3) is used up."""
+def code_refinements(c: Coder, indptr: _Ints, indices: _Ints, deltas: _Ints, values: _Ints) -> None:
+    """Code `values` (n, 1), filled in place when decoding, where the `deltas` (n, 3) are known."""
+    known = np.zeros(KNOWN, np.int64)
+    for i in range(len(values)):
+        known[:] = 0
+        around = np.int64(0)
+        for at in range(indptr[i], indptr[i + 1]):
+            j = indices[at]
+            around += abs(deltas[j, 0]) + abs(deltas[j, 1]) + abs(deltas[j, 2])
+            if j < i:
+                known[NEIGHBOURS] += 1
+                known[SUM] += values[j, 0]
+                size = abs(values[j, 0])
+                known[ABSOLUTE] += size
+                known[HINT] = max(known[HINT], size)
+        valence = indptr[i + 1] - indptr[i]
+        known[ABSOLUTE + 1] = known[NEIGHBOURS] * around // valence
+        known[SPENT] = 2 * (abs(deltas[i, 0]) + abs(deltas[i, 1]) + abs(deltas[i, 2]))
+        known[LAST] = values[i - 1, 0] if i > 0 else 0
+        known[KIND] = min(known[NEIGHBOURS], 3)
+        known[HINT_ALL] = min(valence, 15)
+        code_vector(c, values[i], known)
+
+
+@kernel
+def diffuse(
+    indptr: _Ints, indices: _Ints, delta: _Floats, step: float, zone: float, out: _Ints
+) -> None:
+    """Round delta / step into `out` (n, d), handing errors on; `delta` (n, d) is used up.
+
+    What is within 0.5 + `zone` steps of 0 becomes 0.
+    """
     for i in range(len(out)):
         waiting = 0
         for at in range(indptr[i], indptr[i + 1]):
             waiting += indices[at] > i
-        for axis in range(3):
-            rounded = np.rint(delta[i, axis] / step)
+        for axis in range(out.shape[1]):
+            steps = delta[i, axis] / step
+            rounded = np.rint(steps) if abs(steps) > 0.5 + zone else 0.0
             out[i, axis] = np.int64(rounded)
             error = delta[i, axis] - rounded * step
             for at in range(indptr[i], indptr[i + 1]):

@@ -37,10 +37,11 @@ MIXERS = 3 * (((MAGNITUDES, LIMIT),) * LENGTHS + ((MANTISSAS, LIMIT), (SIGNS, LI
 
 # Indices into what a caller knows of a vertex: for each axis, sums over the known neighbours, the
 # value of the vertex before, and a magnitude of the caller's choice; then for all axes: the
-# neighbours known, and two small classes of the caller's choice, below 4 and below 16.
+# neighbours known, two small classes of the caller's choice, below 4 and below 16, and what
+# magnitude the vertex is known to have before its first coordinate.
 SUM, ABSOLUTE, LAST, HINT = 0, 3, 6, 9
-NEIGHBOURS, KIND, HINT_ALL = 12, 13, 14
-KNOWN = 15
+NEIGHBOURS, KIND, HINT_ALL, SPENT = 12, 13, 14, 15
+KNOWN = 16
 
 
 @inlined
@@ -57,12 +58,12 @@ def level(x: Int) -> Int:
 
 @kernel
 def code_vector(c: Coder, value: NDArray[np.int64], known: NDArray[np.int64]) -> None:
-    """Code `value` (3,), in place when decoding, in the light of what is `known` (KNOWN,)."""
+    """Code `value` (3,) or (1,), in place when decoding, in the light of `known` (KNOWN,)."""
     slots = np.empty(INPUTS, np.int64)
     total = known[ABSOLUTE] + known[ABSOLUTE + 1] + known[ABSOLUTE + 2]
-    spent = np.int64(0)  # |v| of the coordinates before
+    spent = known[SPENT]  # and |v| of the coordinates before
     along = np.int64(0)  # their scalar product with the sum over the neighbours
-    for axis in range(3):
+    for axis in range(len(value)):
         _set_magnitude_contexts(slots, known, axis, total, spent)
         _set_sign_contexts(slots, known, axis, along)
         value[axis] = _code_number(c, value[axis], slots, axis * AXIS_MIXERS)

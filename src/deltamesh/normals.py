@@ -1,0 +1,39 @@
+"""Vertex normals of a reconstructed surface."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+# Where the faces around a vertex all but cancel, a direction would be rounding noise, and encoder
+# and decoder would disagree in it: the normal fades to zero below that share of the area instead.
+FADE = 1e-6
+
+
+def vertex_normals(V: NDArray[np.float64], F: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return the sums of the area-weighted normals of the faces around each vertex, normalized.
+
+    Parameters
+    ----------
+    V : float64 (n, 3)
+    F : int64 (m, 3)
+
+    Returns
+    -------
+    float64 (n, 3)
+        s / (|s| + FADE * a), s the sum of the cross products of the faces and a that of their
+        lengths: of length 1, nearly, or less where they cancel; zero where there is no area.
+    """
+    a, b, c = V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
+    cross = np.cross(b - a, c - a)
+    area = np.linalg.norm(cross, axis=1)
+    corners = F.T.ravel()
+    s = np.stack([_gather(corners, np.tile(cross[:, k], 3), len(V)) for k in range(3)], axis=1)
+    length = np.linalg.norm(s, axis=1) + FADE * _gather(corners, np.tile(area, 3), len(V))
+    length[length == 0] = 1.0  # where s is zero, too
+    normals: NDArray[np.float64] = s / length[:, None]
+    return normals
+
+
+def _gather(corners: NDArray[np.int64], values: NDArray[np.float64], n: int) -> NDArray[np.float64]:
+    return np.bincount(corners, weights=values, minlength=n).astype(np.float64)
