@@ -39,6 +39,14 @@ def test_normals_of_a_sphere_point_outwards():
     assert ((vertex_normals(V, F) * V).sum(axis=1) > 0.99).all()
 
 
+@pytest.mark.parametrize("scale", [1e-150, 1e140])
+def test_scale_changes_nothing(scale):
+    V, F = TORUS
+    np.testing.assert_allclose(vertex_normals(V * scale, F), vertex_normals(V, F), atol=1e-12)
+    one = refined((V * scale, F))
+    assert np.abs(one.mesh.vertices / scale - refined(TORUS).mesh.vertices).max() < 1e-9
+
+
 def test_normals_fade_where_faces_cancel():
     V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 5, 5]])
     F = np.array([[0, 1, 2], [0, 2, 1]])

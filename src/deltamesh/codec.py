@@ -244,7 +244,7 @@ def _check_scale(container: Container, integers: Integers) -> None:
     p = container.parameters
     values = max(
         int(np.abs(a).max(initial=0))
-        for a in (integers.values, integers.positions, integers.refinements)
+        for a in (integers.values, integers.positions, integers.isolated, integers.refinements)
     )
     steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
     if not values * steps + origin <= 100 * LARGEST:

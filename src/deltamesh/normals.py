@@ -24,6 +24,8 @@ def vertex_normals(V: NDArray[np.float64], F: NDArray[np.int64]) -> NDArray[np.f
         s / (|s| + FADE * a), s the sum of the cross products of the faces and a that of their
         lengths: of length 1, nearly, or less where they cancel; zero where there is no area.
     """
+    extent = float(np.ptp(V, axis=0).max(initial=0.0)) or 1.0
+    V = (V - V[:1]) / extent  # products of coordinates then neither overflow nor vanish
     a, b, c = V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
     cross = np.cross(b - a, c - a)
     area = np.linalg.norm(cross, axis=1)
