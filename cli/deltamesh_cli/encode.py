@@ -20,6 +20,8 @@ _EXAMPLES = """\
 deltamesh encode bunny.ply                      writes bunny.ply.dmesh
 deltamesh encode bunny.ply small.dmesh --bits 6
 deltamesh encode scan.obj --step 0.01 --anchors 500
+deltamesh encode scan.obj --method refined --normal-error 1
+deltamesh encode part.stl --method cartesian --max-error 0.05
 deltamesh encode part.stl --method cartesian --bits 12
 cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 """
@@ -50,6 +52,24 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
     metavar="LENGTH",
     help="The step itself, in the unit of the mesh, instead of --bits."
     "  [default: highpass 1/1000 of the diagonal of the bounding box]",
+)
+@click.option(
+    "--normal-error",
+    type=options.length,
+    metavar="DEG",
+    help="The quality instead of the step: the mean deviation of the face normals, in degrees.",
+)
+@click.option(
+    "--max-error",
+    type=options.length,
+    metavar="LENGTH",
+    help="Likewise: no vertex further from where it was than that, in the unit of the mesh.",
+)
+@click.option(
+    "--max-error-rel",
+    type=options.length,
+    metavar="FRACTION",
+    help="Likewise, as a fraction of the diagonal of the bounding box.",
 )
 @click.option(
     "--coarse",
@@ -125,8 +145,7 @@ def command(
         target = source if source == files.STDIO else source + files.SUFFIX
     if parameters["method"] == "cartesian":
         _refuse_high_pass_options(parameters)
-    if parameters["bits"] is not None and parameters["step"] is not None:
-        raise click.UsageError("--bits and --step exclude each other.")
+    _refuse_two_rates(parameters)
     if source == files.STDIO and input_format is None:
         raise click.UsageError("Reading from standard input needs --input-format.")
     files.check_usage(target, as_json)
@@ -145,6 +164,13 @@ def command(
             _print_summary((source, len(original)), target, data, as_json)
 
     each([source], encode, as_json=as_json)
+
+
+def _refuse_two_rates(parameters: dict[str, Any]) -> None:
+    names = ("bits", "step", "normal_error", "max_error", "max_error_rel")
+    given = [f"--{name.replace('_', '-')}" for name in names if parameters[name] is not None]
+    if len(given) > 1:
+        raise click.UsageError(f"{' and '.join(given)} exclude each other.")
 
 
 def _refuse_high_pass_options(parameters: dict[str, Any]) -> None:

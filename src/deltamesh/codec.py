@@ -18,8 +18,9 @@ from deltamesh.connectivity import decode_connectivity, encode_connectivity
 from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
 from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_limits
 from deltamesh.mesh import LARGEST, Mesh, checked_mesh
-from deltamesh.metrics import diagonal, vertex_errors
+from deltamesh.metrics import VertexErrors, diagonal, vertex_errors
 from deltamesh.options import Options
+from deltamesh.targets import aim
 from deltamesh.topology import Topology, build_topology, weld
 from deltamesh.version import __version__
 from deltamesh_formats.errors import FormatError, MeshError
@@ -62,6 +63,9 @@ def encode(
     method: str = "highpass",
     bits: int | None = None,
     step: float | None = None,
+    normal_error: float | None = None,
+    max_error: float | None = None,
+    max_error_rel: float | None = None,
     diffusion: bool = True,
     anchors: int | float | None = None,
     anchor_method: str = "farthest",
@@ -93,6 +97,12 @@ def encode(
     step : float, optional
         The step itself, in the unit of the vertices. Default but for "cartesian": 1/1000 of the
         diagonal of the bounding box.
+    normal_error : float, optional
+        Instead of bits or a step: the largest mean deviation of the face normals, in degrees. The
+        step is found by decoding; the file keeps the bound.
+    max_error, max_error_rel : float, optional
+        Likewise, the largest distance of any vertex from where it was: in the unit of the vertices,
+        or as a fraction of the diagonal of the bounding box.
     diffusion : bool
         Hand the error of each rounding on to the neighbours still to come.
     anchors : int or float, optional
@@ -123,6 +133,8 @@ def encode(
     MeshError
         If the mesh is not such a manifold; the first element at fault is named.
     OptionError
+    TargetError
+        If no step keeps the error within its bound.
     SolveError
 
     Notes
@@ -133,6 +145,9 @@ def encode(
         method=method,
         bits=bits,
         step=step,
+        normal_error=normal_error,
+        max_error=max_error,
+        max_error_rel=max_error_rel,
         diffusion=diffusion,
         anchors=anchors,
         anchor_method=anchor_method,
@@ -160,11 +175,18 @@ def encode_mesh(mesh: Mesh, options: Options, progress: Progress = silent) -> En
     surface = surface_of(connectivity.faces, len(used), len(isolated))
     coder = _METHODS[options.method]
     V = mesh.vertices
+    order = np.concatenate([used, isolated])
+
+    def errors_with(options: Options) -> VertexErrors:
+        parameters, integers = coder.quantize(surface, V[used], V[isolated], options)
+        W = coder.reconstruct(surface, parameters, integers, options.solver, options.threads)
+        return vertex_errors(V[order], W, surface.faces)
+
+    options = aim(options, diagonal(V[order]), errors_with)
     parameters, integers = coder.quantize(surface, V[used], V[isolated], options)
     payloads = {"CONN": payload, **coder.write(surface, parameters, integers)}
     progress("checking")
     decoded = coder.reconstruct(surface, parameters, integers, options.solver, options.threads)
-    order = np.concatenate([used, isolated])
     meta = _measure(V[order], decoded, surface, options.source_format)
     checksum = digest(surface.faces, integers)
     data = write_container(len(order), len(surface.faces), parameters, payloads, meta, checksum)

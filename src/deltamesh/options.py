@@ -22,6 +22,8 @@ MAX_COARSE = 64.0
 DEAD_ZONE = 0.2
 NORMAL_DEAD_ZONE = 0.1
 SOLVERS = ("auto", "rslab", "pardiso", "scipy")
+# The ways to say how small or how good: at most one of them.
+RATES = ("bits", "step", "normal_error", "max_error", "max_error_rel")
 MAX_BITS = 30
 MAX_THREADS = 1024
 MAX_NAME = 255
@@ -40,6 +42,9 @@ class Options:
     method: str = "highpass"
     bits: int | None = None
     step: float | None = None
+    normal_error: float | None = None
+    max_error: float | None = None
+    max_error_rel: float | None = None
     diffusion: bool = True
     anchors: int | float | None = None
     anchor_method: str = "farthest"
@@ -54,16 +59,18 @@ class Options:
         _require_one_of("method", self.method, METHODS)
         _require_one_of("anchor_method", self.anchor_method, ANCHOR_METHODS)
         _require_one_of("solver", self.solver, SOLVERS)
-        _require(self.bits is None or self.step is None, "bits and step exclude each other")
+        given = [name for name in RATES if getattr(self, name) is not None]
+        _require(len(given) <= 1, f"{' and '.join(given)} exclude each other")
+        for name in RATES[1:]:
+            value = getattr(self, name)
+            fits = value is None or (math.isfinite(value) and value > 0)
+            _require(fits, f"{name} must be a number above 0, not {value}")
         if self.coarse is not None:
             _require(self.method == "refined", f"coarse means nothing with method {self.method}")
             fits = 1 <= self.coarse <= MAX_COARSE
             _require(fits, f"coarse must lie in 1..{MAX_COARSE:g}, not {self.coarse!r}")
         if self.bits is not None:
             _require_within("bits", self.bits, 0 if self.method == "highpass" else 1, MAX_BITS)
-        if self.step is not None:
-            fits = math.isfinite(self.step) and self.step > 0
-            _require(fits, f"step must be a length above 0, not {self.step}")
         _require_within("seed", self.seed, 0, (1 << 64) - 1)
         if self.threads is not None:
             _require_within("threads", self.threads, 1, MAX_THREADS)
@@ -73,7 +80,7 @@ class Options:
     @property
     def effective_bits(self) -> int | None:
         """Bits per coordinate, None for a step."""
-        if self.bits is None and self.step is None and self.method == "cartesian":
+        if all(getattr(self, name) is None for name in RATES) and self.method == "cartesian":
             return DEFAULT_CARTESIAN_BITS
         return self.bits
 

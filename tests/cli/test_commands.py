@@ -197,3 +197,21 @@ def test_a_table_is_aligned() -> None:
 def test_the_formats_and_solvers_offered_are_those_there_are() -> None:
     assert set(options.MESH_FORMATS) == set(meshfile.FORMATS)
     assert np.all([name in options.MESH_FORMATS for name in options.TEXT_FORMATS])
+
+
+def test_a_target_that_cannot_be_met_has_its_own_exit_code(folder: Path, capsys) -> None:
+    code = cli("encode torus.ply out.dmesh --method cartesian --max-error-rel 1e-15")
+    assert code == 4
+    assert "cannot be met" in capsys.readouterr().err
+    assert not (folder / "out.dmesh").exists()
+
+
+def test_a_target_is_met_and_told(folder: Path, capsys) -> None:
+    assert cli("encode torus.ply out.dmesh --normal-error 0.5 --json") == 0
+    told = json.loads(capsys.readouterr().out)
+    assert 0.3 < told["errors"]["normal_deviation_degrees"] <= 0.5
+
+
+def test_two_rates_are_a_usage_error(folder: Path, capsys) -> None:
+    assert cli("encode torus.ply out.dmesh --bits 8 --normal-error 1") == 2
+    assert "exclude each other" in capsys.readouterr().err
