@@ -83,8 +83,9 @@ class Coder(NamedTuple):
 
 @inlined
 def _next_byte(c: Coder) -> Int:
-    position = c.state[POSITION]
-    c.state[POSITION] = position + 1
+    state = c.state
+    position = state[POSITION]
+    state[POSITION] = position + 1
     # The encoder leaves trailing zeros out.
     return np.int64(c.data[position]) if position < c.data.size else np.int64(0)
 
@@ -92,34 +93,37 @@ def _next_byte(c: Coder) -> Int:
 @kernel
 def start_decoding(c: Coder) -> None:
     """Fill the code register with the first four bytes."""
-    c.state[DECODING] = 1
+    state = c.state
+    state[DECODING] = 1
     for _ in range(4):
-        c.state[CODE] = (c.state[CODE] << 8) | _next_byte(c)
+        state[CODE] = (state[CODE] << 8) | _next_byte(c)
 
 
 @inlined
 def _put_byte(c: Coder, byte: Int) -> None:
     """Store a byte; past the end of the buffer only count, and the caller grows it."""
-    position = c.state[POSITION]
+    state = c.state
+    position = state[POSITION]
     if 0 <= position < c.data.size:
         c.data[position] = byte
-    c.state[POSITION] = position + 1
+    state[POSITION] = position + 1
 
 
 @kernel
 def _shift_low(c: Coder) -> None:
     """Move the top byte of LOW out, holding back bytes that a carry may still change."""
-    low = c.state[LOW]
+    state = c.state
+    low = state[LOW]
     if low < 0xFF000000 or low > MASK32:
         carry = low >> 32
-        _put_byte(c, (c.state[CACHE] + carry) & 0xFF)
-        while c.state[PENDING] > 0:
+        _put_byte(c, (state[CACHE] + carry) & 0xFF)
+        while state[PENDING] > 0:
             _put_byte(c, (0xFF + carry) & 0xFF)
-            c.state[PENDING] -= 1
-        c.state[CACHE] = (low >> 24) & 0xFF
+            state[PENDING] -= 1
+        state[CACHE] = (low >> 24) & 0xFF
     else:
-        c.state[PENDING] += 1
-    c.state[LOW] = (low << 8) & MASK32
+        state[PENDING] += 1
+    state[LOW] = (low << 8) & MASK32
 
 
 @inlined
@@ -138,17 +142,19 @@ def is_finished(c: Coder) -> Flag:
 
     The decoder keeps LOW too, but for carries, so that a stream has one form only.
     """
-    low = c.state[LOW] & MASK32
-    return c.state[CODE] == _roundest(low, c.state[RANGE]) - low
+    state = c.state
+    low = state[LOW] & MASK32
+    return state[CODE] == _roundest(low, state[RANGE]) - low
 
 
 @kernel
 def finish_encoding(c: Coder) -> Int:
     """Flush, with as many zero bytes at the end as can be, leave these out, return the length."""
-    c.state[LOW] = _roundest(c.state[LOW], c.state[RANGE])
+    state = c.state
+    state[LOW] = _roundest(state[LOW], state[RANGE])
     for _ in range(5):
         _shift_low(c)
-    length = c.state[POSITION]
+    length = state[POSITION]
     while 0 < length <= c.data.size and c.data[length - 1] == 0:
         length -= 1
     return length
@@ -157,24 +163,25 @@ def finish_encoding(c: Coder) -> Int:
 @inlined
 def _code_with(c: Coder, bit: Int, p: Int) -> Int:
     """Code one bit whose probability of being one is p / 65536."""
-    span = c.state[RANGE]
+    state = c.state
+    span = state[RANGE]
     bound = (span >> 16) * p
-    if c.state[DECODING] == 1:
-        code = c.state[CODE]
+    if state[DECODING] == 1:
+        code = state[CODE]
         bit = np.int64(code < bound)
         if bit == 0:
-            c.state[CODE] = code - bound
+            state[CODE] = code - bound
     if bit == 0:
-        c.state[LOW] += bound
+        state[LOW] += bound
     span = bound if bit == 1 else span - bound
     while span < TOP:
         span <<= 8
-        if c.state[DECODING] == 1:
-            c.state[CODE] = (c.state[CODE] << 8) | _next_byte(c)
-            c.state[LOW] = (c.state[LOW] << 8) & MASK32
+        if state[DECODING] == 1:
+            state[CODE] = (state[CODE] << 8) | _next_byte(c)
+            state[LOW] = (state[LOW] << 8) & MASK32
         else:
             _shift_low(c)
-    c.state[RANGE] = span
+    state[RANGE] = span
     return bit
 
 
@@ -194,25 +201,26 @@ def code_bit(c: Coder, bit: Int, mixer: Int) -> Int:
     It is predicted by the slots that the caller has put into `state[CONTEXT:]`, as many as the
     mixer has inputs.
     """
+    memory = c.memory
     weights = c.state[MIXERS] + mixer * MIXER_SIZE
-    inputs, limit = c.memory[weights + MIXER_INPUTS], c.memory[weights + MIXER_LIMIT]
+    inputs, limit = memory[weights + MIXER_INPUTS], memory[weights + MIXER_LIMIT]
     dot = 0
     for i in range(inputs):
-        slot = c.memory[c.state[CONTEXT + i]]
+        slot = memory[c.state[CONTEXT + i]]
         stretched = np.int64(STRETCH[slot >> (PROBABILITY_BITS - 12 + COUNT_BITS)])
         c.state[INPUT + i] = stretched
-        dot += c.memory[weights + i] * stretched
+        dot += memory[weights + i] * stretched
     p = np.int64(SQUASH[min(max(dot >> 16, -2047), 2047) + 2048])
     bit = _code_with(c, bit, p)
     error = (bit << 16) - p
-    young = c.memory[weights + MIXER_YOUTH] > 0
-    c.memory[weights + MIXER_YOUTH] -= young
+    young = memory[weights + MIXER_YOUTH] > 0
+    memory[weights + MIXER_YOUTH] -= young
     shift = 14 if young else 15
     for i in range(inputs):
-        c.memory[weights + i] += (c.state[INPUT + i] * error + (1 << (shift - 1))) >> shift
-        slot = c.memory[c.state[CONTEXT + i]]
+        memory[weights + i] += (c.state[INPUT + i] * error + (1 << (shift - 1))) >> shift
+        slot = memory[c.state[CONTEXT + i]]
         count = slot & COUNT_MASK
         probability = slot >> COUNT_BITS
         probability += (((bit << PROBABILITY_BITS) - probability) * np.int64(RATE[count])) >> 16
-        c.memory[c.state[CONTEXT + i]] = (probability << COUNT_BITS) | min(count + 1, limit)
+        memory[c.state[CONTEXT + i]] = (probability << COUNT_BITS) | min(count + 1, limit)
     return bit

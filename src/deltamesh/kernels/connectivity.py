@@ -80,10 +80,11 @@ class Region(NamedTuple):
 @kernel
 def grow(c: Coder, front: Front, r: Region, loops: Int, loop_start: Int) -> Int:
     """Visit all faces; return OK, or CORRUPT for a stream that no encoder has written."""
+    counts = front.counts
     seed = 0
     encoding = c.state[DECODING] == 0
     remaining = loops
-    while front.counts[FACES] < len(r.faces):
+    while counts[FACES] < len(r.faces):
         pivot = choose_pivot(front)
         if pivot < 0:
             while encoding and r.halfedges[3 * seed].node == DONE:
@@ -96,7 +97,7 @@ def grow(c: Coder, front: Front, r: Region, loops: Int, loop_start: Int) -> Int:
             status = OK if remaining >= 0 else CORRUPT
         if status != OK:
             return status
-    complete = choose_pivot(front) < 0 and front.counts[VERTICES] == len(r.vertices)
+    complete = choose_pivot(front) < 0 and counts[VERTICES] == len(r.vertices)
     return OK if complete and remaining == 0 else CORRUPT
 
 
@@ -107,30 +108,34 @@ def _is_done(r: Region, h: Int) -> Flag:
 
 @inlined
 def _add_face(front: Front, r: Region, a: Int, b: Int, c: Int) -> None:
-    f = front.counts[FACES]
-    front.counts[FACES] = f + 1
+    counts = front.counts
+    f = counts[FACES]
+    counts[FACES] = f + 1
     r.faces[f, 0], r.faces[f, 1], r.faces[f, 2] = a, b, c
 
 
 @inlined
 def _set_gate(c: Coder, front: Front, r: Region, a: Int, b: Int, behind: Int, inner: Int) -> None:
     """Link a to b across the half-edge `inner` (b to a) of the visited face."""
+    halfedges = r.halfedges
     gate = -1
     if c.state[DECODING] == 0:
-        gate = r.halfedges[inner].opposite
-        r.halfedges[gate].node = a
+        gate = halfedges[inner].opposite
+        halfedges[gate].node = a
     link(front, a, b, behind, gate)
 
 
 @kernel
 def _add_vertex(c: Coder, front: Front, r: Region, vertex: Int, mixer: Int) -> Int:
     """Code a vertex that is no loop's; return its node."""
-    new = front.counts[VERTICES]
-    front.counts[VERTICES] = new + 1
-    degree = r.old[vertex].degree if c.state[DECODING] == 0 else 0
+    counts = front.counts
+    state = c.state
+    new = counts[VERTICES]
+    counts[VERTICES] = new + 1
+    degree = r.old[vertex].degree if state[DECODING] == 0 else 0
     r.vertices[new].valence = code_valence(c, degree, r.model, mixer)
     r.vertices[new].is_loop = False
-    if c.state[DECODING] == 0:
+    if state[DECODING] == 0:
         r.old[vertex].new = new
         r.vertices[new].old = vertex
     return add_node(front, new, r.vertices[new].valence - 2)
@@ -139,12 +144,14 @@ def _add_vertex(c: Coder, front: Front, r: Region, vertex: Int, mixer: Int) -> I
 @kernel
 def _add_loop(c: Coder, front: Front, r: Region, vertex: Int) -> Int:
     """Code a vertex that closes a boundary loop; return its node."""
-    new = front.counts[VERTICES]
-    front.counts[VERTICES] = new + 1
-    degree = r.old[vertex].degree if c.state[DECODING] == 0 else 1
+    counts = front.counts
+    state = c.state
+    new = counts[VERTICES]
+    counts[VERTICES] = new + 1
+    degree = r.old[vertex].degree if state[DECODING] == 0 else 1
     r.vertices[new].valence = code_number(c, degree, np.int64(OF_LOOP))
     r.vertices[new].is_loop = True
-    if c.state[DECODING] == 0:
+    if state[DECODING] == 0:
         r.old[vertex].new = new
         r.vertices[new].old = vertex
     return add_node(front, new, max(r.vertices[new].valence - 2, 0))
@@ -153,17 +160,19 @@ def _add_loop(c: Coder, front: Front, r: Region, vertex: Int) -> Int:
 @kernel
 def _begin(c: Coder, front: Front, r: Region, seed: Int) -> Int:
     """Begin a component with a face; its three edges are the first front."""
+    nodes = front.nodes
+    halfedges = r.halfedges
     if front.counts[VERTICES] + 3 > len(r.vertices):
         return CORRUPT
     mixer = seed_contexts(r.model)
     encoding = c.state[DECODING] == 0
-    n0 = _add_vertex(c, front, r, r.halfedges[3 * seed].origin if encoding else 0, mixer)
-    n1 = _add_vertex(c, front, r, r.halfedges[3 * seed + 1].origin if encoding else 0, mixer)
-    n2 = _add_vertex(c, front, r, r.halfedges[3 * seed + 2].origin if encoding else 0, mixer)
-    v0, v1, v2 = front.nodes[n0].vertex, front.nodes[n1].vertex, front.nodes[n2].vertex
+    n0 = _add_vertex(c, front, r, halfedges[3 * seed].origin if encoding else 0, mixer)
+    n1 = _add_vertex(c, front, r, halfedges[3 * seed + 1].origin if encoding else 0, mixer)
+    n2 = _add_vertex(c, front, r, halfedges[3 * seed + 2].origin if encoding else 0, mixer)
+    v0, v1, v2 = nodes[n0].vertex, nodes[n1].vertex, nodes[n2].vertex
     _add_face(front, r, v0, v1, v2)
     if encoding:
-        r.halfedges[3 * seed].node = DONE
+        halfedges[3 * seed].node = DONE
     _set_gate(c, front, r, n1, n0, v2, 3 * seed)
     _set_gate(c, front, r, n2, n1, v0, 3 * seed + 1)
     _set_gate(c, front, r, n0, n2, v1, 3 * seed + 2)
@@ -173,43 +182,44 @@ def _begin(c: Coder, front: Front, r: Region, seed: Int) -> Int:
 @kernel
 def _close(c: Coder, front: Front, r: Region, node: Int) -> Int:
     """Add the one face left at a node without free edges."""
-    before, after = front.nodes[node].predecessor, front.nodes[node].successor
-    _add_face(
-        front, r, front.nodes[before].vertex, front.nodes[node].vertex, front.nodes[after].vertex
-    )
-    gate = front.nodes[before].gate
+    nodes = front.nodes
+    before, after = nodes[node].predecessor, nodes[node].successor
+    _add_face(front, r, nodes[before].vertex, nodes[node].vertex, nodes[after].vertex)
+    gate = nodes[before].gate
     if c.state[DECODING] == 0:
         r.halfedges[gate - gate % 3].node = DONE
     remove_node(front, node)
-    if front.nodes[after].successor == before:  # the last face of a front
+    if nodes[after].successor == before:  # the last face of a front
         remove_node(front, before)
         remove_node(front, after)
-        return OK if front.nodes[before].free == 0 and front.nodes[after].free == 0 else CORRUPT
-    if front.nodes[before].free == 0 or front.nodes[after].free == 0:
+        return OK if nodes[before].free == 0 and nodes[after].free == 0 else CORRUPT
+    if nodes[before].free == 0 or nodes[after].free == 0:
         return CORRUPT
-    set_free(front, before, front.nodes[before].free - 1)
-    set_free(front, after, front.nodes[after].free - 1)
+    set_free(front, before, nodes[before].free - 1)
+    set_free(front, after, nodes[after].free - 1)
     inner = previous_halfedge(gate)
-    _set_gate(c, front, r, before, after, front.nodes[node].vertex, inner)
+    _set_gate(c, front, r, before, after, nodes[node].vertex, inner)
     return OK
 
 
 @kernel
 def _expand(c: Coder, front: Front, r: Region, pivot: Int, loops: Int, loop_start: Int) -> Int:
     """Add the face at the gate of a pivot; return the loops that remain, or -1: corrupt."""
-    after = front.nodes[pivot].successor
-    if front.nodes[after].free == 0:
+    nodes = front.nodes
+    halfedges = r.halfedges
+    after = nodes[pivot].successor
+    if nodes[after].free == 0:
         return -1
     gate, vertex, encoding = np.int64(0), np.int64(0), c.state[DECODING] == 0
     if encoding:
-        gate = front.nodes[pivot].gate
-        vertex = r.halfedges[previous_halfedge(gate)].origin
-        r.halfedges[gate - gate % 3].node = DONE
+        gate = nodes[pivot].gate
+        vertex = halfedges[previous_halfedge(gate)].origin
+        halfedges[gate - gate % 3].node = DONE
     if code_join_flag(c, front, pivot, encoding and r.old[vertex].new >= 0):
         return loops if _join(c, front, r, pivot, gate) == OK else -1
     if front.counts[VERTICES] == len(r.vertices):
         return -1
-    behind_pivot, behind_after = front.nodes[after].vertex, front.nodes[pivot].vertex
+    behind_pivot, behind_after = nodes[after].vertex, nodes[pivot].vertex
     if loops > 0 and code_loop_flag(c, encoding and vertex >= loop_start):
         loops -= 1
         node = _add_loop(c, front, r, vertex)
@@ -217,12 +227,10 @@ def _expand(c: Coder, front: Front, r: Region, pivot: Int, loops: Int, loop_star
         mixer = gate_contexts(front, pivot, r.vertices, r.model)
         node = _add_vertex(c, front, r, vertex, mixer)
         r.model[RECENT + 1] = r.model[RECENT]
-        r.model[RECENT] = min(r.vertices[front.nodes[node].vertex].valence, VALENCE_CAP)
-    _add_face(
-        front, r, front.nodes[pivot].vertex, front.nodes[after].vertex, front.nodes[node].vertex
-    )
-    set_free(front, pivot, front.nodes[pivot].free - 1)
-    set_free(front, after, front.nodes[after].free - 1)
+        r.model[RECENT] = min(r.vertices[nodes[node].vertex].valence, VALENCE_CAP)
+    _add_face(front, r, nodes[pivot].vertex, nodes[after].vertex, nodes[node].vertex)
+    set_free(front, pivot, nodes[pivot].free - 1)
+    set_free(front, after, nodes[after].free - 1)
     _set_gate(c, front, r, pivot, node, behind_pivot, previous_halfedge(gate))
     _set_gate(c, front, r, node, after, behind_after, next_halfedge(gate))
     return loops
@@ -235,27 +243,30 @@ def _find_target(front: Front, r: Region, gate: Int) -> tuple[Int, Int]:
     Walk around the vertex both ways at once, so that a vertex of high valence that is joined
     often costs the shorter way each time.
     """
+    nodes = front.nodes
+    halfedges = r.halfedges
     left, right = previous_halfedge(gate), next_halfedge(gate)
     steps = 0
     while True:
-        left = next_halfedge(r.halfedges[left].opposite)  # leaves the vertex
-        if _is_done(r, r.halfedges[left].opposite):
-            node = r.halfedges[left].node
+        left = next_halfedge(halfedges[left].opposite)  # leaves the vertex
+        if _is_done(r, halfedges[left].opposite):
+            node = halfedges[left].node
             return node, steps
-        right = previous_halfedge(r.halfedges[right].opposite)  # enters the vertex
-        if _is_done(r, r.halfedges[right].opposite):
-            node = front.nodes[r.halfedges[right].node].successor
-            return node, front.nodes[node].free - 2 - steps
+        right = previous_halfedge(halfedges[right].opposite)  # enters the vertex
+        if _is_done(r, halfedges[right].opposite):
+            node = nodes[halfedges[right].node].successor
+            return node, nodes[node].free - 2 - steps
         steps += 1
 
 
 @kernel
 def _join(c: Coder, front: Front, r: Region, pivot: Int, gate: Int) -> Int:
     """Add a face whose third vertex is on a front: split the node there in two, and relink."""
+    counts = front.counts
     # Of the nodes, as many as there are vertices are kept for these.
-    if front.counts[JOINS] >= front.nodes.size - len(r.vertices):
+    if counts[JOINS] >= front.nodes.size - len(r.vertices):
         return CORRUPT
-    front.counts[JOINS] += 1
+    counts[JOINS] += 1
     after = front.nodes[pivot].successor
     target, side = -1, 0
     if c.state[DECODING] == 0:

@@ -50,7 +50,9 @@ def farthest_points(indptr: _Ints, indices: _Ints, first: _Ints, anchors: _Ints)
         count += 1
         relax(indptr, indices, source, distance, queue)
     while count < k:
-        level = distance.max()
+        level = np.int64(0)
+        for v in range(n):
+            level = max(level, distance[v])
         for v in range(n):
             if count < k and distance[v] == level:
                 anchors[count] = v

@@ -65,43 +65,49 @@ def new_front(capacity: Int) -> Front:
 
 @inlined
 def _enqueue(front: Front, node: Int) -> None:
-    b = min(front.nodes[node].free, BUCKETS - 1)
-    last = front.counts[NEWEST + b]
-    front.nodes[node].older = last
-    front.nodes[node].newer = -1
+    nodes = front.nodes
+    counts = front.counts
+    b = min(nodes[node].free, BUCKETS - 1)
+    last = counts[NEWEST + b]
+    nodes[node].older = last
+    nodes[node].newer = -1
     if last >= 0:
-        front.nodes[last].newer = node
+        nodes[last].newer = node
     else:
-        front.counts[OLDEST + b] = node
-    front.counts[NEWEST + b] = node
-    front.counts[LOWEST] = min(front.counts[LOWEST], b)
+        counts[OLDEST + b] = node
+    counts[NEWEST + b] = node
+    counts[LOWEST] = min(counts[LOWEST], b)
 
 
 @inlined
 def _dequeue(front: Front, node: Int) -> None:
-    older, newer = front.nodes[node].older, front.nodes[node].newer
-    b = min(front.nodes[node].free, BUCKETS - 1)
+    nodes = front.nodes
+    counts = front.counts
+    older, newer = nodes[node].older, nodes[node].newer
+    b = min(nodes[node].free, BUCKETS - 1)
     if older >= 0:
-        front.nodes[older].newer = newer
+        nodes[older].newer = newer
     else:
-        front.counts[OLDEST + b] = newer
+        counts[OLDEST + b] = newer
     if newer >= 0:
-        front.nodes[newer].older = older
+        nodes[newer].older = older
     else:
-        front.counts[NEWEST + b] = older
+        counts[NEWEST + b] = older
 
 
 @inlined
 def add_node(front: Front, vertex: Int, free: Int) -> Int:
     """Make a new live node; the caller links it."""
-    node = front.counts[NODES]
-    front.counts[NODES] = node + 1
-    place = front.counts[LIVE]
-    front.counts[LIVE] = place + 1
+    nodes = front.nodes
+    counts = front.counts
+    node = counts[NODES]
+    counts[NODES] = node + 1
+    place = counts[LIVE]
+    counts[LIVE] = place + 1
     front.live[place] = node
-    front.nodes[node].vertex = vertex
-    front.nodes[node].free = free
-    front.nodes[node].place = place
+    nodes[node].vertex = vertex
+    nodes[node].free = free
+    nodes[node].place = place
     _enqueue(front, node)
     return node
 
@@ -109,9 +115,10 @@ def add_node(front: Front, vertex: Int, free: Int) -> Int:
 @inlined
 def remove_node(front: Front, node: Int) -> None:
     """Take a node off the buckets and the live nodes; the caller mends the front."""
+    counts = front.counts
     _dequeue(front, node)
-    front.counts[LIVE] -= 1
-    last, place = front.live[front.counts[LIVE]], front.nodes[node].place
+    counts[LIVE] -= 1
+    last, place = front.live[counts[LIVE]], front.nodes[node].place
     front.live[place] = last
     front.nodes[last].place = place
 
@@ -127,17 +134,19 @@ def set_free(front: Front, node: Int, free: Int) -> None:
 @inlined
 def link(front: Front, a: Int, b: Int, behind: Int, gate: Int) -> None:
     """Make b the successor of a, with the vertex behind the gate and the half-edge at it."""
-    front.nodes[a].successor = b
-    front.nodes[b].predecessor = a
-    front.nodes[a].behind = behind
-    front.nodes[a].gate = gate
+    nodes = front.nodes
+    nodes[a].successor = b
+    nodes[b].predecessor = a
+    nodes[a].behind = behind
+    nodes[a].gate = gate
 
 
 @inlined
 def choose_pivot(front: Front) -> Int:
     """Return the oldest node with the fewest free edges, -1 when all fronts are closed."""
-    b = front.counts[LOWEST]
-    while b < BUCKETS and front.counts[OLDEST + b] < 0:
+    counts = front.counts
+    b = counts[LOWEST]
+    while b < BUCKETS and counts[OLDEST + b] < 0:
         b += 1
-    front.counts[LOWEST] = b
-    return front.counts[OLDEST + b] if b < BUCKETS else -1
+    counts[LOWEST] = b
+    return counts[OLDEST + b] if b < BUCKETS else -1

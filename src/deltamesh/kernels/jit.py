@@ -19,6 +19,7 @@ import numba
 from numba.core import config
 
 # An integer in a kernel. mypy knows no type that is int and np.int64 both, as all are to numba.
+# A constant argument is written np.int64(C): numba compiles a function anew for each literal one.
 Int: TypeAlias = Any
 Flag: TypeAlias = Any  # likewise, a bool
 

@@ -110,8 +110,8 @@ def code_below(c: Coder, value: Int, bound: Int) -> Int:
     short = (2 << bits) - bound  # so many numbers have only `bits` bits
     shifted = value if value < short else value + short
     if c.state[DECODING] == 1:
-        result = code_raw(c, 0, bits)
-        return result if result < short else 2 * result + code_raw(c, 0, 1) - short
+        result = code_raw(c, value, bits)
+        return result if result < short else 2 * result + code_raw(c, value, np.int64(1)) - short
     code_raw(c, shifted, bits if value < short else bits + 1)
     return value
 
@@ -126,10 +126,10 @@ def _ask(c: Coder, model: NDArray[np.int64], node: Int, mixer: Int, answer: Flag
 @kernel
 def code_valence(c: Coder, valence: Int, model: NDArray[np.int64], mixer: Int) -> Int:
     """Code a valence >= 2 with one tree for each context."""
-    node = NODE_SIX
+    node = np.int64(NODE_SIX)
     if _ask(c, model, node, mixer, valence == 6):
         return 6
-    node = NODE_LESS
+    node = np.int64(NODE_LESS)
     if _ask(c, model, node, mixer, valence < 6):
         for k in range(3):
             if _ask(c, model, NODE_BELOW + k, mixer, valence == 5 - k):
@@ -144,20 +144,22 @@ def code_valence(c: Coder, valence: Int, model: NDArray[np.int64], mixer: Int) -
 @inlined
 def seed_contexts(model: NDArray[np.int64]) -> Int:
     """Set the contexts of the vertices of a first face: none is known; return the mixer."""
-    model[TREES:] = 0
+    for i in range(VALENCE_INPUTS):
+        model[TREES + i] = 0
     return np.int64(0)
 
 
 @inlined
 def gate_contexts(front: Front, pivot: Int, vertices: Any, model: NDArray[np.int64]) -> Int:
     """Set the contexts of a vertex that is new at the gate of a pivot; return the mixer."""
-    after, before = front.nodes[pivot].successor, front.nodes[pivot].predecessor
-    at_pivot = min(vertices[front.nodes[pivot].vertex].valence, VALENCE_CAP)
-    at_after = min(vertices[front.nodes[after].vertex].valence, VALENCE_CAP)
-    at_before = min(vertices[front.nodes[before].vertex].valence, VALENCE_CAP)
-    behind = min(vertices[front.nodes[pivot].behind].valence, VALENCE_CAP)
-    free = min(front.nodes[pivot].free, 7)
-    free_after, free_before = min(front.nodes[after].free, 7), min(front.nodes[before].free, 7)
+    nodes = front.nodes
+    after, before = nodes[pivot].successor, nodes[pivot].predecessor
+    at_pivot = min(vertices[nodes[pivot].vertex].valence, VALENCE_CAP)
+    at_after = min(vertices[nodes[after].vertex].valence, VALENCE_CAP)
+    at_before = min(vertices[nodes[before].vertex].valence, VALENCE_CAP)
+    behind = min(vertices[nodes[pivot].behind].valence, VALENCE_CAP)
+    free = min(nodes[pivot].free, 7)
+    free_after, free_before = min(nodes[after].free, 7), min(nodes[before].free, 7)
     closes = 1 if free == 1 else 0  # the new vertex will be a neighbour of `before`, too
     pair = at_before * 16 + at_after if closes else 256 + at_after * 16 + model[RECENT]
     face = _three_bits(at_after) * 64 + _three_bits(at_pivot) * 8 + _three_bits(behind)
@@ -181,14 +183,16 @@ def _three_bits(valence: Int) -> Int:
 @inlined
 def code_join_flag(c: Coder, front: Front, pivot: Int, is_join: Flag) -> Flag:
     """Code whether the vertex at the gate is on a front already."""
-    a1, b1 = front.nodes[pivot].successor, front.nodes[pivot].predecessor
-    a2, b2 = front.nodes[a1].successor, front.nodes[b1].predecessor
-    a3, b3 = front.nodes[a2].successor, front.nodes[b2].predecessor
+    nodes = front.nodes
+    state = c.state
+    a1, b1 = nodes[pivot].successor, nodes[pivot].predecessor
+    a2, b2 = nodes[a1].successor, nodes[b1].predecessor
+    a3, b3 = nodes[a2].successor, nodes[b2].predecessor
     ahead = _two_bits(front, a1) * 16 + _two_bits(front, a2) * 4
     back = _two_bits(front, pivot) * 16 + _two_bits(front, b1) * 4
-    c.state[CONTEXT] = JOIN_FLAG + ahead + _two_bits(front, a3)
-    c.state[CONTEXT + 1] = JOIN_FLAG + JOIN_CONTEXT + back + _two_bits(front, b2)
-    c.state[CONTEXT + 2] = JOIN_FLAG + 2 * JOIN_CONTEXT + ahead + _two_bits(front, b3)
+    state[CONTEXT] = JOIN_FLAG + ahead + _two_bits(front, a3)
+    state[CONTEXT + 1] = JOIN_FLAG + JOIN_CONTEXT + back + _two_bits(front, b2)
+    state[CONTEXT + 2] = JOIN_FLAG + 2 * JOIN_CONTEXT + ahead + _two_bits(front, b3)
     return code_bit(c, 1 if is_join else 0, RARE + JOIN) == 1
 
 
@@ -208,22 +212,24 @@ def code_loop_flag(c: Coder, is_loop: Flag) -> Flag:
 @inlined
 def code_target(c: Coder, front: Front, pivot: Int, target: Int) -> Int:
     """Code the node that a join goes to; a decoder may read one that does not fit."""
-    n1 = front.nodes[pivot].successor
+    nodes = front.nodes
+    state = c.state
+    n1 = nodes[pivot].successor
     near = -1
     ahead, back = n1, pivot
-    if c.state[DECODING] == 0:
+    if state[DECODING] == 0:
         for k in range(NEAR):
-            ahead, back = front.nodes[ahead].successor, front.nodes[back].predecessor
+            ahead, back = nodes[ahead].successor, nodes[back].predecessor
             if ahead == target or back == target:
                 near = 2 * k + (0 if ahead == target else 1)
                 break
-    c.state[CONTEXT] = NEAR_FLAG
+    state[CONTEXT] = NEAR_FLAG
     if code_bit(c, 1 if near >= 0 else 0, RARE + NEAR_BY) == 0:
-        return front.live[code_below(c, front.nodes[max(target, 0)].place, front.counts[LIVE])]
-    near = _code_tree(c, near, NEAR_BITS, NEAR_TREE, RARE + TARGET)
+        return front.live[code_below(c, nodes[max(target, 0)].place, front.counts[LIVE])]
+    near = _code_tree(c, near, np.int64(NEAR_BITS), np.int64(NEAR_TREE), RARE + TARGET)
     node = pivot if near & 1 else n1
     for _ in range((near >> 1) + 1):
-        node = front.nodes[node].predecessor if near & 1 else front.nodes[node].successor
+        node = nodes[node].predecessor if near & 1 else nodes[node].successor
     return node
 
 
@@ -234,7 +240,7 @@ def code_side(c: Coder, free: Int, side: Int) -> Int:
         return code_number(c, side + 1, np.int64(OF_SIDE)) - 1
     if free == 0:
         return 0
-    return _code_tree(c, side, 3, SIDE_TREE + 8 * free, RARE + SIDE)
+    return _code_tree(c, side, np.int64(3), SIDE_TREE + 8 * free, RARE + SIDE)
 
 
 @kernel
