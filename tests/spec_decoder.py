@@ -1,0 +1,624 @@
+"""A second decoder of `.dmesh` files, written from `formats/SPEC.md`, to be read beside it.
+
+The numbers behind § are its sections. Nothing is shared with the package: the exact part is plain
+Python integers, in which slots and mixers are entries of dictionaries that appear at their first
+use; numpy only solves for the positions. It is slow, and meant for a few hundred vertices.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import struct
+import zlib
+from itertools import chain, count
+
+import numpy as np
+
+HIGHPASS, CARTESIAN, REFINED = 0, 1, 2
+
+
+class RefusedError(ValueError):
+    """The specification does not allow the file."""
+
+
+def check(holds, what):
+    if not holds:
+        raise RefusedError(what)
+
+
+def clamp(x, low, high):
+    return min(max(x, low), high)
+
+
+# ---- §1 to §4: container --------------------------------------------------------------------
+
+
+class Bytes:
+    """A cursor over bytes."""
+
+    def __init__(self, data):
+        self.data, self.at = data, 0
+
+    def unpack(self, code):
+        start, self.at = self.at, self.at + struct.calcsize("<" + code)
+        check(self.at <= len(self.data), "truncated")
+        return struct.unpack_from("<" + code, self.data, start)
+
+    def varint(self):
+        value = 0
+        for i in range(9):
+            (byte,) = self.unpack("B")
+            value |= (byte & 127) << 7 * i
+            if byte < 128:
+                check(byte or i == 0, "a varint that is not canonical")
+                return value
+        raise RefusedError("a varint of more than nine bytes")
+
+    def crc(self, start):
+        crc = zlib.crc32(self.data[start : self.at])
+        check(self.unpack("I") == (crc,), "crc")
+
+
+def container(data):
+    """§2, §3: the counts of vertices and faces, the payloads by their id."""
+    file, sections = Bytes(data), {}
+    check(file.unpack("8sHH") == (b"\x89DMS\r\n\x1a\n", 1, 0), "magic, version, reserved")
+    vertices, faces = file.varint(), file.varint()
+    check(vertices <= 1 << 40 and 1 <= faces <= 1 << 40, "counts")
+    file.crc(0)
+    while file.at < len(data):
+        start = file.at
+        name = file.unpack("4s")[0].decode("ascii")
+        check(name.isalpha() and name not in sections and len(sections) < 64, name)
+        (sections[name],) = file.unpack(f"{min(file.varint(), len(data))}s")
+        file.crc(start)
+    method, meta = sections.get("PARM", b"")[:1], ["meta"] if "meta" in sections else []
+    geometry = {b"\1": ["CART"], b"\2": ["ANCH", "DELT", "NORM"]}.get(method, ["ANCH", "DELT"])
+    order = ["PARM", "CONN", *geometry, *meta]
+    names = list(sections)
+    check(names[: len(order)] == order and names[-1] == "CHEK", "order of the sections")
+    check(all(name[0].islower() for name in names[len(order) : -1]), "an unknown section")
+    return vertices, faces, sections
+
+
+def parameters(payload, vertices):
+    """§4.1."""
+    table = Bytes(payload)
+    names = "method flags anchor_method bits step x y z anchor_step seed coarse"
+    p = dict(zip(names.split(), table.unpack("4B5dQf"), strict=True))
+    table.unpack("BB")  # the dead zones: for information
+    p["anchor_count"], p["isolated"] = table.varint(), table.varint()
+    check(table.at == len(payload), "PARM is too long")
+    cartesian, steps = p["method"] == CARTESIAN, (p["step"], p["anchor_step"])
+    check(p["method"] <= REFINED, "method")
+    check(p["anchor_method"] in ((255,) if cartesian else (0, 1, 2)), "anchor method")
+    check(p["bits"] in (*range(63), 255), "bits")
+    reals = *steps, p["x"], p["y"], p["z"], p["coarse"]
+    check(all(map(math.isfinite, reals)) and min(steps) >= 0, "steps and origin")
+    check(p["coarse"] == 1 or (p["method"] == REFINED and p["coarse"] > 1), "coarse")
+    check((p["step"] == 0) == (p["method"] == HIGHPASS and p["bits"] == 0), "step")
+    check(not cartesian or p["anchor_step"] == p["anchor_count"] == 0, "anchors")
+    check(max(p["isolated"], p["anchor_count"]) <= vertices, "counts of PARM")
+    return p
+
+
+def check_meta(payload):
+    """§4.2."""
+    table = Bytes(payload)
+    check(all(0 <= x < math.inf for x in table.unpack("ddffd")), "numbers of meta")
+    for _ in ("encoder", "source"):
+        (text,) = table.unpack("{}s".format(*table.unpack("B")))
+        check(text.decode("utf-8").isprintable(), "strings of meta")
+    check(table.at == len(payload), "meta is too long")
+
+
+# ---- §5.1: entropy coder --------------------------------------------------------------------
+
+STRETCH = [round(256 * math.log((x + 0.5) / (4095.5 - x))) for x in range(4096)]
+SQUASH = [clamp(round(65536 / (1 + math.exp(-x / 256))), 24, 65512) for x in range(-2048, 2048)]
+RATE = [math.floor(65536 / (n + 1.8)) for n in range(1024)]
+
+
+class Stream:
+    """The range decoder; slots are [q, n], mixers [weights, number of bits so far]."""
+
+    def __init__(self, data):
+        self.data, self.at = data, 4
+        self.range, self.low = (1 << 32) - 1, 0
+        self.code = int.from_bytes(data[:4].ljust(4, b"\0"), "big")
+        self.slots, self.mixers = {}, {}
+
+    def bit(self, p):
+        bound = (self.range >> 16) * p
+        bit = int(self.code < bound)
+        if bit:
+            self.range = bound
+        else:
+            self.range -= bound
+            self.code -= bound
+            self.low += bound
+        while self.range < 1 << 24:
+            byte = self.data[self.at] if self.at < len(self.data) else 0
+            self.at += 1
+            self.range *= 256
+            self.code = self.code * 256 + byte
+            self.low = self.low * 256 % (1 << 32)
+        return bit
+
+    def end(self):
+        """A stream has one form only."""
+        low = self.low % (1 << 32)
+        v = -low % (1 << 32)  # what is missing to a multiple of 2^32, else of 2^24
+        check(self.code == (v if v < self.range else -low % (1 << 24)), "end of a stream")
+        check(self.at >= len(self.data) and self.data[-1:] != b"\0", "bytes left in a stream")
+
+    def raw(self, n):
+        value = 0
+        for _ in range(n):
+            value = 2 * value + self.bit(32768)
+        return value
+
+    def predicted(self, mixer, keys, limit, first=(1 << 21, 0)):
+        """A bit, read with a mixer and a slot for each of its inputs; all of them learn."""
+        k = len(keys)
+        start = 65536 if k == 1 else round(65536 * 1.2 / k)
+        weights, seen = self.mixers.get(mixer, ([start] * k, 0))
+        slots = [self.slots.setdefault(key, [*first]) for key in keys]
+        s = [STRETCH[slot[0] >> 10] for slot in slots]
+        dot = sum(weight * x for weight, x in zip(weights, s, strict=True))
+        p = SQUASH[clamp(dot >> 16, -2047, 2047) + 2048]
+        bit = self.bit(p)
+        z = 14 if seen < 300 else 15
+        weights = [
+            weight + ((x * (65536 * bit - p) + (1 << z - 1)) >> z)
+            for weight, x in zip(weights, s, strict=True)
+        ]
+        self.mixers[mixer] = weights, seen + 1
+        for slot in slots:  # one that is several inputs learns as often
+            slot[0] += (((bit << 22) - slot[0]) * RATE[slot[1]]) >> 16
+            slot[1] = min(slot[1] + 1, limit)
+        return bit
+
+    def number(self, mixer, kind, most=40):
+        k = 0
+        while k < most and self.predicted(mixer, [(kind, k)], 255):
+            k += 1
+        return 1 << k | self.raw(k)
+
+    def tree(self, mixer, kind, n):
+        node = 1
+        for _ in range(n):
+            node = 2 * node + self.predicted(mixer, [(kind, node)], 255)
+        return node - (1 << n)
+
+
+# ---- §5.2: connectivity ---------------------------------------------------------------------
+
+
+class Node:
+    """One place on a front: vertex, free edges, neighbours, index in the list of live nodes."""
+
+    def __init__(self, vertex, free, place):
+        self.vertex, self.free, self.place = vertex, free, place
+        self.next = self.before = self.behind = None  # `behind`: of the edge to `next`
+
+
+def link(a, b, behind):
+    a.next, b.before, a.behind = b, a, behind
+
+
+class Region:
+    """The growing region; `names` has the result's number of each vertex, -1 for a loop vertex."""
+
+    def __init__(self, payload, vertices, faces):
+        table = Bytes(payload)
+        self.loops, border, self.joins = (table.varint() for _ in range(3))
+        check(self.loops <= border <= 3 * faces and self.joins <= faces + border, "counts of CONN")
+        self.stream = Stream(payload[table.at :])
+        self.valences, self.names, self.all = [], [], []
+        self.total = self.left = vertices
+        self.recent = 0, 0  # R0, R1
+        self.live, self.queues = [], [{} for _ in range(64)]  # dictionaries, for their order
+        while len(self.all) < faces + border:
+            pivot = next(chain(*self.queues), None)
+            if pivot is None:
+                self.begin()
+            elif pivot.free == 0:
+                self.close(pivot)
+            else:
+                self.expand(pivot)
+        self.stream.end()
+        check(not self.live, "nodes are left")
+        check(self.left == self.loops == self.joins == 0, "vertices, loops or joins are left")
+        named = [tuple(self.names[v] for v in face) for face in self.all]
+        self.faces = [face for face in named if min(face) >= 0]
+        check(len(self.faces) == faces, "number of faces")
+
+    def node(self, vertex, free):
+        node = Node(vertex, free, len(self.live))
+        self.live.append(node)
+        self.queues[min(free, 63)][node] = None
+        return node
+
+    def set_free(self, node, free):
+        check(free >= 0, "an edge too many")
+        del self.queues[min(node.free, 63)][node]
+        node.free = free
+        self.queues[min(free, 63)][node] = None
+
+    def leave(self, node):
+        del self.queues[min(node.free, 63)][node]
+        last = self.live.pop()
+        if last is not node:
+            self.live[node.place], last.place = last, node.place
+
+    def vertex(self, valence, loop=False):
+        check(loop or self.left > 0, "too many vertices")
+        self.names.append(-1 if loop else self.total - self.left)
+        self.left -= not loop
+        self.valences.append(valence)
+        return self.node(len(self.names) - 1, max(valence - 2, 0))
+
+    def begin(self):
+        a, b, c = (self.vertex(self.valence(None)) for _ in range(3))
+        self.all.append((a.vertex, b.vertex, c.vertex))
+        link(b, a, c.vertex)
+        link(a, c, b.vertex)
+        link(c, b, a.vertex)
+
+    def close(self, pivot):
+        u, w = pivot.before, pivot.next
+        self.all.append((u.vertex, pivot.vertex, w.vertex))
+        self.leave(pivot)
+        if w.next is u:
+            check(u.free == w.free == 0, "free edges in a closed front")
+            self.leave(u)
+            self.leave(w)
+        else:
+            self.set_free(u, u.free - 1)
+            self.set_free(w, w.free - 1)
+            link(u, w, pivot.vertex)
+
+    def expand(self, pivot):
+        w = pivot.next
+        check(w.free > 0, "no free edges after the pivot")
+        if self.is_join(pivot):
+            t = self.target(pivot)
+            check(t not in (pivot, w, pivot.before, w.next) and t.free >= 2, "target")
+            r, self.joins = t.free - 2, self.joins - 1
+            s = self.split(r)
+            check(s <= r and self.joins >= 0, "split")
+            x = self.node(t.vertex, r - s)  # the twin
+            self.set_free(t, s)
+            link(t.before, x, t.before.behind)
+        else:
+            if self.loops and self.stream.predicted("loop", ["loop"], 1000):
+                self.loops -= 1
+                x = self.vertex(self.stream.number("length", "loop valence"), loop=True)
+            else:
+                x = self.vertex(self.valence(pivot))
+                self.recent = min(self.valences[-1], 15), self.recent[0]
+            t = x
+        self.all.append((pivot.vertex, w.vertex, x.vertex))
+        self.set_free(pivot, pivot.free - 1)
+        self.set_free(w, w.free - 1)
+        link(pivot, t, w.vertex)
+        link(x, w, pivot.vertex)
+
+    def is_join(self, pivot):
+        a1, b1 = pivot.next, pivot.before
+        a2, b2 = a1.next, b1.before
+        triples = (a1, a2, a2.next), (pivot, b1, b2), (a1, a2, b2.before)
+        g = [[clamp(node.free - 1, 0, 3) for node in triple] for triple in triples]
+        keys = [("join", i, 16 * x + 4 * y + z) for i, (x, y, z) in enumerate(g)]
+        return self.stream.predicted("join", keys, 1000, (math.floor((1 << 22) * 0.01), 2))
+
+    def target(self, pivot):
+        if self.stream.predicted("near", ["near"], 255):
+            z = self.stream.tree("target", "target", 5)
+            node = pivot if z & 1 else pivot.next
+            for _ in range((z >> 1) + 1):
+                node = node.before if z & 1 else node.next
+            return node
+        b = len(self.live).bit_length() - 1
+        u = (1 << b + 1) - len(self.live)
+        i = self.stream.raw(b)
+        return self.live[i if i < u else 2 * i + self.stream.raw(1) - u]
+
+    def split(self, r):
+        if r >= 8:
+            return self.stream.number("length", "split") - 1
+        return self.stream.tree("split", ("split", r), 3) if r else 0
+
+    def valence(self, pivot):
+        """The valence of a vertex that is new at the pivot, or in a first face."""
+        closes, contexts = 0, [(0, 0)] * 8
+        if pivot:
+            nodes = pivot, pivot.next, pivot.before
+            vertices = *(node.vertex for node in nodes), pivot.behind
+            P, A, B, H = (min(self.valences[v], 15) for v in vertices)  # noqa: N806
+            fp, fa, fb = (min(node.free, 7) for node in nodes)
+            tp, ta, th = (clamp(x - 3, 0, 7) for x in (P, A, H))
+            closes, (r0, r1) = int(fp == 1), self.recent
+            numbers = (
+                0,
+                16 * P + A,
+                64 * fp + 8 * fa + fb,
+                16 * A + H,
+                16 * r0 + r1,
+                16 * B + A if closes else 256 + 16 * A + r0,
+                64 * ta + 8 * tp + th + 512 * closes,
+                2 * clamp(P + A + B + H - 16, 0, 31) + closes,
+            )
+            contexts = list(enumerate(numbers))
+
+        def bit(node):
+            x = (0.35, 0.55, 0.68, 0.8, 0.95, 0.62, 0.55)[min(node, 6)]
+            keys = [("valence", node, *context) for context in contexts]
+            mixer = "valence", node, closes
+            return self.stream.predicted(mixer, keys, 500, (math.floor((1 << 22) * x), 1))
+
+        if bit(0):
+            return 6
+        if bit(1):
+            return next((5 - i for i in range(3) if bit(2 + i)), 2)
+        return next((7 + i for i in range(12) if bit(5 + i)), None) or (
+            18 + self.stream.number("length", "valence")
+        )
+
+
+# ---- §5.3: anchors --------------------------------------------------------------------------
+
+
+def read_anchors(payload, p, near):
+    """§5.3: the anchors' indices and grid points, the grid points of the isolated vertices."""
+    bits, stream = payload[:3], Stream(payload[3:])
+    check(len(bits) == 3 and max(bits) <= 30, "bits of the grid")
+    if p["anchor_method"] == 2:
+        indices, last = [], -1
+        for _ in range(p["anchor_count"]):
+            last += stream.number("index", "index", 63)
+            check(last < len(near), "index of an anchor")
+            indices.append(last)
+        check(math.inf not in distances(near, indices), "a component without an anchor")
+    else:
+        indices = chosen(p, near)
+    points = [tuple(stream.raw(n) for n in bits) for _ in indices]
+    isolated, x = [], 0
+    for _ in range(p["isolated"]):
+        x += stream.number("isolated", "isolated", 63) - 1
+        check(x < 1 << bits[0], "an isolated vertex outside the grid")
+        isolated.append((x, stream.raw(bits[1]), stream.raw(bits[2])))
+    stream.end()
+    return {"anchors": [(v,) for v in indices], "points": points, "isolated": isolated}
+
+
+def distances(near, sources):
+    """Edges from each vertex to the nearest of the sources."""
+    found = [math.inf] * len(near)
+    ring = list(sources)
+    for steps in count():
+        ring = [v for v in ring if found[v] == math.inf]
+        if not ring:
+            return found
+        for v in ring:
+            found[v] = steps
+        ring = [w for v in ring for w in near[v]]
+
+
+def chosen(p, near):
+    """What the docstrings of `farthest` and `random` in `deltamesh.anchors` say."""
+    n, left, parts = len(near), list(range(len(near))), []
+    while left:
+        away = distances(near, left[:1])
+        parts.append([v for v in left if away[v] < math.inf])
+        left = [v for v in left if away[v] == math.inf]
+    check(len(parts) <= p["anchor_count"] <= n, "number of anchors")
+    if p["anchor_method"] == 1:
+        keys = [(splitmix(p["seed"], v), v) for v in range(n)]
+        first = [min(keys[v] for v in part) for part in parts]
+        return [v for _, v in first + sorted(set(keys) - set(first))][: p["anchor_count"]]
+    anchors = [part[0] for part in parts]
+    while len(anchors) < p["anchor_count"]:
+        away = distances(near, anchors)
+        anchors.append(away.index(max(away)))
+    return anchors
+
+
+def splitmix(seed, i):
+    modulus = 1 << 64
+    z = (seed + (i + 1) * 0x9E3779B97F4A7C15) % modulus
+    z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9 % modulus
+    z = (z ^ z >> 27) * 0x94D049BB133111EB % modulus
+    return z ^ z >> 31
+
+
+# ---- §5.4 to §5.6: vectors --------------------------------------------------------------------
+
+
+def level(x):
+    b = x.bit_length() - 1
+    return 0 if x <= 0 else min(1 + 2 * b + (x >> b - 1 & 1 if b else 0), 31)
+
+
+def side(x):
+    return 1 if x > 0 else 2 if x < 0 else 0
+
+
+class Vectors:
+    """The vectors of a stream so far, and the models of the next."""
+
+    def __init__(self, payload, axes=3):
+        self.stream, self.read, self.axes = Stream(payload), [], range(axes)
+
+    def next(self, below, K, J, hints=None, more=0, before=0):  # noqa: N803
+        """Read one more; `below` are the neighbours with a lower index; see NORM for the last."""
+        known, c = [self.read[v] for v in below], max(len(below), 1)
+        S = [sum(v[a] for v in known) for a in self.axes]
+        M = [sum(abs(v[a]) for v in known) for a in self.axes]
+        H = hints or [max((abs(v[a]) for v in known), default=0) for a in self.axes]
+        T, vector = self.read[-1] if self.read else (0, 0, 0), []
+        around = level(4 * (sum(M) + more) // c)
+        for a in self.axes:
+            here, last, hint = level(4 * M[a] // c), level(abs(T[a])), level(H[a])
+            N = level(before + sum(map(abs, vector)))
+            D = sum(s * v for s, v in zip(S, vector, strict=False))
+            lengths = [(here, K), (around, N), (here, last), (hint, here), (around, J, K)]
+            v = self.magnitude(a, [*lengths, (here // 2, N // 2, K)], here)
+            agrees, positive, size = side(D), int(S[a] > 0), level(4 * abs(S[a]) // c)
+            signs = [(positive, size), (agrees, positive, size)]
+            signs.append((side(T[a]), agrees, positive, size // 4))
+            vector.append(-v if v and self.predicted(a, "sign", signs) else v)
+        self.read.append(tuple(vector))
+        return vector
+
+    def predicted(self, a, what, contexts, part=None):
+        keys = [(a, what, i, part, context) for i, context in enumerate(contexts)]
+        return self.stream.predicted((a, what, part if what == "length" else None), keys, 255)
+
+    def magnitude(self, a, lengths, here):
+        k = 0
+        while k <= 30 and self.predicted(a, "length", lengths, k):
+            k += 1
+        value = min(k, 1)
+        for _ in range(min(k - 1, 3)):
+            value = 2 * value + self.predicted(a, "below", (None, here), (k, value))
+        rest = max(k - 4, 0)
+        return value << rest | self.stream.raw(rest)
+
+
+def deltas(payload, step, near):
+    """§5.4."""
+    if step == 0:
+        check(payload == b"", "deltas without a step")
+        return [(0, 0, 0)] * len(near)
+    vectors = Vectors(payload)
+    for i, neighbours in enumerate(near):
+        below = [v for v in neighbours if v < i]
+        vectors.next(below, min(len(below), 3), min(len(neighbours), 15))
+    vectors.stream.end()
+    return vectors.read
+
+
+def corrections(payload, near, values):
+    """§5.5; `values` are the vectors of §5.4."""
+    vectors, sizes = Vectors(payload, 1), [sum(map(abs, vector)) for vector in values]
+    for i, neighbours in enumerate(near):
+        below, valence = [v for v in neighbours if v < i], len(neighbours)
+        more = len(below) * sum(sizes[v] for v in neighbours) // max(valence, 1)
+        vectors.next(below, min(len(below), 3), min(valence, 15), None, more, 2 * sizes[i])
+    vectors.stream.end()
+    return vectors.read
+
+
+def grid_points(payload, faces, near):
+    """§5.6."""
+    sides, guesses = {}, {}
+    for a, b, c in faces:
+        for half in (a, b, c), (b, c, a), (c, a, b):
+            sides.setdefault(frozenset(half[:2]), []).append(half)
+    for first, second in (pair[:2] for pair in sides.values() if len(pair) > 1):
+        for (a, b, i), o in (first, second[2]), (second, first[2]):
+            if max(a, b, o) < i:
+                guesses.setdefault(i, []).append((a, b, o))
+    vectors, points = Vectors(payload), []
+    for i, neighbours in enumerate(near):
+        below, m = [v for v in neighbours if v < i], len(guesses.get(i, ()))
+        hints, prediction = (0, 0, 0), points[-1] if points else (0, 0, 0)
+        if m:
+            axes = [
+                [g[a] + g[b] - g[o] for a, b, o in guesses[i]] for g in zip(*points, strict=True)
+            ]
+            hints = [max(axis) - min(axis) for axis in axes]
+            prediction = [(2 * sum(axis) + m) // (2 * m) for axis in axes]
+        elif below:
+            prediction = [sum(points[v][a] for v in below) // len(below) for a in range(3)]
+        residual = vectors.next(below, min(m, 3), level(sum(hints)) // 2, hints)
+        both = zip(prediction, residual, strict=True)
+        points.append(tuple(clamp(g + r, -(1 << 40), 1 << 40) for g, r in both))
+    vectors.stream.end()
+    return points
+
+
+# ---- Positions ------------------------------------------------------------------------------
+
+
+def least_squares(delta, near, anchors, points):
+    """§5.4: [L; S] x = [delta; p], about the mean of the anchors, for the digits."""
+    n, centre = len(near), points.mean(axis=0)
+    system = np.zeros((n + len(anchors), n))
+    for i, neighbours in enumerate(near):
+        system[i, i] = len(neighbours)
+        system[i, neighbours] = -1
+    system[n + np.arange(len(anchors)), anchors] = 1
+    right = np.concatenate((delta, points - centre))
+    return np.linalg.lstsq(system, right, rcond=None)[0] + centre
+
+
+def normals(x, faces):
+    """§5.5."""
+    s, m = np.zeros_like(x), np.zeros((len(x), 1))
+    for face in faces:
+        a, b, c = x[list(face)]
+        cross = np.cross(b - a, c - a)
+        for v in face:
+            s[v] += cross
+            m[v] += np.linalg.norm(cross)
+    length = np.linalg.norm(s, axis=1, keepdims=True) + 1e-6 * m
+    return s / np.where(length, length, 1)
+
+
+def positions(p, faces, near, exact):
+    """§5.3 to §5.6: the positions that the integers stand for."""
+    origin, step = np.array([p["x"], p["y"], p["z"]]), p["step"]
+    largest = max(abs(x) for name in EXACT[1:] if name != "anchors" for x in chain(*exact[name]))
+    steps = step * p["coarse"], p["anchor_step"]
+    check(largest * max(steps) + max(map(abs, origin)) <= 1e152, "positions that are too large")
+    names = "vectors", "points", "isolated"
+    vectors, points, isolated = (np.array(exact[name], float).reshape(-1, 3) for name in names)
+    if p["method"] == CARTESIAN:
+        return origin + vectors * step
+    system = near, [index for (index,) in exact["anchors"]], origin + points * steps[1]
+    delta = vectors * steps[0]
+    x = least_squares(delta, *system)
+    if p["method"] == REFINED:
+        delta += np.array(exact["corrections"], float) * step * normals(x, faces)
+        x = least_squares(delta, *system)
+    return np.concatenate((x, origin + isolated * steps[1]))
+
+
+# ---- All of it ------------------------------------------------------------------------------
+
+# §5.7, in the order of the digest
+EXACT = "faces", "vectors", "anchors", "points", "isolated", "corrections"
+
+
+def decode(data):
+    """Return vertices (n, 3), faces (m, 3) and, by their names, the integers of the digest."""
+    vertex_count, face_count, sections = container(data)
+    p = parameters(sections["PARM"], vertex_count)
+    if "meta" in sections:
+        check_meta(sections["meta"])
+    n, payload = vertex_count - p["isolated"], sections.get("CART", sections.get("ANCH", b""))
+    # A predicted bit takes log2(65536 / 65512) bits or more, a vertex at least one such bit.
+    check(p["isolated"] <= 15200 * (len(payload) + 4), "more vertices than fit into the file")
+    faces = Region(sections["CONN"], n, face_count).faces
+    graph = [set() for _ in range(n)]
+    for face in faces:
+        for v in face:
+            graph[v] |= {w for w in face if w != v}
+    near = [sorted(neighbours) for neighbours in graph]
+    exact = {name: [] for name in EXACT} | {"faces": faces}
+    if p["method"] == CARTESIAN:
+        isolated = [[] for _ in range(p["isolated"])]
+        exact["vectors"] = grid_points(sections["CART"], faces, near + isolated)
+    else:
+        exact |= read_anchors(sections["ANCH"], p, near)
+        exact["vectors"] = deltas(sections["DELT"], p["step"], near)
+    if p["method"] == REFINED:
+        exact["corrections"] = corrections(sections["NORM"], near, exact["vectors"])
+    words = [struct.pack("<q", x) for name in EXACT for row in exact[name] for x in row]
+    digest = hashlib.blake2b(b"".join(words), digest_size=8).digest()
+    check(digest == sections["CHEK"], "digest")
+    return positions(p, faces, near, exact), np.array(faces), exact
