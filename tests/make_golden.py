@@ -118,7 +118,9 @@ def assert_right(encoded, V, F):
         delta = integers.values * (p.coarse * p.step)
         solution = oracle.least_squares(L, integers.anchors, delta, anchored - centre)
         if p.method == "refined":
-            delta = delta + p.step * integers.refinements * oracle.normals(solution, surface.faces)
+            delta = delta + p.step * integers.refinements * oracle.normals(
+                solution, surface.faces, p.coarse * p.step
+            )
             solution = oracle.least_squares(L, integers.anchors, delta, anchored - centre)
         isolated = from_grid(integers.isolated, origin, p.anchor_step)
         expected = np.concatenate((solution + centre, isolated))

@@ -351,7 +351,7 @@ def predict(values, corners):
 # ---- Normals ------------------------------------------------------------------------------------
 
 
-def normals(V, F):
+def normals(V, F, step):
     """The twin of normals.vertex_normals: a loop over the faces."""
     s, area = np.zeros((len(V), 3)), np.zeros(len(V))
     for a, b, c in F:
@@ -359,5 +359,5 @@ def normals(V, F):
         for v in (a, b, c):
             s[v] += cross
             area[v] += np.linalg.norm(cross)
-    length = np.linalg.norm(s, axis=1) + 1e-6 * area
-    return np.array([s[v] / length[v] if length[v] else s[v] for v in range(len(V))])
+    length = np.linalg.norm(s, axis=1) + 1e-6 * (area + step**2)
+    return s / length[:, None]

@@ -556,7 +556,7 @@ def least_squares(delta, near, anchors, points):
     return np.linalg.lstsq(system, right, rcond=None)[0] + centre
 
 
-def normals(x, faces):
+def normals(x, faces, step):
     """§5.5."""
     s, m = np.zeros_like(x), np.zeros((len(x), 1))
     for face in faces:
@@ -565,8 +565,7 @@ def normals(x, faces):
         for v in face:
             s[v] += cross
             m[v] += np.linalg.norm(cross)
-    length = np.linalg.norm(s, axis=1, keepdims=True) + 1e-6 * m
-    return s / np.where(length, length, 1)
+    return s / (np.linalg.norm(s, axis=1, keepdims=True) + 1e-6 * (m + step**2))
 
 
 def positions(p, faces, near, exact):
@@ -583,7 +582,9 @@ def positions(p, faces, near, exact):
     delta = vectors * steps[0]
     x = least_squares(delta, *system)
     if p["method"] == REFINED:
-        delta += np.array(exact["corrections"], float) * step * normals(x, faces)
+        delta += (
+            np.array(exact["corrections"], float) * step * normals(x, faces, p["coarse"] * step)
+        )
         x = least_squares(delta, *system)
     return np.concatenate((x, origin + isolated * steps[1]))
 

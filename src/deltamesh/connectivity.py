@@ -82,6 +82,8 @@ def decode_connectivity(
     faces = _open(region).faces
     if len(faces) != face_count:
         raise FormatError("the connectivity has another number of faces than the header", at)
+    if np.bincount(faces.ravel(), minlength=vertex_count).min(initial=1) == 0:
+        raise FormatError("a vertex of the connectivity that is in no face", at)
     return faces
 
 

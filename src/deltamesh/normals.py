@@ -5,24 +5,29 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-# Where the faces around a vertex all but cancel, a direction would be rounding noise, and encoder
-# and decoder would disagree in it: the normal fades to zero below that share of the area instead.
+# Where the faces around a vertex all but cancel, or have collapsed, a direction would be rounding
+# noise, and encoder and decoder would disagree in it: the normal fades to zero below that share of
+# the area around the vertex, and of the square of the quantization step, instead.
 FADE = 1e-6
 
 
-def vertex_normals(V: NDArray[np.float64], F: NDArray[np.int64]) -> NDArray[np.float64]:
+def vertex_normals(
+    V: NDArray[np.float64], F: NDArray[np.int64], step: float
+) -> NDArray[np.float64]:
     """Return the sums of the area-weighted normals of the faces around each vertex, normalized.
 
     Parameters
     ----------
     V : float64 (n, 3)
     F : int64 (m, 3)
+    step : float
+        What the deltas of the surface were quantized with.
 
     Returns
     -------
     float64 (n, 3)
-        s / (|s| + FADE * a), s the sum of the cross products of the faces and a that of their
-        lengths: of length 1, nearly, or less where they cancel; zero where there is no area.
+        s / (|s| + FADE * (a + step^2)), s the sum of the cross products of the faces and a that of
+        their lengths: of length 1, nearly, or less where there is little to go by.
     """
     extent = float(np.ptp(V, axis=0).max(initial=0.0)) or 1.0
     V = (V - V[:1]) / extent  # products of coordinates then neither overflow nor vanish
@@ -31,9 +36,8 @@ def vertex_normals(V: NDArray[np.float64], F: NDArray[np.int64]) -> NDArray[np.f
     area = np.linalg.norm(cross, axis=1)
     corners = F.T.ravel()
     s = np.stack([_gather(corners, np.tile(cross[:, k], 3), len(V)) for k in range(3)], axis=1)
-    length = np.linalg.norm(s, axis=1) + FADE * _gather(corners, np.tile(area, 3), len(V))
-    length[length == 0] = 1.0  # where s is zero, too
-    normals: NDArray[np.float64] = s / length[:, None]
+    around = _gather(corners, np.tile(area, 3), len(V)) + (step / extent) ** 2
+    normals: NDArray[np.float64] = s / (np.linalg.norm(s, axis=1) + FADE * around)[:, None]
     return normals
 
 

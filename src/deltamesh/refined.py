@@ -73,7 +73,8 @@ def _stage(
     """Return the coarse deltas, and the normals of the surface that they make."""
     coarse = highpass.deltas(parameters, integers)
     vertices = system.solve(coarse, highpass.anchor_positions(parameters, integers))
-    return coarse, vertex_normals(vertices, surface.faces)
+    step = parameters.coarse * parameters.step
+    return coarse, vertex_normals(vertices, surface.faces, step)
 
 
 def write(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
