@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from deltamesh.options import ANCHOR_METHODS, MAX_BITS, METHODS, RATES
 from deltamesh_cli import files, options, summary
 from deltamesh_cli.failures import attempt, each
 from deltamesh_cli.meshes import parsed
@@ -32,7 +33,7 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 @options.output("IN.dmesh")
 @click.option(
     "--method",
-    type=click.Choice(["highpass", "refined", "cartesian"]),
+    type=click.Choice(METHODS),
     default="highpass",
     show_default=True,
     help="What is quantized: differential coordinates (scans, organic shapes); these coarsely, and"
@@ -41,7 +42,7 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 @click.option(
     "-b",
     "--bits",
-    type=options.whole(0, 30),
+    type=options.whole(0, MAX_BITS),
     metavar="B",
     help="Bits per coordinate: the step is the range of what is quantized over 2^B. With highpass,"
     " 0 keeps connectivity and anchors alone.  [default: cartesian 11]",
@@ -85,7 +86,7 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 )
 @click.option(
     "--anchor-method",
-    type=click.Choice(["farthest", "greedy", "random"]),
+    type=click.Choice(ANCHOR_METHODS),
     help="How anchors are chosen: spread over the surface, where the error is largest (slower),"
     " or at random.  [default: farthest]",
 )
@@ -167,8 +168,7 @@ def command(
 
 
 def _refuse_two_rates(parameters: dict[str, Any]) -> None:
-    names = ("bits", "step", "normal_error", "max_error", "max_error_rel")
-    given = [f"--{name.replace('_', '-')}" for name in names if parameters[name] is not None]
+    given = [f"--{name.replace('_', '-')}" for name in RATES if parameters[name] is not None]
     if len(given) > 1:
         raise click.UsageError(f"{' and '.join(given)} exclude each other.")
 

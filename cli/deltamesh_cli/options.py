@@ -10,13 +10,13 @@ from typing import Any, Final
 
 import click
 
+from deltamesh.options import MAX_COARSE, SOLVERS
 from deltamesh_cli.failures import EXIT_CODES, Settings
 
 Command = Callable[..., Any]
 
 MESH_FORMATS: Final = ("obj", "ply", "off", "stl", "glb")
 TEXT_FORMATS: Final = ("obj", "off")  # of those, as they are written
-SOLVERS: Final = ("auto", "rslab", "pardiso", "scipy")
 
 _UNITS: Final = {"": 0, "K": 1, "M": 2, "G": 3, "T": 4}
 _SIZE: Final = re.compile(r"(\d+(?:\.\d+)?)\s*([KMGT]?)(?:i?B)?", re.IGNORECASE)
@@ -49,9 +49,9 @@ def length(text: str) -> float:
 
 
 def factor(text: str) -> float:
-    """Read a number from 1 to 64."""
-    if not 1 <= (value := _real(text)) <= 64:
-        raise click.BadParameter(f"{text!r} is not a number from 1 to 64.")
+    """Read a number from 1 to `MAX_COARSE`."""
+    if not 1 <= (value := _real(text)) <= MAX_COARSE:
+        raise click.BadParameter(f"{text!r} is not a number from 1 to {MAX_COARSE:g}.")
     return value
 
 

@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 
 from deltamesh.laplacian import adjacency
 from deltamesh_formats.errors import FormatError
-from deltamesh_formats.layout import Section
-
-CRC_SIZE = 4
+from deltamesh_formats.layout import CRC_SIZE, Section
 
 
 @dataclass(frozen=True)

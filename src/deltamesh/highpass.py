@@ -63,7 +63,6 @@ def quantize(
     n = surface.vertex_count
     L = adjacency_laplacian(*surface.graph)
     delta = L @ vertices
-    bits = options.effective_bits
     step = _step(vertices, delta, options)
     values = np.zeros((n, 3), dtype=np.int64)
     refined = options.method == "refined"
@@ -79,7 +78,7 @@ def quantize(
         method=options.method,
         diffusion=options.diffusion,
         anchor_method=options.anchor_method,
-        bits=bits,
+        bits=options.bits,
         step=step,
         origin=(float(origin[0]), float(origin[1]), float(origin[2])),
         anchor_step=fine,

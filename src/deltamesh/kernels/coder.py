@@ -101,7 +101,7 @@ def start_decoding(c: Coder) -> None:
 
 @inlined
 def _put_byte(c: Coder, byte: Int) -> None:
-    """Store a byte; past the end of the buffer only count, and the caller grows it."""
+    """Store a byte; never past the end of the buffer, though no model writes that much."""
     state = c.state
     position = state[POSITION]
     if 0 <= position < c.data.size:
@@ -129,11 +129,8 @@ def _shift_low(c: Coder) -> None:
 @inlined
 def _roundest(low: Int, span: Int) -> Int:
     """Return the number in [low, low + span) that ends in the most zero bytes; span >= TOP."""
-    for bits in (32, 24, 16):
-        mask = (1 << bits) - 1
-        if (low + mask) & ~mask < low + span:
-            return (low + mask) & ~mask
-    return low
+    rounded = (low + MASK32) & ~MASK32
+    return rounded if rounded < low + span else (low + TOP - 1) & ~(TOP - 1)
 
 
 @kernel
@@ -224,3 +221,21 @@ def code_bit(c: Coder, bit: Int, mixer: Int) -> Int:
         probability += (((bit << PROBABILITY_BITS) - probability) * np.int64(RATE[count])) >> 16
         memory[c.state[CONTEXT + i]] = (probability << COUNT_BITS) | min(count + 1, limit)
     return bit
+
+
+@kernel
+def code_number(c: Coder, value: Int, slots: Int, mixer: Int, most: Int) -> Int:
+    """Code a number >= 1: its length in adaptive unary, then its bits below the highest.
+
+    The unary has a slot for each of at most `most` bits, from `slots` on, and one mixer.
+    """
+    bits = 0
+    while value >> (bits + 1) > 0:
+        bits += 1
+    k = 0
+    while k < most:
+        c.state[CONTEXT] = slots + k
+        if code_bit(c, 1 if bits > k else 0, mixer) == 0:
+            break
+        k += 1
+    return (1 << k) | code_raw(c, value & ((1 << k) - 1), k)

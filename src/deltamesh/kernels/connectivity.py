@@ -35,9 +35,9 @@ from deltamesh.kernels.valence import (
     OF_LOOP,
     RECENT,
     VALENCE_CAP,
+    code_count,
     code_join_flag,
     code_loop_flag,
-    code_number,
     code_side,
     code_target,
     code_valence,
@@ -149,7 +149,7 @@ def _add_loop(c: Coder, front: Front, r: Region, vertex: Int) -> Int:
     new = counts[VERTICES]
     counts[VERTICES] = new + 1
     degree = r.old[vertex].degree if state[DECODING] == 0 else 1
-    r.vertices[new].valence = code_number(c, degree, np.int64(OF_LOOP))
+    r.vertices[new].valence = code_count(c, degree, np.int64(OF_LOOP))
     r.vertices[new].is_loop = True
     if state[DECODING] == 0:
         r.old[vertex].new = new

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.kernels.coder import CONTEXT, Coder, code_bit, code_raw
+from deltamesh.kernels.coder import Coder, code_number, code_raw
 from deltamesh.kernels.jit import Int, kernel
 
 LENGTHS = 64
@@ -16,18 +16,8 @@ MIXERS = ((1, 255), (1, 255))
 
 @kernel
 def _code_count(c: Coder, value: Int, kind: Int) -> Int:
-    """Code a number >= 0: the length of value + 1 in adaptive unary, then its bits."""
-    value += 1
-    length = 0
-    while value >> (length + 1) > 0:
-        length += 1
-    k = 0
-    while k < LENGTHS - 1:
-        c.state[CONTEXT] = kind * LENGTHS + k
-        if code_bit(c, 1 if length > k else 0, kind) == 0:
-            break
-        k += 1
-    return ((1 << k) | code_raw(c, value & ((1 << k) - 1), k)) - 1
+    """Code a number >= 0."""
+    return code_number(c, value + 1, kind * LENGTHS, kind, np.int64(LENGTHS - 1)) - 1
 
 
 @kernel

@@ -18,6 +18,7 @@ from deltamesh.kernels.coder import (
     PROBABILITY_BITS,
     Coder,
     code_bit,
+    code_number,
     code_raw,
 )
 from deltamesh.kernels.front import LIVE, Front
@@ -87,18 +88,9 @@ PRIOR = np.array(
 
 
 @kernel
-def code_number(c: Coder, value: Int, kind: Int) -> Int:
-    """Code a number >= 1: its length in adaptive unary, then its bits below the highest."""
-    bits = 0
-    while value >> (bits + 1) > 0:
-        bits += 1
-    k = 0
-    while k < MAX_BITS:
-        c.state[CONTEXT] = NUMBER + kind * NUMBER_SLOTS + k
-        if code_bit(c, 1 if bits > k else 0, RARE + LENGTH) == 0:
-            break
-        k += 1
-    return (1 << k) | code_raw(c, value & ((1 << k) - 1), k)
+def code_count(c: Coder, value: Int, kind: Int) -> Int:
+    """Code a number >= 1 of one of the rarer kinds."""
+    return code_number(c, value, NUMBER + kind * NUMBER_SLOTS, RARE + LENGTH, np.int64(MAX_BITS))
 
 
 @kernel
@@ -138,7 +130,7 @@ def code_valence(c: Coder, valence: Int, model: NDArray[np.int64], mixer: Int) -
     for k in range(7, UNARY_END + 1):
         if _ask(c, model, NODE_ABOVE + k - 7, mixer, valence == k):
             return k
-    return UNARY_END + code_number(c, valence - UNARY_END, np.int64(OF_VALENCE))
+    return UNARY_END + code_count(c, valence - UNARY_END, np.int64(OF_VALENCE))
 
 
 @inlined
@@ -237,7 +229,7 @@ def code_target(c: Coder, front: Front, pivot: Int, target: Int) -> Int:
 def code_side(c: Coder, free: Int, side: Int) -> Int:
     """Code how many of the free edges of a node that splits stay on the pivot's front."""
     if free >= 8:
-        return code_number(c, side + 1, np.int64(OF_SIDE)) - 1
+        return code_count(c, side + 1, np.int64(OF_SIDE)) - 1
     if free == 0:
         return 0
     return _code_tree(c, side, np.int64(3), SIDE_TREE + 8 * free, RARE + SIDE)
