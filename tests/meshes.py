@@ -9,9 +9,11 @@ import os
 from pathlib import Path
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
-from deltamesh.mesh import Mesh
+from deltamesh.mesh import Mesh, checked_mesh
+from deltamesh_formats.meshfile import read_mesh
 
 Arrays = tuple[NDArray[np.float64], NDArray[np.int64]]
 
@@ -150,3 +152,12 @@ def folder() -> Path:
     """Where larger meshes are, if anywhere: tests that want one skip without it."""
     beside = Path(__file__).parents[2] / "shared" / "meshes"
     return Path(os.environ.get("DELTAMESH_MESHES", beside))
+
+
+def real(name: str) -> Mesh:
+    """A mesh of the folder; the test that asks is skipped where it is not there."""
+    path = folder() / name
+    if not path.exists():
+        pytest.skip(f"no {path}: DELTAMESH_MESHES names the folder of larger meshes")
+    data = read_mesh(path)
+    return checked_mesh(data.vertices, data.faces)

@@ -18,9 +18,8 @@ import pytest
 
 from deltamesh import metrics
 from deltamesh.codec import encode_mesh
-from deltamesh.mesh import Mesh, checked_mesh
+from deltamesh.mesh import Mesh
 from deltamesh.options import Options
-from deltamesh_formats.meshfile import read_mesh
 
 
 def coded(mesh, **options):
@@ -46,11 +45,7 @@ def bumpy(levels=4):
 @cache
 def from_folder(name):
     """A mesh of the optional folder; skips the test where it is not there."""
-    path = meshes.folder() / "unstated" / name
-    if not path.exists():
-        pytest.skip(f"no {path}: DELTAMESH_MESHES names the folder of larger meshes")
-    mesh = read_mesh(path)
-    return checked_mesh(mesh.vertices, mesh.faces)
+    return meshes.real(f"unstated/{name}")
 
 
 # ---- Normals of a sphere (SGP 2003, figure 1; SCCG 2006) ---------------------------------------

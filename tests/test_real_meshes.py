@@ -8,10 +8,8 @@ import pytest
 
 from deltamesh import decode
 from deltamesh.codec import encode_mesh
-from deltamesh.mesh import checked_mesh
 from deltamesh.options import Options
 from deltamesh.topology import weld
-from deltamesh_formats.meshfile import read_mesh
 
 NAMES = (
     "unstated/bun_zipper.ply",
@@ -43,11 +41,7 @@ def canonical(faces):
 @pytest.mark.parametrize("method", ["highpass", "cartesian"])
 @pytest.mark.parametrize("name", NAMES)
 def test_round_trip(name, method):
-    path = meshes.folder() / name
-    if not path.exists():
-        pytest.skip(f"{path} is not there")
-    data = read_mesh(path)
-    mesh = checked_mesh(data.vertices, data.faces)
+    mesh = meshes.real(name)
     one = encode_mesh(mesh, Options(method=method, threads=1))
     assert encode_mesh(mesh, Options(method=method, threads=2)).data == one.data
 

@@ -14,12 +14,11 @@ from deltamesh.codec import encode_mesh
 from deltamesh.kernels import delta as kernels
 from deltamesh.kernels import residual
 from deltamesh.laplacian import adjacency
-from deltamesh.mesh import Mesh, checked_mesh
+from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
 from deltamesh.normals import vertex_normals
 from deltamesh.options import Options
 from deltamesh.quantize import quantize_delta
-from deltamesh_formats.meshfile import read_mesh
 
 SPHERE, TORUS = meshes.icosphere(3), meshes.torus(12, 9)
 
@@ -162,11 +161,7 @@ def test_every_flip_in_the_corrections_is_noticed():
 )
 def test_the_same_normals_in_fewer_bytes(name):
     """At equal normal deviation a tenth smaller than the plain method, and more."""
-    path = meshes.folder() / name
-    if not path.exists():
-        pytest.skip(f"{path} is not there")
-    data = read_mesh(path)
-    mesh = checked_mesh(data.vertices, data.faces)
+    mesh = meshes.real(name)
     step = 0.001 * diagonal(mesh.vertices)
 
     def at(method, step):

@@ -12,12 +12,11 @@ from hypothesis import strategies as st
 
 from deltamesh import OptionError, TargetError, decode, encode, info
 from deltamesh.codec import encode_mesh
-from deltamesh.mesh import Mesh, checked_mesh
+from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
 from deltamesh.options import Options
 from deltamesh.targets import find_step
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfile import read_mesh
 
 METHODS = ("highpass", "refined", "cartesian")
 BUMPY = meshes.torus(24, 16)
@@ -106,11 +105,7 @@ def test_one_rate_at_most():
 )
 @pytest.mark.parametrize("method", METHODS)
 def test_the_bound_holds_on_real_meshes(name, method):
-    path = meshes.folder() / name
-    if not path.exists():
-        pytest.skip(f"{path} is not there")
-    data = read_mesh(path)
-    mesh = checked_mesh(data.vertices, data.faces)
+    mesh = meshes.real(name)
     one = encode_mesh(mesh, Options(method=method, max_error_rel=1e-3))
     error = np.linalg.norm(decode(one.data).vertices - mesh.vertices[one.order], axis=1)
     assert 0.3 * 1e-3 < error.max() / diagonal(mesh.vertices) <= 1e-3
