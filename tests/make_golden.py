@@ -61,9 +61,26 @@ def fan(valence):
     return np.concatenate((V, [[0.1, 0, 0.3]])), F
 
 
+def machine_part():
+    """A comb on a lattice: few different coordinates, fans of slivers on the flat sides."""
+    outline = [(0, 0), (30, 0), (30, 4)]
+    for x in range(24, 2, -6):
+        outline += [(x + 2, 4), (x + 2, 10), (x, 10), (x, 4)]
+    outline = np.array([*outline, (0, 4)])
+    n = len(outline)
+    i, rim = np.arange(n), (np.arange(n) + 1) % n
+    V = np.concatenate([np.pad(outline, ((0, 0), (0, 1)), constant_values=z) for z in (0, 5)])
+    sides = [np.stack(f, axis=1) for f in ((i, rim, rim + n), (i, rim + n, i + n))]
+    V = np.concatenate([V, [[15, 2, 0], [15, 2, 5]]]).astype(float)
+    ends = [np.stack((rim, i, np.full(n, 2 * n)), axis=1)]
+    ends += [np.stack((i + n, rim + n, np.full(n, 2 * n + 1)), axis=1)]
+    return V, np.concatenate([*sides, *ends])
+
+
 def golden():
-    """Name, mesh and options of each golden file."""
+    """Name, mesh and options of each golden file; the name begins with the method."""
     sphere, torus = meshes.icosphere(2), meshes.torus(9, 7)
+    patch, isolated = meshes.grid(15, 15), meshes.with_isolated()
     far = sphere[0] * 50 + [4e6, -3e5, 12.5], sphere[1]
     return [
         ("highpass-farthest", sphere, {"bits": 8, "anchors": 5}),
@@ -78,8 +95,12 @@ def golden():
         ("highpass-step", torus, {"step": 0.01, "source_format": "ply"}),
         ("highpass-20-bits", torus, {"bits": 20}),
         ("highpass-0-bits", sphere, {"bits": 0, "anchors": 12}),
-        ("refined-default", torus, {"method": "refined"}),
-        ("refined-fine", sphere, {"method": "refined", "coarse": 2.5, "bits": 9, "anchors": 4}),
+        ("highpass-corrected", patch, {"anchors": 1, "normal_error": 8.0, "max_error_rel": 2e-3}),
+        ("refined-default", torus, {}),
+        ("refined-fine", sphere, {"coarse": 2.5, "bits": 9, "anchors": 4}),
+        ("refined-corrected", sphere, {"anchors": 1, "normal_error": 8.0, "max_error_rel": 2e-3}),
+        ("refined-corrected-isolated", isolated, {"normal_error": 8.0, "max_error_rel": 2e-3}),
+        ("refined-quality", torus, {"quality": 4}),
         ("highpass-0-bits-greedy", torus, {"bits": 0, "anchors": 12, "anchor_method": "greedy"}),
         ("highpass-far-away", far, {"bits": 10}),
         ("highpass-tetrahedron", meshes.tetrahedron(), {}),
@@ -88,15 +109,17 @@ def golden():
         ("highpass-boundary", meshes.grid(7, 9), {"bits": 8}),
         ("highpass-genus-2", meshes.double_torus(), {"bits": 8}),
         ("highpass-components", meshes.two_components(), {"bits": 8, "anchors": 2}),
-        ("highpass-isolated", meshes.with_isolated(), {"bits": 8}),
+        ("highpass-isolated", isolated, {"bits": 8}),
         ("highpass-everything", surface_with_everything(), {"bits": 9, "anchors": 0.02}),
-        ("cartesian", torus, {"method": "cartesian", "bits": 11}),
-        ("cartesian-1-bit", torus, {"method": "cartesian", "bits": 1}),
-        ("cartesian-30-bits", torus, {"method": "cartesian", "bits": 30}),
-        ("cartesian-step", sphere, {"method": "cartesian", "step": 0.003}),
-        ("cartesian-triangle", (np.eye(3), np.array([[0, 1, 2]])), {"method": "cartesian"}),
-        ("cartesian-isolated", meshes.with_isolated(), {"method": "cartesian"}),
-        ("cartesian-everything", surface_with_everything(), {"method": "cartesian"}),
+        ("cartesian", torus, {"bits": 11}),
+        ("cartesian-1-bit", torus, {"bits": 1}),
+        ("cartesian-30-bits", torus, {"bits": 30}),
+        ("cartesian-step", sphere, {"step": 0.003}),
+        ("cartesian-triangle", (np.eye(3), np.array([[0, 1, 2]])), {}),
+        ("cartesian-isolated", isolated, {}),
+        ("cartesian-everything", surface_with_everything(), {}),
+        ("cartesian-machine-part", machine_part(), {"step": 0.01}),
+        ("cartesian-valence-300", fan(300), {"bits": 9}),
     ]
 
 
@@ -122,6 +145,8 @@ def assert_right(encoded, V, F):
                 solution, surface.faces, p.coarse * p.step
             )
             solution = oracle.least_squares(L, integers.anchors, delta, anchored - centre)
+        if len(integers.corrections):
+            solution += p.step * integers.corrections
         isolated = from_grid(integers.isolated, origin, p.anchor_step)
         expected = np.concatenate((solution + centre, isolated))
     assert np.abs(decoded.vertices - expected).max() <= 1e-9 * diagonal(V)
@@ -130,8 +155,9 @@ def assert_right(encoded, V, F):
 
 def write_golden():
     for name, (V, F), options in golden():
-        encoded = encode_mesh(Mesh(V, F), Options(**options))
+        encoded = encode_mesh(Mesh(V, F), Options(method=name.split("-")[0], **options))
         decoded = assert_right(encoded, V, F)
+        assert ("corrected" in name) == ("FIXS" in read_container(encoded.data).sections)
         (GOLDEN / f"{name}.dmesh").write_bytes(encoded.data)
         faces = decoded.faces.astype(np.uint16)
         np.savez_compressed(GOLDEN / f"{name}.npz", vertices=decoded.vertices, faces=faces)
@@ -140,8 +166,8 @@ def write_golden():
 # ---- Files that must be refused ----------------------------------------------------------------
 
 
-def encoded(mesh, **options):
-    return encode_mesh(Mesh(*mesh), Options(**options)).data
+def encoded(mesh, method="highpass", **options):
+    return encode_mesh(Mesh(*mesh), Options(method=method, **options)).data
 
 
 def payload_of(data, name):
@@ -191,6 +217,12 @@ def one_sided_anchors():
     return forging.forged(data, ANCH=payload, checksum=digest(surface.faces, wrong))
 
 
+def corrected_file():
+    """A file with FIXS."""
+    options = {"anchors": 1, "normal_error": 8.0, "max_error_rel": 2e-3}
+    return encoded(meshes.icosphere(2), method="refined", **options)
+
+
 def long_varint(data):
     """The count of vertices in one byte more than it needs."""
     container = read_container(data)
@@ -205,6 +237,8 @@ def refused():
     """Name and bytes of each file that must be refused."""
     h = encoded(meshes.icosphere(1), bits=8, anchors=3)
     c = encoded(meshes.icosphere(1), method="cartesian", bits=9)
+    f = corrected_file()
+    zero = encoded(meshes.icosphere(1), bits=0, anchors=3)
     sections = read_container(h).sections
     connectivity, check = sections["CONN"], sections["CHEK"]
     another = encoded(meshes.torus(7, 6), bits=8, anchors=3)  # 42 vertices, too
@@ -246,6 +280,11 @@ def refused():
         "conn-missing": with_section(h, "CONN", b""),
         "conn-twice": with_section(h, "CONN", 2 * raw_section(h, "CONN")[1]),
         "sections-exchanged": exchanged(h, "ANCH", "DELT"),
+        "corrections-too-early": exchanged(f, "NORM", "FIXS"),
+        "corrections-twice": with_section(f, "FIXS", 2 * raw_section(f, "FIXS")[1]),
+        "corrections-of-cartesian": with_section(
+            c, "CHEK", forging.section("FIXS", b"") + raw_section(c, "CHEK")[1]
+        ),
         "method-of-the-other": with_parameter_bytes(h, 0, b"\1"),
         "unknown-required-section": with_section(
             h, "CHEK", forging.section("XTRA", b"?") + raw_section(h, "CHEK")[1]
@@ -271,6 +310,9 @@ def refused():
         "deltas-noise": forging.forged(h, DELT=bytes(range(1, 200))),
         "deltas-cut": forging.forged(h, DELT=payload_of(h, "DELT")[:-7]),
         "deltas-of-0-bits": forging.forged(h, parameters={"bits": 0, "step": 0.0}),
+        "corrections-noise": forging.forged(f, FIXS=bytes(range(1, 200))),
+        "corrections-dropped": with_section(f, "FIXS", b""),
+        "corrections-of-0-bits": forging.forged(zero, FIXS=b""),
         "cartesian-noise": forging.forged(c, CART=bytes(range(1, 200))),
         "cartesian-and-more": forging.forged(c, CART=payload_of(c, "CART") + b"\1"),
     }

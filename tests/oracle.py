@@ -317,16 +317,32 @@ def level(x):
     return min(sum(start <= x for start in starts) + (x >= 2), 31)
 
 
-def diffuse(neighbours, delta, step):
-    """Round each row of delta and hand its error on; neighbours are lists."""
-    carried, out = delta.copy(), []
-    for i, around in enumerate(neighbours):
+def diffuse(neighbours, delta, normals, step, zone, carry, along):
+    """Round each row of delta, or its component along the normal, and hand shares of the error on.
+
+    Neighbours are lists. The order of the operations is that of the kernel, for the last digit.
+    """
+    carried, out = delta.tolist(), []
+    for i, (around, n) in enumerate(zip(neighbours, normals.tolist(), strict=True)):
+        a = carried[i]
         later = [j for j in around if j > i]
-        rounded = np.rint(carried[i] / step)
-        for j in later:
-            carried[j] += (carried[i] - rounded * step) / len(later)
+        steps = [dot(a, n) / step] if along else [x / step for x in a]
+        rounded = [round(s) if abs(s) > 0.5 + zone else 0 for s in steps]
+        if along:
+            error = [x - rounded[0] * step * y for x, y in zip(a, n, strict=True)]
+        else:
+            error = [x - r * step for x, r in zip(a, rounded, strict=True)]
+        across = dot(error, n)
+        for x in range(3):
+            share = carry[0] * (error[x] - across * n[x]) + carry[1] * across * n[x]
+            for j in later:
+                carried[j][x] += share / len(later)
         out.append(rounded)
-    return np.array(out, dtype=np.int64)
+    return np.array(out, dtype=np.int64).reshape(-1, 1 if along else 3)
+
+
+def dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def parallelograms(faces):
@@ -339,13 +355,218 @@ def parallelograms(faces):
     return found
 
 
-def predict(values, corners):
-    """The mean of all a + b - o, to the nearest integer, halves up."""
-    return [
-        (2 * sum(values[a][x] + values[b][x] - values[o][x] for a, b, o in corners) + len(corners))
-        // (2 * len(corners))
-        for x in range(3)
+# ---- Numbers ------------------------------------------------------------------------------------
+
+
+def slot(number, axis, context):
+    """The hash of a context: products of 32 bits, as C has them."""
+    h = ((4 * number + axis) * 2654435761 + context % 2**31 * 2246822507) % 2**32
+    h ^= h // 2**15
+    h = h * 739982445 % 2**32
+    h ^= h // 2**13
+    return h % 2**20
+
+
+def sign_class(x):
+    return (x > 0) + 2 * (x < 0)
+
+
+def code_number(coder, value, axis, lengths, signs, candidates=(), histories=()):
+    """The twin of `numbers.code_number`: the bits of a number as text, one after the other."""
+    first = 65 * axis  # its mixers: 32 for the length, 32 for the digits, 1 for the sign
+    pairs = list(zip(candidates, histories, strict=True))
+    digits = f"{abs(value):b}" if value else ""
+    size = 0
+    for k in range(31):
+        slots = [(slot(i, axis, x) + k) % 2**20 for i, x in enumerate(lengths)]
+        for i, (other, fate) in enumerate(pairs):
+            order = (abs(other).bit_length() >= k) + (abs(other).bit_length() > k)
+            slots.append(slot(8 + i, axis, (3 * fate + order) * 32 + k))
+        if not coder.bit(int(len(digits) > k), slots, first + k):
+            break
+        size += 1
+    if size == 0:
+        return 0
+    slots = [slot(16 + i, axis, x) for i, x in enumerate(signs)]
+    for i, (other, fate) in enumerate(pairs):
+        told = sign_class(other) if abs(other).bit_length() == size else 0
+        slots.append(slot(24 + i, axis, 3 * fate + told))
+    negative = coder.bit(int(value < 0), slots, first + 64)
+    done = "1"
+    for j in range(size - 1):
+        node = 8 * size + (int(done, 2) if j < 3 else 0)
+        near = lengths[0] if j < 3 else 0
+        slots = [slot(32, axis, 32 * node + j), slot(33, axis, 1024 * (32 * node + j) + near)]
+        slots.append(slot(34, axis, 64 * int(done, 2) + 2 * size + negative))
+        for i, (other, fate) in enumerate(pairs):
+            # The digits of the candidate, with so many to come as this number has.
+            text = f"{abs(other):b}"
+            split = len(text) - (size - 1 - j)
+            agrees = split > 0 and text[:split] == done and (other < 0) == bool(negative)
+            told = 1 + int(text[split]) if agrees else 0
+            slots.append(slot(40 + i, axis, (4 * fate + min(j, 3)) * 3 + told))
+        bit = int(digits[j + 1]) if j + 1 < len(digits) else 0
+        done += str(coder.bit(bit, slots, first + 32 + j))
+    return -int(done, 2) if negative else int(done, 2)
+
+
+def contexts(axis, known, before, total, along):
+    """Of the length and of the sign of a coordinate; `known` are vectors and small classes."""
+    count = max(known["count"], 1)
+    here, around = level(4 * known["sizes"][axis] // count), level(4 * total // count)
+    spent, kind, hint = level(before), known["kind"], level(known["hints"][axis])
+    last, mean = known["last"][axis], known["sums"][axis]
+    size, positive = level(4 * abs(mean) // count), int(mean > 0)
+    # Sums of products may leave 64 bits: they do so as in the kernels.
+    agrees = sign_class((along + 2**63) % 2**64 - 2**63)
+    lengths = [
+        4 * here + kind,
+        32 * around + spent,
+        32 * here + level(abs(last)),
+        32 * hint + here,
+        64 * around + 4 * known["all"] + kind,
+        64 * (here // 2) + 4 * (spent // 2) + kind,
     ]
+    signs = [
+        32 * positive + size,
+        64 * agrees + 32 * positive + size,
+        48 * sign_class(last) + 16 * agrees + 8 * positive + size // 4,
+    ]
+    return lengths, signs
+
+
+def gathered(rows, around, i, axes):
+    """What the vectors before i tell of it."""
+    below = [rows[j] for j in around if j < i]
+    sizes = [sum(abs(row[x]) for row in below) for x in range(axes)]
+    return {
+        "count": len(below),
+        "sums": [sum(row[x] for row in below) for x in range(axes)],
+        "sizes": sizes + [0] * (3 - axes),
+        "hints": [max((abs(row[x]) for row in below), default=0) for x in range(axes)],
+        "last": rows[i - 1] if i else [0] * axes,
+        "kind": min(len(below), 3),
+        "all": min(len(around), 15),
+    }
+
+
+def code_vector(coder, value, known, before=0):
+    """The twin of `residual.code_vector`."""
+    out, total = [], sum(known["sizes"])
+    for axis in range(len(value)):
+        spent = before + sum(map(abs, out))
+        along = sum(s * v for s, v in zip(known["sums"], out, strict=False))
+        made = contexts(axis, known, spent, total, along)
+        out.append(code_number(coder, value[axis], axis, *made))
+    return out
+
+
+def code_deltas(coder, neighbours, values):
+    """The twin of `delta.code_deltas`; neighbours are lists, values too."""
+    out = []
+    for i, around in enumerate(neighbours):
+        out.append(code_vector(coder, values[i], gathered(out, around, i, 3)))
+    return out
+
+
+def code_refinements(coder, neighbours, deltas, values):
+    """The twin of `delta.code_refinements`."""
+    out, sizes = [], [sum(map(abs, row)) for row in deltas]
+    for i, around in enumerate(neighbours):
+        known = gathered(out, around, i, 1)
+        known["sizes"][1] = known["count"] * sum(sizes[j] for j in around) // len(around)
+        out.append(code_vector(coder, values[i], known, 2 * sizes[i]))
+    return out
+
+
+# ---- Positions ----------------------------------------------------------------------------------
+
+BOUND = 2**40
+
+
+def distance(p, q):
+    return sum(abs(x - y) for x, y in zip(p, q, strict=True))
+
+
+def predict(values, i, around, corners):
+    """The class of vertex i, and for each axis its five predictions, three candidates, spread."""
+    before = values[i - 1] if i else [0, 0, 0]
+    below = sorted(j for j in around if j < i)
+    mean = [sum(values[j][x] for j in below) // len(below) for x in range(3)] if below else before
+    if not corners:
+        last = values[below[-1]] if below else before
+        rows = [
+            ([mean[x], last[x], before[x], mean[x], mean[x]], [last[x], before[x], mean[x]], 0)
+            for x in range(3)
+        ]
+        return min(len(below), 3), rows
+    shapes = []
+    for a, b, o in corners:
+        sides = sorted([distance(values[a], values[o]), distance(values[b], values[o])])
+        shapes.append(8 * sides[0] // sides[1] if sides[1] else 0)
+    a, b, o = corners[shapes.index(max(shapes))]
+    near, far = sorted((a, b), key=lambda v: distance(values[v], values[o]))
+    rows = []
+    for x in range(3):
+        all_of = [values[a][x] + values[b][x] - values[o][x] for a, b, o in corners]
+        g, h, apex = values[near][x], values[far][x], values[o][x]
+        m = len(corners)
+        first = (2 * sum(all_of) + m) // (2 * m)
+        predictions = [first, g, 2 * g - apex, g + h - apex, mean[x]]
+        rows.append((predictions, [g, h, apex], max(all_of) - min(all_of)))
+    return 4 + 10 * min(len(corners), 3) + max(shapes), rows
+
+
+def code_positions(coder, neighbours, corners, residual_of):
+    """The twin of `parallelogram.code_positions`; gives positions, residuals, largest error sum.
+
+    `residual_of(i, axis, prediction)` is what to encode, 0 to decode.
+    """
+    values, residuals = [], []
+    errors, fortunes = {}, [[0] * 3 for _ in range(3)]
+    for i, around in enumerate(neighbours):
+        found = corners.get(i, [])
+        kind, rows = predict(values, i, around, found)
+        spreads = [row[2] for row in rows]
+        known = gathered(residuals, around, i, 3)
+        known |= {"hints": spreads, "kind": min(len(found), 3), "all": level(sum(spreads)) // 2}
+        made, position = [], []
+        for axis, (predictions, places, _) in enumerate(rows):
+            fared = errors.setdefault((axis, kind), [0] * 5)
+            base, chosen = choose(fared, predictions)
+            lengths, signs = contexts(
+                axis,
+                known,
+                sum(map(abs, made)),
+                sum(known["sizes"]),
+                sum(s * v for s, v in zip(known["sums"], made, strict=False)),
+            )
+            step = level(abs(predictions[0] - predictions[1])) // 2
+            lengths.append((kind * 5 + chosen) * 8 + min(step, 7))
+            signs.append(sign_class(predictions[1] - base))
+            candidates = [place - base for place in places]
+            histories = [2 * f + (w == 0) for f, w in zip(fortunes[axis], candidates, strict=True)]
+            r = residual_of(i, axis, base)
+            r = code_number(coder, r, axis, lengths, signs, candidates, histories)
+            fortunes[axis] = [
+                (2 * f + (w == r)) % 16 for f, w in zip(fortunes[axis], candidates, strict=True)
+            ]
+            errors[axis, kind] = [
+                e + 16 * abs(base + r - p) - e // 256
+                for e, p in zip(fared, predictions, strict=True)
+            ]
+            made.append(r)
+            position.append(min(max(base + r, -BOUND), BOUND))
+        values.append(position)
+        residuals.append(made)
+    return values, residuals, max((max(e) for e in errors.values()), default=0)
+
+
+def choose(errors, predictions):
+    """The prediction of the least error; the first gives way only to one better by a fifth."""
+    best = min(range(1, 5), key=lambda k: errors[k])
+    chosen = best if 10 * errors[best] < 8 * errors[0] else 0
+    return predictions[chosen], chosen
 
 
 # ---- Normals ------------------------------------------------------------------------------------

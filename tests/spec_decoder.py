@@ -75,6 +75,8 @@ def container(data):
         file.crc(start)
     method, meta = sections.get("PARM", b"")[:1], ["meta"] if "meta" in sections else []
     geometry = {b"\1": ["CART"], b"\2": ["ANCH", "DELT", "NORM"]}.get(method, ["ANCH", "DELT"])
+    if "FIXS" in sections and method != b"\1":
+        geometry = [*geometry, "FIXS"]
     order = ["PARM", "CONN", *geometry, *meta]
     names = list(sections)
     check(names[: len(order)] == order and names[-1] == "CHEK", "order of the sections")
@@ -191,6 +193,42 @@ class Stream:
         for _ in range(n):
             node = 2 * node + self.predicted(mixer, [(kind, node)], 255)
         return node - (1 << n)
+
+    def signed(self, a, X, Y, candidates=()):  # noqa: N803
+        """A signed number on axis a; a candidate is (W, H)."""
+
+        def at(i, x):
+            h = ((4 * i + a) * 0x9E3779B1 + x % (1 << 31) * 0x85EBCA6B) % (1 << 32)
+            h = (h ^ h >> 15) * 0x2C1B3C6D % (1 << 32)
+            return (h ^ h >> 13) % (1 << 20)
+
+        sizes = [abs(w).bit_length() for w, _ in candidates]
+        l = 0  # noqa: E741
+        while l <= 30:
+            keys = [(at(i, x) + l) % (1 << 20) for i, x in enumerate(X)]
+            for i, (size, (_, h)) in enumerate(zip(sizes, candidates, strict=True)):
+                s = 0 if size < l else 1 if size == l else 2
+                keys.append(at(8 + i, 32 * (3 * h + s) + l))
+            if not self.predicted((a, "length", l), keys, 255):
+                break
+            l += 1  # noqa: E741
+        if l == 0:
+            return 0
+        keys = [at(16 + i, y) for i, y in enumerate(Y)]
+        for i, (size, (w, h)) in enumerate(zip(sizes, candidates, strict=True)):
+            keys.append(at(24 + i, 3 * h + (side(w) if size == l else 0)))
+        n = self.predicted((a, "sign"), keys, 255)
+        b = 1
+        for j in range(l - 1):
+            t, x = (8 * l + b, X[0]) if j < 3 else (8 * l, 0)
+            keys = [at(32, 32 * t + j), at(33, 1024 * (32 * t + j) + x)]
+            keys.append(at(34, 2 * (32 * b + l) + n))
+            for i, (w, h) in enumerate(candidates):
+                agrees = abs(w) >> l - 1 - j == b and (w < 0) == (n == 1)
+                f = 1 + (abs(w) >> l - 2 - j & 1) if agrees else 0
+                keys.append(at(40 + i, 3 * (4 * h + min(j, 3)) + f))
+            b = 2 * b + self.predicted((a, "below", j), keys, 255)
+        return -b if n else b
 
 
 # ---- §5.2: connectivity ---------------------------------------------------------------------
@@ -446,14 +484,23 @@ def side(x):
     return 1 if x > 0 else 2 if x < 0 else 0
 
 
+def wrapped(x):
+    """A number of a model has 64 bits."""
+    return (x + (1 << 63)) % (1 << 64) - (1 << 63)
+
+
 class Vectors:
     """The vectors of a stream so far, and the models of the next."""
 
     def __init__(self, payload, axes=3):
         self.stream, self.read, self.axes = Stream(payload), [], range(axes)
 
-    def next(self, below, K, J, hints=None, more=0, before=0):  # noqa: N803
-        """Read one more; `below` are the neighbours with a lower index; see NORM for the last."""
+    def next(self, below, K, J, hints=None, more=0, before=0, choose=None):  # noqa: N803
+        """Read one more; `below` are the neighbours with a lower index.
+
+        See NORM for `more` and `before`. `choose` gives, of an axis, one more context of the length
+        and of the sign, and candidates; it is told what was read.
+        """
         known, c = [self.read[v] for v in below], max(len(below), 1)
         S = [sum(v[a] for v in known) for a in self.axes]
         M = [sum(abs(v[a]) for v in known) for a in self.axes]
@@ -463,29 +510,20 @@ class Vectors:
         for a in self.axes:
             here, last, hint = level(4 * M[a] // c), level(abs(T[a])), level(H[a])
             N = level(before + sum(map(abs, vector)))
-            D = sum(s * v for s, v in zip(S, vector, strict=False))
-            lengths = [(here, K), (around, N), (here, last), (hint, here), (around, J, K)]
-            v = self.magnitude(a, [*lengths, (here // 2, N // 2, K)], here)
+            D = wrapped(sum(s * v for s, v in zip(S, vector, strict=False)))
+            X = [4 * here + K, 32 * around + N, 32 * here + last, 32 * hint + here]
+            X += [4 * (16 * around + J) + K, 4 * (16 * (here // 2) + N // 2) + K]
             agrees, positive, size = side(D), int(S[a] > 0), level(4 * abs(S[a]) // c)
-            signs = [(positive, size), (agrees, positive, size)]
-            signs.append((side(T[a]), agrees, positive, size // 4))
-            vector.append(-v if v and self.predicted(a, "sign", signs) else v)
+            Y = [32 * positive + size, 32 * (2 * agrees + positive) + size]  # noqa: N806
+            Y += [8 * (2 * (3 * side(T[a]) + agrees) + positive) + size // 4]  # noqa: N806
+            if choose:
+                x, y, candidates, learn = choose(a)
+                vector.append(self.stream.signed(a, [*X, x], [*Y, y], candidates))
+                learn(vector[-1])
+            else:
+                vector.append(self.stream.signed(a, X, Y))
         self.read.append(tuple(vector))
         return vector
-
-    def predicted(self, a, what, contexts, part=None):
-        keys = [(a, what, i, part, context) for i, context in enumerate(contexts)]
-        return self.stream.predicted((a, what, part if what == "length" else None), keys, 255)
-
-    def magnitude(self, a, lengths, here):
-        k = 0
-        while k <= 30 and self.predicted(a, "length", lengths, k):
-            k += 1
-        value = min(k, 1)
-        for _ in range(min(k - 1, 3)):
-            value = 2 * value + self.predicted(a, "below", (None, here), (k, value))
-        rest = max(k - 4, 0)
-        return value << rest | self.stream.raw(rest)
 
 
 def deltas(payload, step, near):
@@ -493,6 +531,11 @@ def deltas(payload, step, near):
     if step == 0:
         check(payload == b"", "deltas without a step")
         return [(0, 0, 0)] * len(near)
+    return vectors_of(payload, near)
+
+
+def vectors_of(payload, near):
+    """§5.4, and FIXS of §5.5."""
     vectors = Vectors(payload)
     for i, neighbours in enumerate(near):
         below = [v for v in neighbours if v < i]
@@ -501,44 +544,99 @@ def deltas(payload, step, near):
     return vectors.read
 
 
-def corrections(payload, near, values):
+def refinements(payload, near, values):
     """§5.5; `values` are the vectors of §5.4."""
     vectors, sizes = Vectors(payload, 1), [sum(map(abs, vector)) for vector in values]
     for i, neighbours in enumerate(near):
         below, valence = [v for v in neighbours if v < i], len(neighbours)
-        more = len(below) * sum(sizes[v] for v in neighbours) // max(valence, 1)
+        more = wrapped(len(below) * sum(sizes[v] for v in neighbours)) // max(valence, 1)
         vectors.next(below, min(len(below), 3), min(valence, 15), None, more, 2 * sizes[i])
     vectors.stream.end()
     return vectors.read
 
 
+def parallelograms(faces):
+    """§5.6: of each vertex i the (a, b, o), in the order of the faces (a, b, i)."""
+    sides, found = {}, {}
+    for at, (a, b, c) in enumerate(faces):
+        for half in (a, b, c), (b, c, a), (c, a, b):
+            sides.setdefault(frozenset(half[:2]), []).append((*half, at))
+    for first, second in (pair[:2] for pair in sides.values() if len(pair) > 1):
+        for (a, b, i, at), o in (first, second[2]), (second, first[2]):
+            if max(a, b, o) < i:
+                found.setdefault(i, []).append((at, a, b, o))
+    return {i: [row[1:] for row in sorted(rows)] for i, rows in found.items()}
+
+
+class Grid:
+    """§5.6: what is known when a grid point is read, and what was learnt from those before."""
+
+    def __init__(self, faces):
+        self.points, self.around = [], parallelograms(faces)
+        self.errors, self.fates = {}, [[0] * 3 for _ in range(3)]
+
+    def look(self, i, below):
+        """Set class, predictions P and candidates C of each axis for vertex i; return m, H."""
+        g, of = self.points, self.around.get(i, [])
+        before = g[-1] if g else (0, 0, 0)
+        mean = [sum(g[v][a] for v in below) // len(below) for a in range(3)] if below else before
+        if not of:
+            self.kind, last = min(len(below), 3), g[below[-1]] if below else before
+            rows = zip(mean, last, before, strict=True)
+            self.P = [[m, near, p, m, m] for m, near, p in rows]
+            self.C = [[P[1], P[2], P[0]] for P in self.P]
+            return 0, [0, 0, 0]
+        m, shapes = len(of), [self.shape(*row) for row in of]
+        a, b, o = of[shapes.index(max(shapes))]
+        if self.distance(b, o) < self.distance(a, o):
+            a, b = b, a
+        self.kind = 4 + 10 * min(m, 3) + max(shapes)
+        sums = [[g[a][x] + g[b][x] - g[o][x] for a, b, o in of] for x in range(3)]
+        self.C = list(zip(g[a], g[b], g[o], strict=True))
+        self.P = [
+            [(2 * sum(s) + m) // (2 * m), near, 2 * near - apex, near + far - apex, x]
+            for s, (near, far, apex), x in zip(sums, self.C, mean, strict=True)
+        ]
+        return m, [max(s) - min(s) for s in sums]
+
+    def distance(self, v, w):
+        return sum(abs(x - y) for x, y in zip(self.points[v], self.points[w], strict=True))
+
+    def shape(self, a, b, o):
+        one, other = self.distance(a, o), self.distance(b, o)
+        return 8 * min(one, other) // max(one, other, 1)
+
+    def choose(self, a):
+        E = self.errors.setdefault((a, self.kind), [0] * 5)
+        P, F, q = self.P[a], self.fates[a], 0  # noqa: N806
+        for i in range(1, 5):
+            if E[i] * (8 if q else 10) < 8 * E[q]:
+                q = i
+        W = [x - P[q] for x in self.C[a]]
+
+        def learn(r):
+            for i in range(3):
+                F[i] = (2 * F[i] + (r == W[i])) % 16
+            for i in range(5):
+                E[i] += 16 * abs(P[q] + r - P[i]) - (E[i] >> 8)
+            self.point.append(clamp(P[q] + r, -(1 << 40), 1 << 40))
+
+        x = 8 * (5 * self.kind + q) + min(level(abs(P[0] - P[1])) // 2, 7)
+        candidates = [(w, 2 * f + (w == 0)) for w, f in zip(W, F, strict=True)]
+        return x, side(P[1] - P[q]), candidates, learn
+
+
 def grid_points(payload, faces, near):
     """§5.6."""
-    sides, guesses = {}, {}
-    for a, b, c in faces:
-        for half in (a, b, c), (b, c, a), (c, a, b):
-            sides.setdefault(frozenset(half[:2]), []).append(half)
-    for first, second in (pair[:2] for pair in sides.values() if len(pair) > 1):
-        for (a, b, i), o in (first, second[2]), (second, first[2]):
-            if max(a, b, o) < i:
-                guesses.setdefault(i, []).append((a, b, o))
-    vectors, points = Vectors(payload), []
+    grid, vectors = Grid(faces), Vectors(payload)
     for i, neighbours in enumerate(near):
-        below, m = [v for v in neighbours if v < i], len(guesses.get(i, ()))
-        hints, prediction = (0, 0, 0), points[-1] if points else (0, 0, 0)
-        if m:
-            axes = [
-                [g[a] + g[b] - g[o] for a, b, o in guesses[i]] for g in zip(*points, strict=True)
-            ]
-            hints = [max(axis) - min(axis) for axis in axes]
-            prediction = [(2 * sum(axis) + m) // (2 * m) for axis in axes]
-        elif below:
-            prediction = [sum(points[v][a] for v in below) // len(below) for a in range(3)]
-        residual = vectors.next(below, min(m, 3), level(sum(hints)) // 2, hints)
-        both = zip(prediction, residual, strict=True)
-        points.append(tuple(clamp(g + r, -(1 << 40), 1 << 40) for g, r in both))
+        below = [v for v in neighbours if v < i]
+        m, hints = grid.look(i, below)
+        grid.point = []
+        vectors.next(below, min(m, 3), level(sum(hints)) // 2, hints, choose=grid.choose)
+        grid.points.append(tuple(grid.point))
     vectors.stream.end()
-    return points
+    return grid.points
 
 
 # ---- Positions ------------------------------------------------------------------------------
@@ -583,16 +681,18 @@ def positions(p, faces, near, exact):
     x = least_squares(delta, *system)
     if p["method"] == REFINED:
         delta += (
-            np.array(exact["corrections"], float) * step * normals(x, faces, p["coarse"] * step)
+            np.array(exact["refinements"], float) * step * normals(x, faces, p["coarse"] * step)
         )
         x = least_squares(delta, *system)
+    if exact["corrections"]:
+        x = x + step * np.array(exact["corrections"], float)
     return np.concatenate((x, origin + isolated * steps[1]))
 
 
 # ---- All of it ------------------------------------------------------------------------------
 
 # §5.7, in the order of the digest
-EXACT = "faces", "vectors", "anchors", "points", "isolated", "corrections"
+EXACT = "faces", "vectors", "anchors", "points", "isolated", "refinements", "corrections"
 
 
 def decode(data):
@@ -618,7 +718,10 @@ def decode(data):
         exact |= read_anchors(sections["ANCH"], p, near)
         exact["vectors"] = deltas(sections["DELT"], p["step"], near)
     if p["method"] == REFINED:
-        exact["corrections"] = corrections(sections["NORM"], near, exact["vectors"])
+        exact["refinements"] = refinements(sections["NORM"], near, exact["vectors"])
+    if "FIXS" in sections:
+        check(p["step"] > 0, "corrections without a step")
+        exact["corrections"] = vectors_of(sections["FIXS"], near)
     words = [struct.pack("<q", x) for name in EXACT for row in exact[name] for x in row]
     digest = hashlib.blake2b(b"".join(words), digest_size=8).digest()
     check(digest == sections["CHEK"], "digest")

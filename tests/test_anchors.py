@@ -8,6 +8,7 @@ import pytest
 from deltamesh import anchors, laplacian
 from deltamesh.kernels import distance
 from deltamesh.laplacian import adjacency, component_labels, graph_laplacian
+from deltamesh.solve import factorization
 
 MESHES = meshes.every()
 
@@ -91,7 +92,8 @@ def test_greedy_across_refactoring(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_greedy_is_the_same_for_any_number_of_threads() -> None:
     V, F = meshes.icosphere(4)
     L = graph_laplacian(F, len(V))
-    one, two = (anchors.greedy(L, V, 0 * V, 200, threads=threads) for threads in (1, 2))
+    factors = [factorization(L, threads=threads) for threads in (1, 2)]
+    one, two = (anchors.greedy(L, V, 0 * V, 200, factor=factor) for factor in factors)
     np.testing.assert_array_equal(one, two)
 
 

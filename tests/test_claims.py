@@ -24,7 +24,7 @@ from deltamesh.options import Options
 
 def coded(mesh, **options):
     """Encode: bytes of the file, the input in its order, what a decoder will make of it."""
-    encoded = encode_mesh(mesh, Options(**options))
+    encoded = encode_mesh(mesh, Options(**{"method": "highpass"} | options))
     return encoded.data, Mesh(mesh.vertices[encoded.order], encoded.mesh.faces), encoded.mesh
 
 

@@ -11,9 +11,11 @@ from hypothesis import strategies as st
 from deltamesh import cartesian, entropy, highpass
 from deltamesh.connectivity import encode_connectivity
 from deltamesh.geometry import NO_POINTS, NONE, Integers, surface_of
+from deltamesh.kernels import coder as coder_kernels
 from deltamesh.kernels import delta as delta_kernels
-from deltamesh.kernels import parallelogram, points, residual
+from deltamesh.kernels import numbers, parallelogram, points, residual
 from deltamesh.laplacian import adjacency, graph_laplacian
+from deltamesh.normals import vertex_normals
 from deltamesh.quantize import (
     LARGEST,
     delta_step,
@@ -82,6 +84,37 @@ def test_deltas_of_any_surface_round_trip(mesh: meshes.Arrays, seed: int) -> Non
     deltas_round_trip(mesh[1], integers_of(len(mesh[0]), seed))
 
 
+def twin_of(data, inputs):
+    """A slow coder; of `data` it reads, of None it writes."""
+    tables = coder_kernels.STRETCH, coder_kernels.SQUASH, coder_kernels.RATE
+    return oracle.RangeCoder(tables, numbers.SLOTS, inputs, entropy.INITIAL_WEIGHT_SUM, data)
+
+
+@strategies.FEW
+@given(st.sampled_from(sorted(MESHES)), strategies.SMALL)
+def test_deltas_equal_their_oracle(name: str, seed: int) -> None:
+    V, F = MESHES[name]
+    V, F = V[:80], F[(F < 80).all(axis=1)]
+    values, around = integers_of(len(V), seed), neighbours_of(F, len(V))
+    twin = twin_of(None, residual.MIXERS)
+    assert oracle.code_deltas(twin, around, values.tolist()) == values.tolist()
+    assert deltas_round_trip(F, values) == twin.finish()
+
+
+@strategies.SOME
+@given(st.binary(max_size=150), st.sampled_from([0x00, 0x55, 0xFF]), st.integers(0, 600))
+def test_any_bytes_are_the_deltas_of_the_oracle(data: bytes, filler: int, more: int) -> None:
+    """What no encoder has written; large numbers beside each other, whose products wrap."""
+    data += bytes([filler]) * more
+    decoder, out = entropy.decoder(data, residual.SLOTS, residual.MIXERS), np.zeros((42, 3), int)
+    delta_kernels.code_deltas(decoder, *adjacency(SPHERE, 42), out)
+    zeros = [[0, 0, 0]] * 42
+    twin = twin_of(data, residual.MIXERS)
+    assert oracle.code_deltas(twin, neighbours_of(SPHERE, 42), zeros) == out.tolist()
+    assert int(decoder.state[coder_kernels.CODE]) == twin.code
+    assert np.abs(out).max() < 2**31
+
+
 @pytest.mark.parametrize("n", [0, 1, 2])
 @pytest.mark.parametrize("value", [0, 1, -1, 2**31 - 1, 1 - 2**31])
 def test_deltas_without_faces(n: int, value: int) -> None:
@@ -97,8 +130,8 @@ def test_zeros_cost_next_to_nothing_and_noise_its_entropy() -> None:
 
 @pytest.mark.parametrize("x", [*range(40), 63, 64, 95, 96, 1000, 2**16, 3 << 20, 2**40, 2**62])
 def test_level_equals_its_oracle(x: int) -> None:
-    assert residual.level(x) == oracle.level(x)
-    assert residual.level(-x) == 0
+    assert numbers.level(x) == oracle.level(x)
+    assert numbers.level(-x) == 0
 
 
 # ---- Coding of positions -----------------------------------------------------------------------
@@ -149,26 +182,118 @@ def test_parallelograms_equal_their_oracle() -> None:
             assert sorted(map(tuple, rows)) == sorted(expected.get(i, []))
 
 
+def corners_of(F, n):
+    """The parallelograms of each vertex as lists, in their order."""
+    first, corners = cartesian.parallelograms(F, n)
+    rows = [corners[first[i] : first[i + 1]].tolist() for i in range(n)]
+    return {i: row for i, row in enumerate(rows) if row}
+
+
+def positions_of(data, F, n):
+    """What the decoder makes of any bytes, and its state."""
+    values, graph = np.zeros((n, 3), dtype=np.int64), adjacency(F, n)
+    decoder = entropy.decoder(data, parallelogram.SLOTS, parallelogram.MIXERS)
+    parallelogram.code_positions(decoder, *graph, *cartesian.parallelograms(F, n), values)
+    return values, decoder
+
+
+def assert_positions_of_the_oracle(data, F, n):
+    values, decoder = positions_of(data, F, n)
+    twin = twin_of(data, parallelogram.MIXERS)
+    found = oracle.code_positions(twin, neighbours_of(F, n), corners_of(F, n), lambda *_: 0)
+    assert values.tolist() == found[0]
+    assert int(decoder.state[coder_kernels.CODE]) == twin.code
+    assert int(decoder.state[coder_kernels.POSITION]) == twin.position
+    return found
+
+
 @strategies.SOME
-@given(strategies.surfaces(), strategies.SMALL)
-def test_prediction_equals_its_oracle(mesh: meshes.Arrays, seed: int) -> None:
+@given(strategies.surfaces(), strategies.SMALL, st.sampled_from([2, 300, LARGEST - 1]))
+def test_prediction_equals_its_oracle(mesh: meshes.Arrays, seed: int, most: int) -> None:
     V, F = mesh
     n, graph = len(V), adjacency(F, len(V))
     first, corners = cartesian.parallelograms(F, n)
-    values = np.random.default_rng(seed).integers(0, LARGEST, (n, 3))
-    around, expected = neighbours_of(F, n), oracle.parallelograms(F)
-    known, prediction = np.zeros(residual.KNOWN, dtype=np.int64), np.zeros(3, dtype=np.int64)
+    values = np.random.default_rng(seed).integers(0, most, (n, 3))
+    around, rows = neighbours_of(F, n), corners_of(F, n)
+    known = np.zeros(residual.KNOWN, dtype=np.int64)
+    predictions = np.zeros((3, parallelogram.PREDICTIONS), dtype=np.int64)
+    candidates = np.zeros((3, parallelogram.CANDIDATES), dtype=np.int64)
     for i in range(n):
         known[:] = 0
-        parallelogram._predict(*graph, first, corners, values, i, known, prediction)
-        before = [j for j in around[i] if j < i]
-        if i in expected:
-            wanted = oracle.predict(values.tolist(), expected[i])
-        elif before:
-            wanted = [sum(values[before, x].tolist()) // len(before) for x in range(3)]
-        else:
-            wanted = values[i - 1].tolist() if i else [0, 0, 0]
-        assert prediction.tolist() == wanted
+        known[residual.NEIGHBOURS] = sum(j < i for j in around[i])
+        out = predictions, candidates, known
+        kind = parallelogram._predict(*graph, first, corners, values, i, *out)
+        wanted, axes = oracle.predict(values.tolist(), i, around[i], rows.get(i, []))
+        assert 0 <= kind == wanted < parallelogram.CLASSES
+        assert predictions.tolist() == [row[0] for row in axes]
+        assert candidates.tolist() == [row[1] for row in axes]
+        assert known[residual.HINT : residual.HINT + 3].tolist() == [row[2] for row in axes]
+
+
+@strategies.FEW
+@given(strategies.surfaces(), strategies.SMALL, st.sampled_from([1, 3, 11, 30]))
+def test_positions_equal_their_oracle(mesh: meshes.Arrays, seed: int, bits: int) -> None:
+    V, F = mesh
+    n = len(V)
+    grid = np.rint((V - V.min()) / np.ptp(V) * (2**bits - 1)).astype(np.int64)
+    grid[: seed % n] = np.random.default_rng(seed).integers(0, 2**bits, (seed % n, 3))
+    twin = twin_of(None, parallelogram.MIXERS)
+    oracle.code_positions(
+        twin, neighbours_of(F, n), corners_of(F, n), lambda i, x, p: int(grid[i, x]) - p
+    )
+    assert positions_round_trip(F, grid) == twin.finish()
+
+
+def test_the_order_of_the_parallelograms() -> None:
+    """By their faces: of gates alike, the first counts."""
+    V, F = meshes.torus(9, 7)
+    for i, rows in corners_of(F, len(V)).items():
+        faces = [sorted((a, b, i)) for a, b, _ in rows]
+        places = [next(k for k, f in enumerate(F.tolist()) if sorted(f) == face) for face in faces]
+        assert places == sorted(places)
+
+
+@strategies.SOME
+@given(
+    st.sampled_from(["sphere", "torus"]),
+    st.binary(max_size=200),
+    st.sampled_from([0x00, 0x55, 0xFF]),
+    st.integers(0, 1500),
+)
+def test_any_bytes_are_the_positions_of_the_oracle(
+    name: str, data: bytes, filler: int, more: int
+) -> None:
+    """The oracle has integers without a width: nothing leaves the 64 bits of the kernel."""
+    F, n = {"sphere": (SPHERE, 45), "torus": (meshes.torus(6, 5)[1], 30)}[name]
+    assert_positions_of_the_oracle(data + bytes([filler]) * more, F, n)
+
+
+EXTREME = 2**31 - 1
+
+
+def in_coding_order(F, n):
+    return encode_connectivity(build_topology(F, n, np.arange(n)))[1].faces
+
+
+@pytest.mark.parametrize("pattern", ["away", "there and back", "random"])
+def test_positions_far_outside(pattern: str) -> None:
+    """A crafted file: largest residuals, so that extrapolation leads to the bounds and along."""
+    V, F = meshes.torus(3, 75)
+    n, rng = len(V), np.random.default_rng(40)
+    F = in_coding_order(F, n)
+    choices = {
+        "away": lambda i, axis, p: EXTREME if p >= 0 else -EXTREME,
+        "there and back": lambda i, axis, p: -EXTREME if (i // 40) % 2 else EXTREME,
+        "random": lambda i, axis, p: int(rng.choice([EXTREME, -EXTREME, 0])),
+    }
+    twin = twin_of(None, parallelogram.MIXERS)
+    written = oracle.code_positions(twin, neighbours_of(F, n), corners_of(F, n), choices[pattern])
+    values, residuals, largest = assert_positions_of_the_oracle(twin.finish(), F, n)
+    assert (values, residuals) == written[:2]
+    assert np.abs(np.array(values)).max() <= parallelogram.BOUND
+    assert 2**40 < largest < 2**59  # ten times it, too, is below 2^63
+    if pattern == "away":
+        assert np.abs(np.array(values)).max() == parallelogram.BOUND
 
 
 def test_a_plane_is_predicted_exactly() -> None:
@@ -181,16 +306,69 @@ def test_a_plane_is_predicted_exactly() -> None:
 
 # ---- Diffusion ---------------------------------------------------------------------------------
 
+FULL, PLAIN = (1.0, 1.0), (0.0, 0.0)
+
 
 @strategies.SOME
 @given(strategies.surfaces(), st.sampled_from([1e-9, 0.01, 0.37, 1.0, 1e6]), st.floats(1e-3, 1e3))
 def test_diffusion_equals_its_oracle(mesh: meshes.Arrays, step: float, steps: float) -> None:
     V, F = mesh
-    delta = V * (step * steps)
+    delta, none = V * (step * steps), np.zeros_like(V)
     kept = delta.copy()
-    values = quantize_delta(delta, adjacency(F, len(V)), step, diffusion=True)
+    values = quantize_delta(delta, adjacency(F, len(V)), step, FULL)
     np.testing.assert_array_equal(delta, kept)
-    np.testing.assert_array_equal(values, oracle.diffuse(neighbours_of(F, len(V)), kept, step))
+    around = neighbours_of(F, len(V))
+    expected = oracle.diffuse(around, kept, none, step, 0.0, FULL, along=False)
+    np.testing.assert_array_equal(values, expected)
+
+
+@strategies.SOME
+@given(
+    strategies.surfaces(),
+    st.floats(1e-3, 1e3),
+    st.sampled_from([0.0, 0.15, 0.5]),
+    st.tuples(*[st.sampled_from([0.0, 0.5, 0.7, 1.0])] * 2),
+    st.booleans(),
+)
+def test_diffusion_along_normals_equals_its_oracle(
+    mesh: meshes.Arrays, steps: float, zone: float, carry: tuple[float, float], along: bool
+) -> None:
+    V, F = mesh
+    delta, N, around = steps * V, vertex_normals(V, F, 0.1), neighbours_of(F, len(V))
+    values = quantize_delta(
+        delta, adjacency(F, len(V)), 0.37, carry, normals=N, zone=zone, along=along
+    )
+    assert values.shape == (len(V), 1 if along else 3)
+    expected = oracle.diffuse(around, delta, N, 0.37, zone, carry, along)
+    np.testing.assert_array_equal(values, expected)
+
+
+@given(strategies.surfaces(), st.floats(0.01, 10))
+def test_without_shares_the_component_along_a_normal_is_rounded(
+    mesh: meshes.Arrays, step: float
+) -> None:
+    V, F = mesh
+    delta, N = graph_laplacian(F, len(V)) @ V, vertex_normals(V, F, 0.1)
+    graph = adjacency(F, len(V))
+    values = quantize_delta(delta, graph, step, PLAIN, normals=N, zone=0.2, along=True)
+    parts = (delta * N).sum(axis=1, keepdims=True) / step
+    inside = np.abs(parts) < 0.7 - 1e-9
+    assert (values[inside] == 0).all()
+    assert (np.abs(values - parts)[np.abs(parts) > 0.7 + 1e-9] <= 0.5 + 1e-9).all()
+
+
+def test_shares_go_along_and_across_the_normal() -> None:
+    """Of three vertices, the first has an error on and across its normal, z."""
+    graph = adjacency(np.array([[0, 1, 2]]), 3)
+    delta = np.array([[0.4, 0.0, 0.4], [0.0] * 3, [0.0] * 3])
+    N = np.array([[0.0, 0.0, 1.0]] * 3)
+    handed = {}
+    for carry in ((1.0, 0.0), (0.0, 1.0)):
+        left = delta.copy()
+        out = np.zeros((3, 3), dtype=np.int64)
+        delta_kernels.diffuse(*graph, left, N, 1.0, 0.0, *carry, out)
+        handed[carry] = left[1].tolist()
+    assert handed == {(1.0, 0.0): [0.2, 0.0, 0.0], (0.0, 1.0): [0.0, 0.0, 0.2]}
 
 
 @pytest.mark.parametrize("name", MESHES)
@@ -198,7 +376,7 @@ def test_diffusion_conserves_the_error(name: str) -> None:
     """What is lost of the sum is what the vertices without neighbours to come could not hand on."""
     V, F = MESHES[name]
     delta = np.random.default_rng(4).normal(size=V.shape)
-    values = quantize_delta(delta, adjacency(F, len(V)), 0.3, diffusion=True)
+    values = quantize_delta(delta, adjacency(F, len(V)), 0.3, FULL)
     last = [all(j < i for j in around) for i, around in enumerate(neighbours_of(F, len(V)))]
     lost = np.abs((delta - 0.3 * values).sum(axis=0))
     assert (lost <= 0.15 * sum(last) + 1e-9).all()
@@ -208,7 +386,7 @@ def test_diffusion_drops_the_error_of_a_last_vertex() -> None:
     """Three vertices: the first hands on halves, the second all, the last keeps what remains."""
     graph = adjacency(np.array([[0, 1, 2]]), 3)
     delta = np.array([[0.4, 0.0, -0.4], [0.1, 0.4, 0.0], [0.4, 0.2, 0.9]])
-    values = quantize_delta(delta, graph, 1.0, diffusion=True)
+    values = quantize_delta(delta, graph, 1.0, FULL)
     # x: 0.4 -> 0, hands 0.2 to both; 0.3 -> 0, hands 0.3; 0.9 -> 1.
     # y: 0 -> 0; 0.4 -> 0, hands 0.4; 0.6 -> 1.
     # z: -0.4 -> 0, hands -0.2 to both; -0.2 -> 0, hands -0.2; 0.5 -> 0, half to even.
@@ -217,7 +395,7 @@ def test_diffusion_drops_the_error_of_a_last_vertex() -> None:
 
 def test_isolated_vertices_are_rounded_alone() -> None:
     delta = np.array([[0.6, -0.6, 1.4]] * 5)
-    values = quantize_delta(delta, adjacency(NO_FACES, 5), 1.0, diffusion=True)
+    values = quantize_delta(delta, adjacency(NO_FACES, 5), 1.0, FULL)
     assert values.tolist() == [[1, -1, 1]] * 5
 
 
@@ -225,7 +403,7 @@ def test_isolated_vertices_are_rounded_alone() -> None:
 def test_rounding_without_diffusion(mesh: meshes.Arrays, step: float) -> None:
     V, F = mesh
     delta = graph_laplacian(F, len(V)) @ V
-    values = quantize_delta(delta, adjacency(F, len(V)), step, diffusion=False)
+    values = quantize_delta(delta, adjacency(F, len(V)), step, PLAIN)
     assert values.dtype == np.int64
     assert (np.abs(values * step - delta) <= step / 2 * (1 + 1e-9)).all()
 
@@ -240,7 +418,7 @@ def test_diffusion_takes_the_low_frequencies_out_of_the_error() -> None:
     halves = V @ rng.normal(size=(3, 50)) > 0
     plain, diffused = (
         np.sqrt(np.mean((halves.T @ (delta - 0.5 * quantize_delta(delta, graph, 0.5, d))) ** 2))
-        for d in (False, True)
+        for d in (PLAIN, FULL)
     )
     assert diffused < 0.4 * plain
 
@@ -278,15 +456,15 @@ def test_step_of_the_papers(rows: list[tuple[float, ...]], bits: int) -> None:
     assert step == (extent / 2**bits or 1.0)
 
 
-@pytest.mark.parametrize("diffusion", [True, False])
-def test_a_step_that_is_too_small_is_refused(diffusion: bool) -> None:
+@pytest.mark.parametrize("carry", [FULL, PLAIN])
+def test_a_step_that_is_too_small_is_refused(carry: tuple[float, float]) -> None:
     delta = np.array([[0.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
     graph = adjacency(NO_FACES, 2)
-    fits = quantize_delta(delta, graph, 1.001 / LARGEST, diffusion)
+    fits = quantize_delta(delta, graph, 1.001 / LARGEST, carry)
     assert fits.min() > -LARGEST
     for step in (1 / LARGEST, 1e-300):
         with pytest.raises(MeshError, match="too small"):
-            quantize_delta(delta, graph, step, diffusion)
+            quantize_delta(delta, graph, step, carry)
         with pytest.raises(MeshError, match="too small"):
             to_grid(delta, delta.min(axis=0), step)
 
@@ -388,6 +566,15 @@ def test_random_deltas(payload: bytes) -> None:
         assert np.abs(integers.values).max() < 2**31
 
 
+@given(st.binary(max_size=300))
+def test_random_corrections(payload: bytes) -> None:
+    payloads = {"ANCH": _written_anchors(), "DELT": b"", "FIXS": payload}
+    integers = read_or_refused(highpass.read, highpass_parameters(), **payloads)
+    if integers is not None:
+        assert integers.corrections.shape == (42, 3)
+        assert np.abs(integers.corrections).max() < 2**31
+
+
 def _written_anchors():
     grid = np.arange(15).reshape(5, 3)
     integers = Integers(NO_POINTS, np.arange(5) * 8, grid, grid[:3])
@@ -423,3 +610,22 @@ def test_deltas_of_zero_bits_are_refused() -> None:
     parameters = highpass_parameters(bits=0, step=0.0)
     assert read_or_refused(highpass.read, parameters, ANCH=_written_anchors(), DELT=b"") is not None
     assert read_or_refused(highpass.read, parameters, ANCH=_written_anchors(), DELT=b"\1") is None
+
+
+def test_corrections_round_trip() -> None:
+    values, fixes = integers_of(42, 1), integers_of(42, 2)
+    fixes[np.random.default_rng(3).random(42) < 0.8] = 0
+    grid = np.arange(15).reshape(5, 3)
+    integers = Integers(values, np.arange(5) * 8, grid, grid[:3], corrections=fixes)
+    payloads = highpass.write(SURFACE, highpass_parameters(), integers)
+    assert list(payloads) == ["ANCH", "DELT", "FIXS"]
+    read = read_or_refused(highpass.read, highpass_parameters(), **payloads)
+    assert read is not None
+    np.testing.assert_array_equal(read.corrections, fixes)
+    np.testing.assert_array_equal(read.values, values)
+
+
+def test_corrections_of_zero_bits_are_refused() -> None:
+    parameters = highpass_parameters(bits=0, step=0.0)
+    payloads = {"ANCH": _written_anchors(), "DELT": b"", "FIXS": b""}
+    assert read_or_refused(highpass.read, parameters, **payloads) is None

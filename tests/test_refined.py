@@ -6,19 +6,35 @@ import meshes
 import numpy as np
 import oracle
 import pytest
+import strategies
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh import FormatError, MeshError, OptionError, codec, decode, encode, entropy, info
+from deltamesh import (
+    FormatError,
+    MeshError,
+    OptionError,
+    codec,
+    decode,
+    encode,
+    entropy,
+    highpass,
+    info,
+)
+from deltamesh import refined as refined_method
 from deltamesh.codec import encode_mesh
+from deltamesh.geometry import surface_of
+from deltamesh.kernels import coder as coder_kernels
 from deltamesh.kernels import delta as kernels
 from deltamesh.kernels import residual
 from deltamesh.laplacian import adjacency
 from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
 from deltamesh.normals import vertex_normals
-from deltamesh.options import Options
+from deltamesh.options import Options, Settings
 from deltamesh.quantize import quantize_delta
+from deltamesh.solve import factorization
+from deltamesh_formats.layout import Section
 
 SPHERE, TORUS = meshes.icosphere(3), meshes.torus(12, 9)
 
@@ -114,15 +130,44 @@ def test_any_refinements_come_back(data):
     entropy.check_end(decoder, 0)
 
 
-@pytest.mark.parametrize("diffusion", [True, False])
-def test_a_dead_zone_makes_zeros_and_leaves_the_rest(diffusion):
+def twin_of(data):
+    tables = coder_kernels.STRETCH, coder_kernels.SQUASH, coder_kernels.RATE
+    weights = entropy.INITIAL_WEIGHT_SUM
+    return oracle.RangeCoder(tables, residual.SLOTS, residual.MIXERS, weights, data)
+
+
+@strategies.SOME
+@given(st.binary(max_size=100), st.sampled_from([0x00, 0x55, 0xFF]), st.integers(0, 300), st.data())
+def test_any_bytes_are_the_refinements_of_the_oracle(data, filler, more, draw):
+    """... and what was decoded encodes to the same in both."""
+    F, n = meshes.icosphere(1)[1], 42
+    indptr, indices = graph = adjacency(F, n)
+    around = [indices[indptr[i] : indptr[i + 1]].tolist() for i in range(n)]
+    rng = np.random.default_rng(draw.draw(strategies.SMALL))
+    deltas = np.rint(rng.normal(size=(n, 3)) * 2.0 ** rng.uniform(-2, 28, (n, 1))).astype(np.int64)
+    data += bytes([filler]) * more
+    decoder = entropy.decoder(data, residual.SLOTS, residual.MIXERS)
+    out, twin = np.zeros((n, 1), dtype=np.int64), twin_of(data)
+    kernels.code_refinements(decoder, *graph, deltas, out)
+    zeros = [[0]] * n
+    assert oracle.code_refinements(twin, around, deltas.tolist(), zeros) == out.tolist()
+    assert int(decoder.state[coder_kernels.CODE]) == twin.code
+    assert np.abs(out).max() < 2**31
+    coder, twin = entropy.encoder(n, residual.SLOTS, residual.MIXERS), twin_of(None)
+    kernels.code_refinements(coder, *graph, deltas, out.copy())
+    oracle.code_refinements(twin, around, deltas.tolist(), out.tolist())
+    assert entropy.finish(coder) == twin.finish()
+
+
+@pytest.mark.parametrize("carry", [(1.0, 1.0), (0.0, 0.0)])
+def test_a_dead_zone_makes_zeros_and_leaves_the_rest(carry):
     V, F = SPHERE
     graph = adjacency(F, len(V))
-    delta = np.random.default_rng(9).normal(0, 0.5, (len(V), 1))
-    plain = quantize_delta(delta, graph, 1.0, diffusion)
-    zoned = quantize_delta(delta, graph, 1.0, diffusion, 0.3)
+    delta = np.random.default_rng(9).normal(0, 0.5, (len(V), 3))
+    plain = quantize_delta(delta, graph, 1.0, carry)
+    zoned = quantize_delta(delta, graph, 1.0, carry, zone=0.3)
     assert (zoned == 0).sum() > (plain == 0).sum()
-    if not diffusion:
+    if carry == (0.0, 0.0):
         outside = np.abs(delta) > 0.8
         assert (zoned[outside] == plain[outside]).all()
         assert (zoned[~outside] == 0).all()
@@ -130,8 +175,8 @@ def test_a_dead_zone_makes_zeros_and_leaves_the_rest(diffusion):
 
 def test_what_is_recorded():
     p = info(refined(SPHERE, coarse=3.5).data).parameters
-    assert (p.method, p.coarse, p.dead_zone, p.normal_dead_zone) == ("refined", 3.5, 0.2, 0.1)
-    assert info(encode(*SPHERE)).parameters.coarse == 1
+    assert (p.method, p.coarse, p.dead_zone, p.normal_dead_zone) == ("refined", 3.5, 0.15, 0.1)
+    assert info(encode(*SPHERE, method="highpass")).parameters.coarse == 1
 
 
 @pytest.mark.parametrize("coarse", [0.5, 65.0, float("nan")])
@@ -142,10 +187,10 @@ def test_a_bad_factor_is_refused(coarse):
 
 def test_a_factor_goes_with_the_refined_method_only():
     with pytest.raises(OptionError, match="coarse means nothing with method highpass"):
-        encode(*SPHERE, coarse=4.0)
+        encode(*SPHERE, method="highpass", coarse=4.0)
 
 
-def test_every_flip_in_the_corrections_is_noticed():
+def test_every_flip_in_the_refinements_is_noticed():
     data = refined(TORUS).data
     section = info(data).sections["NORM"]
     for at in range(section.offset, section.offset + section.size):
@@ -154,6 +199,63 @@ def test_every_flip_in_the_corrections_is_noticed():
             wrong[at] ^= 1 << bit
             with pytest.raises(FormatError):
                 decode(bytes(wrong))
+
+
+# ---- Corrections of the positions --------------------------------------------------------------
+
+
+def corrected(method, V, F, bound):
+    """A file in which the vertices further from where they were than the bound are corrected."""
+    step = 0.02 * diagonal(V)
+    surface = surface_of(F, len(V), 0)
+    settings = Settings(method, step=step, anchors=1, largest=bound)
+    factor = factorization(surface.laplacian)
+    none = np.zeros((0, 3))
+    module = {"highpass": highpass, "refined": refined_method}[method]
+    return surface, module, module.quantize(surface, V, none, settings, factor)
+
+
+@pytest.mark.parametrize("method", ["highpass", "refined"])
+def test_corrections_are_where_the_error_is_too_large_and_nowhere_else(method):
+    V, F = TORUS
+    W = corrected(method, V, F, np.inf)[2][2]
+    bound = np.median(np.linalg.norm(W - V, axis=1))
+    surface, module, (parameters, integers, X) = corrected(method, V, F, bound)
+    far = np.linalg.norm(W - V, axis=1) > bound
+    assert far.any()
+    assert not far.all()
+    assert (X[~far] == W[~far]).all()
+    # Half a step on each axis is what is left of an error.
+    assert (np.abs(X - V)[far] <= 0.5 * parameters.step * (1 + 1e-9)).all()
+    steps = np.rint((V - W) / parameters.step).astype(np.int64)
+    assert (integers.corrections == np.where(far[:, None], steps, 0)).all()
+    payloads = module.write(surface, parameters, integers)
+    assert "FIXS" in payloads
+    sections = {k: Section(k, 0, v, len(v) + 9) for k, v in payloads.items()}
+    read = module.read(surface, parameters, sections)
+    assert (read.corrections == integers.corrections).all()
+    assert (read.values == integers.values).all()
+    assert (read.refinements == integers.refinements).all()
+    again = module.reconstruct(surface, parameters, read, factorization(surface.laplacian))
+    np.testing.assert_array_equal(again, X)
+
+
+@pytest.mark.parametrize("method", ["highpass", "refined"])
+def test_without_a_bound_nothing_is_corrected(method):
+    surface, module, (parameters, integers, _) = corrected(method, *TORUS, np.inf)
+    assert integers.corrections.shape == (0, 3)
+    assert "FIXS" not in module.write(surface, parameters, integers)
+
+
+def test_every_flip_in_the_corrections_of_positions_is_noticed():
+    mesh = meshes.grid(15, 15)
+    data = encode(*mesh, method="refined", anchors=1, normal_error=8.0, max_error_rel=2e-3)
+    section = info(data).sections["FIXS"]
+    for at in range(section.offset, section.offset + section.size):
+        wrong = bytearray(data)
+        wrong[at] ^= 1 << at % 8
+        with pytest.raises(FormatError):
+            decode(bytes(wrong))
 
 
 @pytest.mark.parametrize(

@@ -24,15 +24,18 @@ from deltamesh_formats.writer import write_varint
 
 SPHERE = meshes.icosphere(1)
 FILES = {
-    "farthest": encode(*SPHERE, anchors=4),
-    "random": encode(*SPHERE, anchors=4, anchor_method="random"),
-    "greedy": encode(*SPHERE, anchors=4, anchor_method="greedy"),
-    "zero bits": encode(*SPHERE, anchors=4, bits=0),
+    "farthest": encode(*SPHERE, anchors=4, method="highpass"),
+    "random": encode(*SPHERE, anchors=4, anchor_method="random", method="highpass"),
+    "greedy": encode(*SPHERE, anchors=4, anchor_method="greedy", method="highpass"),
+    "zero bits": encode(*SPHERE, anchors=4, bits=0, method="highpass"),
     "cartesian": encode(*SPHERE, method="cartesian"),
-    "isolated": encode(*meshes.with_isolated()),
+    "corrected": encode(*meshes.torus(9, 7), method="refined", quality=3, max_error_rel=0.002),
+    "isolated": encode(*meshes.with_isolated(), method="highpass"),
     "isolated cartesian": encode(*meshes.with_isolated(), method="cartesian"),
-    "boundary": encode(*meshes.grid(5, 6)),
-    "genus 2 of two": encode(*meshes.union(meshes.double_torus(), meshes.tetrahedron())),
+    "boundary": encode(*meshes.grid(5, 6), method="highpass"),
+    "genus 2 of two": encode(
+        *meshes.union(meshes.double_torus(), meshes.tetrahedron()), method="highpass"
+    ),
 }
 
 
@@ -211,7 +214,7 @@ def test_limits_are_met_exactly(name: str) -> None:
 
 def test_needed_memory_grows_with_the_counts() -> None:
     """And with a factor: bytes per vertex are at least those of the arrays themselves."""
-    small, large = (read_container(encode(*meshes.icosphere(k))) for k in (1, 3))
+    small, large = (read_container(encode(*meshes.icosphere(k), method="highpass")) for k in (1, 3))
     difference = memory_needed(large) - memory_needed(small)
     assert difference > 24 * (large.vertices - small.vertices + large.faces - small.faces)
 
@@ -297,8 +300,8 @@ def test_payloads_that_agree_with_their_digest(place: tuple[str, str], payload: 
 def test_sections_of_another_mesh() -> None:
     """Same counts, other connectivity or other geometry."""
     V, F = SPHERE
-    other = encode(V, meshes.shuffled(V, F, 5)[0].faces, anchors=4)
-    turned = encode(V[:, ::-1] * [1, 1, -1], F, anchors=4)
+    other = encode(V, meshes.shuffled(V, F, 5)[0].faces, anchors=4, method="highpass")
+    turned = encode(V[:, ::-1] * [1, 1, -1], F, anchors=4, method="highpass")
     for source in (other, turned):
         sections = read_container(source).sections
         for name in ("CONN", "ANCH", "DELT"):
@@ -309,7 +312,7 @@ def test_sections_of_another_mesh() -> None:
 
 def test_component_without_an_anchor() -> None:
     mesh = meshes.union(SPHERE, (SPHERE[0] + 9, SPHERE[1]))
-    data = encode(*mesh, anchors=2, anchor_method="greedy")
+    data = encode(*mesh, anchors=2, anchor_method="greedy", method="highpass")
     surface, integers = _read(read_container(data), 10**9, 10**12, silent)
     parameters = read_container(data).parameters
     for anchors in ([0, 1], [42, 83], [80, 81]):
@@ -321,7 +324,7 @@ def test_component_without_an_anchor() -> None:
         error = refusal(forging.forged(data, ANCH=payload, checksum=checksum))
         assert "anchor" in str(error)
     for method in ("farthest", "random"):
-        data = encode(*mesh, anchors=2, anchor_method=method)
+        data = encode(*mesh, anchors=2, anchor_method=method, method="highpass")
         for count in (0, 1):
             refusal(forging.forged(data, parameters={"anchor_count": count}))
 

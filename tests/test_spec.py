@@ -10,32 +10,54 @@ import pytest
 import spec_decoder
 import strategies
 
-from deltamesh import decode, encode
+from deltamesh import decode, encode, info
 from deltamesh.metrics import diagonal
 
 HERE = Path(__file__).parent
 GOLDEN = sorted((HERE / "golden").glob("*.dmesh"))
 REFUSED = sorted((HERE / "refused").glob("*.dmesh"))
 
+HIGHPASS, REFINED = {"method": "highpass"}, {"method": "refined"}
 FRESH = {
-    "triangle": ((np.eye(3), np.array([[0, 1, 2]])), {}),
-    "closed": (meshes.icosphere(1), {"bits": 9}),
-    "boundary": (meshes.grid(6, 11), {"step": 1e-3}),
-    "handles": (meshes.double_torus(), {"bits": 10, "anchors": 3}),
-    "many joins": (meshes.torus(3, 20), {"bits": 4, "anchor_method": "greedy", "anchors": 12}),
-    "components": (meshes.two_components(), {"anchor_method": "random", "seed": 7, "anchors": 9}),
-    "components, greedy": (meshes.two_components(), {"anchor_method": "greedy", "anchors": 5}),
-    "isolated, greedy": (meshes.with_isolated(), {"anchor_method": "greedy", "anchors": 4}),
-    "0 bits": (meshes.torus(8, 6), {"bits": 0, "anchors": 8}),
-    "26 bits": (meshes.icosphere(1), {"bits": 26}),
-    "refined": (meshes.two_components(), {"method": "refined", "anchors": 3}),
-    "refined, boundary": (meshes.grid(9, 6), {"method": "refined", "step": 1e-3}),
+    "triangle": ((np.eye(3), np.array([[0, 1, 2]])), HIGHPASS),
+    "closed": (meshes.icosphere(1), HIGHPASS | {"bits": 9}),
+    "boundary": (meshes.grid(6, 11), HIGHPASS | {"step": 1e-3}),
+    "handles": (meshes.double_torus(), HIGHPASS | {"bits": 10, "anchors": 3}),
+    "many joins": (
+        meshes.torus(3, 20),
+        HIGHPASS | {"bits": 4, "anchor_method": "greedy", "anchors": 12},
+    ),
+    "components": (
+        meshes.two_components(),
+        HIGHPASS | {"anchor_method": "random", "seed": 7, "anchors": 9},
+    ),
+    "components, greedy": (
+        meshes.two_components(),
+        HIGHPASS | {"anchor_method": "greedy", "anchors": 5},
+    ),
+    "isolated, greedy": (
+        meshes.with_isolated(),
+        HIGHPASS | {"anchor_method": "greedy", "anchors": 4},
+    ),
+    "0 bits": (meshes.torus(8, 6), HIGHPASS | {"bits": 0, "anchors": 8}),
+    "26 bits": (meshes.icosphere(1), HIGHPASS | {"bits": 26}),
+    "30 bits": (meshes.icosphere(1), HIGHPASS | {"bits": 30}),
+    "refined": (meshes.two_components(), REFINED | {"anchors": 3}),
+    "refined, boundary": (meshes.grid(9, 6), REFINED | {"step": 1e-3}),
     "cartesian": (meshes.torus(9, 5), {"method": "cartesian", "bits": 10}),
+    "cartesian, 30 bits": (meshes.torus(9, 5), {"method": "cartesian", "bits": 30}),
     "cartesian, isolated": (meshes.with_isolated(), {"method": "cartesian", "bits": 16}),
     "cartesian, boundaries": (
         meshes.union(meshes.grid(4, 4), meshes.grid(5, 3)),
         {"method": "cartesian", "step": 0.02},
     ),
+}
+
+# Few anchors, and a bound on the largest error that is kept best by corrections.
+CORRECTED = {
+    "highpass": (meshes.grid(15, 15), HIGHPASS | {"anchors": 1}),
+    "refined": (meshes.icosphere(2), REFINED | {"anchors": 1}),
+    "refined, isolated": (meshes.with_isolated(), REFINED),
 }
 
 
@@ -57,6 +79,25 @@ def test_fresh_file(name: str) -> None:
     (vertices, faces), options = FRESH[name]
     noise = np.random.default_rng(2003).normal(size=vertices.shape)
     assert_same(encode(vertices + 0.03 * noise, faces, **options))
+
+
+@pytest.mark.parametrize("name", CORRECTED)
+def test_corrected_file(name: str) -> None:
+    mesh, options = CORRECTED[name]
+    data = encode(*mesh, **options, normal_error=8.0, max_error_rel=2e-3)
+    assert "FIXS" in info(data).sections
+    assert_same(data)
+
+
+@pytest.mark.parametrize("size", [7, 20])
+def test_lattice(size: int) -> None:
+    """Few different coordinates, as machine parts have: candidates are often right."""
+    vertices, faces = meshes.grid(size, size)
+    heights = np.random.default_rng(size).integers(0, 3, len(vertices))
+    places = np.stack([*np.rint((size - 1) * vertices[:, :2]).T, heights], axis=1)
+    turned = np.argsort(np.random.default_rng(1).random(len(vertices)))
+    data = encode(places[turned] + 0.0, np.argsort(turned)[faces], method="cartesian", step=0.01)
+    assert_same(data)
 
 
 def test_large_valences() -> None:

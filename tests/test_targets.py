@@ -2,71 +2,61 @@
 
 from __future__ import annotations
 
-import math
-
 import meshes
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from deltamesh import OptionError, TargetError, decode, encode, info
 from deltamesh.codec import encode_mesh
 from deltamesh.mesh import Mesh
-from deltamesh.metrics import diagonal
+from deltamesh.metrics import VertexErrors, diagonal
 from deltamesh.options import Options
-from deltamesh.targets import find_step
-from deltamesh_formats.errors import MeshError
+from deltamesh.targets import Bounds, bounds_of
 
-METHODS = ("highpass", "refined", "cartesian")
+METHODS = ("auto", "highpass", "refined", "cartesian")
 BUMPY = meshes.torus(24, 16)
-
-
-@given(
-    st.floats(0.6, 1.8),
-    st.floats(1e-6, 1e6),
-    st.floats(1e-3, 1e3),
-    st.floats(0, 0.05),
-    st.randoms(),
-)
-def test_a_power_law_with_noise_gets_a_good_step(power, scale, bound, noise, rng):
-    asked = []
-
-    def measure(step):
-        asked.append(step)
-        return scale * step**power * (1 + noise * (2 * rng.random() - 1))
-
-    right = (bound / scale) ** (1 / power)
-    step = find_step(measure, bound, right * rng.choice([1e-3, 0.1, 1, 10, 1e3]))
-    assert scale * step**power * (1 - noise) <= bound
-    assert step > 0.3 * right
-    assert len(asked) <= 16
-
-
-def test_an_error_that_does_not_fall_is_a_missed_target():
-    with pytest.raises(TargetError, match=r"an error of 1 cannot be met: 7 is the least"):
-        find_step(lambda step: 7.0, 1.0, 1.0)
-
-
-def test_a_step_that_is_too_small_ends_the_search():
-    def measure(step):
-        if step < 0.01:
-            raise MeshError("too small")
-        return 100 * step
-
-    with pytest.raises(TargetError, match="cannot be met"):
-        find_step(measure, 1e-6, 1.0)
-
-
-def test_an_error_of_nothing_lets_the_step_grow():
-    assert find_step(lambda step: 0.0 if step < 50 else math.inf, 1.0, 1.0) >= 16
 
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("bound", [3.0, 0.2])
-def test_normals_are_within_their_bound_and_near_it(method, bound):
+def test_angles_are_within_their_bounds_and_near_them(method, bound):
     meta = info(encode(*BUMPY, method=method, normal_error=bound)).meta
     assert 0.5 * bound < meta.normal <= bound
+    meta = info(encode(*BUMPY, method=method, dihedral_error=bound)).meta
+    assert 0.5 * bound < meta.dihedral <= bound
+
+
+def test_bounds_go_together():
+    scale = diagonal(BUMPY[0])
+    meta = info(encode(*BUMPY, quality=4, normal_error=9.0, max_error_rel=2e-3)).meta
+    assert meta.normal <= 2**0.5
+    assert meta.max <= 2e-3 * scale
+    assert meta.rms <= 1.5e-3 * 2**0.5 * scale
+
+
+def test_two_levels_of_quality_halve_the_bounds():
+    five, seven = (bounds_of(Options(quality=q), 10.0) for q in (5, 7))
+    assert (five.normal_deviation, five.rms) == (1.0, pytest.approx(0.015))
+    assert (seven.normal_deviation, seven.rms) == (0.5, pytest.approx(0.0075))
+    assert bounds_of(Options(), 10.0) == five
+    assert bounds_of(Options(method="refined"), 10.0) is None
+
+
+@pytest.mark.parametrize("quality", range(1, 10))
+def test_a_better_quality_is_within_the_bounds_of_a_worse(quality):
+    meta = info(encode(*BUMPY, quality=quality)).meta
+    assert meta.normal <= 2 ** ((5 - quality) / 2)
+    assert meta.rms <= 1.5e-3 * diagonal(BUMPY[0]) * 2 ** ((5 - quality) / 2)
+
+
+def test_the_excess_is_the_worst_share_and_names_what_was_missed():
+    bounds = Bounds(rms=2.0, normal_deviation=1.0)
+    errors = VertexErrors(rms=1.0, max=99.0, normal_deviation=3.0, dihedral=5.0)
+    assert bounds.excess(errors) == 3.0
+    assert bounds.drift(errors) == 0.5
+    assert str(bounds.missed(errors)) == (
+        "normal deviation 1 cannot be met: 3 is the least there was"
+    )
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -83,11 +73,13 @@ def test_no_vertex_is_beyond_the_bound(method, relative):
 
 
 def test_a_bound_below_what_numbers_hold_is_missed():
-    with pytest.raises(TargetError, match="cannot be met"):
-        encode(*BUMPY, method="cartesian", max_error_rel=1e-15)
+    with pytest.raises(TargetError, match="cannot be promised"):
+        encode(*BUMPY, max_error_rel=1e-15)
+    with pytest.raises(TargetError, match=r"cannot be met: .* is the least there was"):
+        encode(*BUMPY, method="cartesian", normal_error=1e-12)
 
 
-@pytest.mark.parametrize("name", ["normal_error", "max_error", "max_error_rel"])
+@pytest.mark.parametrize("name", ["normal_error", "dihedral_error", "max_error", "max_error_rel"])
 @pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf")])
 def test_bounds_are_numbers_above_zero(name, value):
     with pytest.raises(OptionError, match=f"{name} must be a number above 0"):
@@ -97,6 +89,15 @@ def test_bounds_are_numbers_above_zero(name, value):
 def test_one_rate_at_most():
     with pytest.raises(OptionError, match="bits and max_error exclude each other"):
         encode(*BUMPY, bits=8, max_error=1.0)
+    with pytest.raises(OptionError, match="bits and step exclude each other"):
+        encode(*BUMPY, bits=8, step=1.0)
+
+
+@pytest.mark.parametrize(("name", "most"), [("quality", 9), ("effort", 3)])
+def test_levels_are_whole_numbers_from_one(name, most):
+    for value in (0, most + 1, 1.5, True):
+        with pytest.raises(OptionError, match=f"{name} must lie in 1..{most}"):
+            encode(*BUMPY, **{name: value})
 
 
 @pytest.mark.parametrize(

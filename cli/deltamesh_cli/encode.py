@@ -6,7 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from deltamesh.options import ANCHOR_METHODS, MAX_BITS, METHODS, RATES
+from deltamesh.options import (
+    ANCHOR_METHODS,
+    BOUNDS,
+    DEFAULT_EFFORT,
+    MAX_BITS,
+    MAX_EFFORT,
+    MAX_QUALITY,
+    METHODS,
+    RATES,
+)
 from deltamesh_cli import files, options, summary
 from deltamesh_cli.failures import attempt, each
 from deltamesh_cli.meshes import parsed
@@ -19,11 +28,11 @@ if TYPE_CHECKING:
 
 _EXAMPLES = """\
 deltamesh encode bunny.ply                      writes bunny.ply.dmesh
-deltamesh encode bunny.ply small.dmesh --bits 6
+deltamesh encode bunny.ply small.dmesh --quality 3
+deltamesh encode scan.obj --normal-error 0.5 --max-error-rel 1e-3
+deltamesh encode part.stl --max-error 0.05      within that of each vertex
+deltamesh encode scan.obj --method highpass --bits 6
 deltamesh encode scan.obj --step 0.01 --anchors 500
-deltamesh encode scan.obj --method refined --normal-error 1
-deltamesh encode part.stl --method cartesian --max-error 0.05
-deltamesh encode part.stl --method cartesian --bits 12
 cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 """
 
@@ -32,39 +41,30 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 @click.argument("source", metavar="IN")
 @options.output("IN.dmesh")
 @click.option(
-    "--method",
-    type=click.Choice(METHODS),
-    default="highpass",
-    show_default=True,
-    help="What is quantized: differential coordinates (scans, organic shapes); these coarsely, and"
-    " finely across the surface (the same look in fewer bytes); or x, y, z (CAD).",
-)
-@click.option(
-    "-b",
-    "--bits",
-    type=options.whole(0, MAX_BITS),
-    metavar="B",
-    help="Bits per coordinate: the step is the range of what is quantized over 2^B. With highpass,"
-    " 0 keeps connectivity and anchors alone.  [default: cartesian 11]",
-)
-@click.option(
-    "--step",
-    type=options.length,
-    metavar="LENGTH",
-    help="The step itself, in the unit of the mesh, instead of --bits."
-    "  [default: highpass 1/1000 of the diagonal of the bounding box]",
+    "--quality",
+    type=options.whole(1, MAX_QUALITY),
+    metavar="1..9",
+    help="How good: 5 keeps the mean deviation of the face normals within 1 degree and the RMS"
+    " distance within 0.15 % of the diagonal of the bounding box; two more halve both."
+    "  [default: 5]",
 )
 @click.option(
     "--normal-error",
     type=options.length,
     metavar="DEG",
-    help="The quality instead of the step: the mean deviation of the face normals, in degrees.",
+    help="The same in units: the mean deviation of the face normals, in degrees.",
+)
+@click.option(
+    "--dihedral-error",
+    type=options.length,
+    metavar="DEG",
+    help="The mean deviation of the dihedral angles, in degrees.",
 )
 @click.option(
     "--max-error",
     type=options.length,
     metavar="LENGTH",
-    help="Likewise: no vertex further from where it was than that, in the unit of the mesh.",
+    help="No vertex further from where it was than that, in the unit of the mesh.",
 )
 @click.option(
     "--max-error-rel",
@@ -73,10 +73,41 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
     help="Likewise, as a fraction of the diagonal of the bounding box.",
 )
 @click.option(
+    "--effort",
+    type=options.whole(1, MAX_EFFORT),
+    metavar="1..3",
+    help=f"How long to search for the fewest bytes.  [default: {DEFAULT_EFFORT}]",
+)
+@click.option(
+    "--method",
+    type=click.Choice(METHODS),
+    default="auto",
+    show_default=True,
+    help="What is quantized: differential coordinates, coarsely along the surface and finely across"
+    " it (refined; scans, organic shapes); alike (highpass); or x, y, z (cartesian; CAD). auto is"
+    " refined or cartesian, whichever takes fewer bytes.",
+)
+@click.option(
+    "-b",
+    "--bits",
+    type=options.whole(0, MAX_BITS),
+    metavar="B",
+    help="Instead of a quality, bits per coordinate: the step is the range of what is quantized"
+    " over 2^B. 0 keeps connectivity and anchors alone.  [default: cartesian 11]",
+)
+@click.option(
+    "--step",
+    type=options.length,
+    metavar="LENGTH",
+    help="The step itself, in the unit of the mesh."
+    "  [default: highpass and refined 1/1000 of the diagonal of the bounding box]",
+)
+@click.option(
     "--coarse",
     type=options.factor,
     metavar="C",
-    help="With refined, the step along the surface over that across it, 1 to 64.  [default: 8]",
+    help="With refined, the step along the surface over that across it, 1 to 64."
+    "  [default: by search]",
 )
 @click.option(
     "--anchors",
@@ -131,8 +162,10 @@ def command(
     IN is an obj, ply, off, stl or glb file.
 
     Connectivity is kept exactly; vertices at one position become one, and vertices and faces may
-    come back in another order. Positions come back with a small, smooth error: --bits or --step
-    sets it, and what became of it is printed and stored in the file.
+    come back in another order. Positions come back with a small, smooth error: --quality or bounds
+    in units set it, any of them together. The encoder decodes what it has coded, and takes the
+    smallest file within all bounds that it finds; what became of the errors is printed and stored
+    in the file. A bound that cannot be met is an error (exit code 4) that says what could be had.
 
     What has no oriented manifold surface (an edge with three faces, faces of opposite winding,
     degenerate faces) is refused, and the first place is named.
@@ -168,8 +201,10 @@ def command(
 
 
 def _refuse_two_rates(parameters: dict[str, Any]) -> None:
-    given = [f"--{name.replace('_', '-')}" for name in RATES if parameters[name] is not None]
-    if len(given) > 1:
+    rates = [name for name in RATES if parameters[name] is not None]
+    bounds = [name for name in BOUNDS if parameters[name] is not None]
+    given = [f"--{name.replace('_', '-')}" for name in rates + bounds]
+    if rates and len(given) > 1:
         raise click.UsageError(f"{' and '.join(given)} exclude each other.")
 
 

@@ -68,6 +68,7 @@ ANCHORS: Final = "ANCH"
 DELTAS: Final = "DELT"
 NORMALS: Final = "NORM"
 CARTESIAN: Final = "CART"
+CORRECTIONS: Final = "FIXS"
 META: Final = "meta"
 CHECK: Final = "CHEK"
 # What a file of each method begins with, in this order; `CHEK` ends it.
@@ -76,7 +77,15 @@ REQUIRED: Final[Mapping[str, tuple[str, ...]]] = {
     "cartesian": (PARAMETERS, CONNECTIVITY, CARTESIAN),
     "refined": (PARAMETERS, CONNECTIVITY, ANCHORS, DELTAS, NORMALS),
 }
-KNOWN: Final = frozenset({section for ids in REQUIRED.values() for section in ids} | {META, CHECK})
+# What may come next, in this order.
+FURTHER: Final[Mapping[str, tuple[str, ...]]] = {
+    "highpass": (CORRECTIONS,),
+    "cartesian": (),
+    "refined": (CORRECTIONS,),
+}
+KNOWN: Final = frozenset(
+    {META, CHECK}.union(*map(set, REQUIRED.values()), *map(set, FURTHER.values()))
+)
 
 # SPEC.md#41-parm
 

@@ -43,10 +43,12 @@ def write_container(
         size.
     """
     _check_counts(vertices, faces)
-    required = layout.REQUIRED[parameters.method][1:]
+    method = parameters.method
+    further = [name for name in layout.FURTHER[method] if name in payloads]
+    required = [*layout.REQUIRED[method][1:], *further]
     others = [name for name in payloads if name not in required]
     if not set(required) <= set(payloads):
-        raise ValueError(f"the payloads are {list(payloads)}, not {list(required)}")
+        raise ValueError(f"the payloads are {list(payloads)}, not {required}")
     if any(name in layout.KNOWN or not _is_optional_id(name) for name in others):
         raise ValueError(f"not ids of optional sections: {others}")
     if len(others) + len(required) + 3 > layout.MAX_SECTIONS:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from deltamesh.kernels import distance
 from deltamesh.laplacian import adjacency_labels
-from deltamesh.solve import LeastSquares
+from deltamesh.solve import Factor, LeastSquares, factorization
 
 # 0.1 % of the vertices: with the quantization error diffused, more of them buy little.
 DEFAULT_FRACTION: Final = 0.001
@@ -140,8 +140,7 @@ def greedy(
     delta: NDArray[np.float64],
     k: int,
     positions: NDArray[np.float64] | None = None,
-    solver: str = "auto",
-    threads: int | None = None,
+    factor: Factor | None = None,
 ) -> NDArray[np.int64]:
     """Return anchors, each at a vertex where the reconstruction without it errs most, or nearly so.
 
@@ -165,8 +164,8 @@ def greedy(
         Wanted; the number of components when that is more, n when that is less.
     positions : float64 (n, 3), optional
         What the decoder will have for the position of an anchor. Default: `vertices`.
-    solver, threads
-        See `deltamesh.solve.LeastSquares`.
+    factor : callable, optional
+        From `deltamesh.solve.factorization`.
 
     Returns
     -------
@@ -178,12 +177,13 @@ def greedy(
     SolveError
     """
     positions = vertices if positions is None else positions
+    factor = factor or factorization(L)
     graph = _off_diagonal(L)
     labels = adjacency_labels(*graph)
     k = _clipped(k, labels)
     anchors = _lowest(labels)
     while len(anchors) < k:
-        base = LeastSquares(L, anchors, solver, threads)
+        base = factor(anchors)
         x = base.solve(delta, positions[anchors])
         wanted = min(k - len(anchors), MAX_UPDATES)
         chosen = _updates(base, graph, anchors, x, vertices, positions, wanted)

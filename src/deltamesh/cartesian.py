@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import entropy
-from deltamesh.geometry import NO_POINTS, NONE, Integers, Surface, payload_of
-from deltamesh.kernels import parallelogram, residual
+from deltamesh.geometry import NO_POINTS, NONE, Integers, Quantized, Surface, payload_of
+from deltamesh.kernels import parallelogram
 from deltamesh.kernels.coder import Coder
-from deltamesh.options import Options
+from deltamesh.options import DEFAULT_CARTESIAN_BITS, Settings
 from deltamesh.quantize import from_grid, grid_step, to_grid
+from deltamesh.solve import Factor
 from deltamesh.topology import pair_halfedges
 from deltamesh_formats.layout import Parameters, Section
 
@@ -25,8 +26,9 @@ def quantize(
     surface: Surface,
     vertices: NDArray[np.float64],
     isolated: NDArray[np.float64],
-    options: Options,
-) -> tuple[Parameters, Integers]:
+    settings: Settings,
+    factor: Factor,
+) -> Quantized:
     """Choose the grid, and round; the mirror is `reconstruct`.
 
     Parameters
@@ -34,7 +36,9 @@ def quantize(
     surface : Surface
     vertices, isolated : float64 (n, 3), (i, 3)
         Positions of the vertices of the faces in coding order, and of the others by x.
-    options : Options
+    settings : Settings
+    factor : callable
+        Not used: there is nothing to solve.
 
     Raises
     ------
@@ -42,8 +46,8 @@ def quantize(
     """
     everything = np.concatenate([vertices, isolated])
     origin = everything.min(axis=0)
-    bits = options.effective_bits
-    step = options.step or grid_step(everything, bits or 1)
+    bits = settings.bits if settings.bits or settings.step else DEFAULT_CARTESIAN_BITS
+    step = settings.step or grid_step(everything, bits or 1)
     grid, last = to_grid(vertices, origin, step), to_grid(isolated, origin, step)
     parameters = Parameters(
         method="cartesian",
@@ -57,16 +61,12 @@ def quantize(
         anchor_count=0,
         isolated=surface.isolated_count,
     )
-    values = np.concatenate([grid, last])
-    return parameters, Integers(values, NONE, NO_POINTS, NO_POINTS)
+    integers = Integers(np.concatenate([grid, last]), NONE, NO_POINTS, NO_POINTS)
+    return parameters, integers, reconstruct(surface, parameters, integers, factor)
 
 
 def reconstruct(
-    surface: Surface,
-    parameters: Parameters,
-    integers: Integers,
-    solver: str,
-    threads: int | None,
+    surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
 ) -> NDArray[np.float64]:
     """Return the positions; isolated vertices come last. There is nothing to solve."""
     return from_grid(integers.values, np.array(parameters.origin), parameters.step)
@@ -74,7 +74,7 @@ def reconstruct(
 
 def write(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
     """Return the payload of CART."""
-    coder = entropy.encoder(len(integers.values), residual.SLOTS, residual.MIXERS)
+    coder = entropy.encoder(len(integers.values), parallelogram.SLOTS, parallelogram.MIXERS)
     _code(coder, surface, integers.values.copy())
     return {"CART": entropy.finish(coder)}
 
@@ -88,7 +88,7 @@ def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Sectio
     """
     values = np.zeros((surface.vertex_count + surface.isolated_count, 3), dtype=np.int64)
     with payload_of(sections["CART"]) as payload:
-        coder = entropy.decoder(payload, residual.SLOTS, residual.MIXERS)
+        coder = entropy.decoder(payload, parallelogram.SLOTS, parallelogram.MIXERS)
         _code(coder, surface, values)
         entropy.check_end(coder, 0)
     return Integers(values, NONE, NO_POINTS, NO_POINTS)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -18,9 +19,11 @@ from deltamesh.connectivity import decode_connectivity, encode_connectivity
 from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
 from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_limits
 from deltamesh.mesh import LARGEST, Mesh, checked_mesh
-from deltamesh.metrics import VertexErrors, diagonal, vertex_errors
-from deltamesh.options import Options
-from deltamesh.targets import aim
+from deltamesh.metrics import VertexErrors, diagonal, errors_from, mean_edge
+from deltamesh.options import DEFAULT_EFFORT, Options, Settings
+from deltamesh.search import Trial, smallest
+from deltamesh.solve import factorization
+from deltamesh.targets import bounds_of
 from deltamesh.topology import Topology, build_topology, weld
 from deltamesh.version import __version__
 from deltamesh_formats.errors import FormatError, MeshError
@@ -60,12 +63,15 @@ def encode(
     vertices: ArrayLike,
     faces: ArrayLike,
     *,
-    method: str = "highpass",
+    method: str = "auto",
     bits: int | None = None,
     step: float | None = None,
+    quality: int | None = None,
     normal_error: float | None = None,
+    dihedral_error: float | None = None,
     max_error: float | None = None,
     max_error_rel: float | None = None,
+    effort: int = DEFAULT_EFFORT,
     diffusion: bool = True,
     anchors: int | float | None = None,
     anchor_method: str = "farthest",
@@ -88,21 +94,29 @@ def encode(
         Finite real numbers.
     faces : array_like (m, 3)
         Vertex indices from 0, of an oriented manifold, with or without boundary.
-    method : {"highpass", "refined", "cartesian"}
-        What is quantized: differential coordinates; these coarsely, and their component along the
-        normal finely; or x, y and z.
+    method : {"auto", "refined", "highpass", "cartesian"}
+        What is quantized: differential coordinates, coarsely, and their component along the normal
+        finely; these coordinates alike; or x, y and z. "auto" is refined or cartesian, whichever
+        takes fewer bytes for the same errors.
     bits : int, optional
-        The step is the range of what is quantized over 2^bits. With "highpass", 0 is a
-        least-squares mesh: connectivity and anchors alone. Default for "cartesian": 11.
+        The step is the range of what is quantized over 2^bits. 0 is a least-squares mesh:
+        connectivity and anchors alone. Default for "cartesian": 11.
     step : float, optional
-        The step itself, in the unit of the vertices. Default but for "cartesian": 1/1000 of the
-        diagonal of the bounding box.
-    normal_error : float, optional
-        Instead of bits or a step: the largest mean deviation of the face normals, in degrees. The
-        step is found by decoding; the file keeps the bound.
+        The step itself, in the unit of the vertices. Default for "highpass" and "refined": 1/1000
+        of the diagonal of the bounding box.
+    quality : int, optional
+        From 1 to 9, instead of bits or a step. 5, the default for "auto", keeps the mean deviation
+        of the face normals within 1 degree, and the RMS distance of the vertices from where they
+        were within 0.15 % of the diagonal of the bounding box; two levels more halve both.
+    normal_error, dihedral_error : float, optional
+        Likewise, the largest mean deviation of the face normals, or of the dihedral angles, in
+        degrees. Bounds go together, and with a quality; the file keeps them all, and the encoder
+        has proved it by decoding.
     max_error, max_error_rel : float, optional
         Likewise, the largest distance of any vertex from where it was: in the unit of the vertices,
         or as a fraction of the diagonal of the bounding box.
+    effort : int
+        From 1 to 3: how long to search for the fewest bytes within the bounds.
     diffusion : bool
         Hand the error of each rounding on to the neighbours still to come.
     anchors : int or float, optional
@@ -112,7 +126,8 @@ def encode(
     seed : int
         Of the random anchors.
     coarse : float, optional
-        With "refined", the step along the surface over that across it, 1 to 64. Default: 8.
+        With "refined", the step along the surface over that across it, 1 to 64. Default: 8, or
+        what the search finds.
     solver : {"auto", "rslab", "pardiso", "scipy"}
     threads : int, optional
         For the solver. Default: all cores. The bytes do not depend on it.
@@ -134,7 +149,7 @@ def encode(
         If the mesh is not such a manifold; the first element at fault is named.
     OptionError
     TargetError
-        If no step keeps the error within its bound.
+        If nothing keeps the errors within their bounds; the message tells what could be had.
     SolveError
 
     Notes
@@ -145,9 +160,12 @@ def encode(
         method=method,
         bits=bits,
         step=step,
+        quality=quality,
         normal_error=normal_error,
+        dihedral_error=dihedral_error,
         max_error=max_error,
         max_error_rel=max_error_rel,
+        effort=effort,
         diffusion=diffusion,
         anchors=anchors,
         anchor_method=anchor_method,
@@ -173,24 +191,31 @@ def encode_mesh(mesh: Mesh, options: Options, progress: Progress = silent) -> En
     used, isolated = _vertices(mesh, topology, keep, connectivity.order, options.drop_isolated)
     progress("geometry")
     surface = surface_of(connectivity.faces, len(used), len(isolated))
-    coder = _METHODS[options.method]
-    V = mesh.vertices
-    order = np.concatenate([used, isolated])
+    V, order = mesh.vertices, np.concatenate([used, isolated])
+    factor = factorization(surface.laplacian, options.solver, options.threads)
+    bounds = bounds_of(options, diagonal(V[order]))
 
-    def errors_with(options: Options) -> VertexErrors:
-        parameters, integers = coder.quantize(surface, V[used], V[isolated], options)
-        W = coder.reconstruct(surface, parameters, integers, options.solver, options.threads)
-        return vertex_errors(V[order], W, surface.faces)
+    errors_of = errors_from(V[order], surface.faces)
 
-    options = aim(options, diagonal(V[order]), errors_with)
-    parameters, integers = coder.quantize(surface, V[used], V[isolated], options)
-    payloads = {"CONN": payload, **coder.write(surface, parameters, integers)}
-    progress("checking")
-    decoded = coder.reconstruct(surface, parameters, integers, options.solver, options.threads)
-    meta = _measure(V[order], decoded, surface, options.source_format)
-    checksum = digest(surface.faces, integers)
-    data = write_container(len(order), len(surface.faces), parameters, payloads, meta, checksum)
-    return Encoded(data, order, Mesh(decoded, surface.faces))
+    def attempt(settings: Settings) -> Trial:
+        progress(f"geometry, {settings.method}")
+        coder = _METHODS[settings.method]
+        quantized = coder.quantize(surface, V[used], V[isolated], settings, factor)
+        parameters, integers, decoded = quantized
+        write = partial(coder.write, surface, parameters, integers)
+        return Trial(settings, parameters, integers, write, decoded, errors_of(decoded))
+
+    trial = smallest(options, bounds, mean_edge(V[used], surface.faces), attempt)
+    meta = _meta(trial.errors, diagonal(V[order]), options.source_format)
+    data = write_container(
+        len(order),
+        len(surface.faces),
+        trial.parameters,
+        {"CONN": payload, **trial.payloads},
+        meta,
+        digest(surface.faces, trial.integers),
+    )
+    return Encoded(data, order, Mesh(trial.vertices, surface.faces))
 
 
 def decode(
@@ -239,7 +264,8 @@ def decode(
     progress("positions")
     coder = _METHODS[container.parameters.method]
     _check_scale(container, integers)
-    vertices = coder.reconstruct(surface, container.parameters, integers, solver, threads)
+    factor = factorization(surface.laplacian, solver, threads)
+    vertices = coder.reconstruct(surface, container.parameters, integers, factor)
     return Mesh(vertices, surface.faces)
 
 
@@ -264,10 +290,9 @@ def _read(
 def _check_scale(container: Container, integers: Integers) -> None:
     """Refuse steps and origins that no mesh has: the positions would overflow."""
     p = container.parameters
-    values = max(
-        int(np.abs(a).max(initial=0))
-        for a in (integers.values, integers.positions, integers.isolated, integers.refinements)
-    )
+    i = integers
+    numbers = (i.values, i.positions, i.isolated, i.refinements, i.corrections)
+    values = max(int(np.abs(a).max(initial=0)) for a in numbers)
     steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
     if not values * steps + origin <= 100 * LARGEST:
         raise FormatError("positions that are too large", container.sections["PARM"].offset)
@@ -286,16 +311,13 @@ def _vertices(
     return keep[order], isolated[:0] if drop_isolated else isolated
 
 
-def _measure(
-    V: NDArray[np.float64], decoded: NDArray[np.float64], surface: Surface, source_format: str
-) -> Meta:
-    errors = vertex_errors(V, decoded, surface.faces)
+def _meta(errors: VertexErrors, scale: float, source_format: str) -> Meta:
     return Meta(
         rms=errors.rms,
         max=errors.max,
         normal=errors.normal_deviation,
         dihedral=errors.dihedral,
-        diagonal=diagonal(V),
+        diagonal=scale,
         encoder=f"deltamesh {__version__}",
         source=source_format,
     )

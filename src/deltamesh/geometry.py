@@ -6,13 +6,15 @@ import hashlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sparse
 from numpy.typing import NDArray
 
-from deltamesh.laplacian import adjacency
+from deltamesh.laplacian import adjacency, adjacency_labels, adjacency_laplacian
 from deltamesh_formats.errors import FormatError
-from deltamesh_formats.layout import CRC_SIZE, Section
+from deltamesh_formats.layout import CRC_SIZE, Parameters, Section
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,16 @@ class Surface:
         """Number of vertices of the faces."""
         return len(self.graph[0]) - 1
 
+    @cached_property
+    def laplacian(self) -> sparse.csr_array:
+        """L = D - A of the graph, float64 (n, n)."""
+        return adjacency_laplacian(*self.graph)
+
+    @cached_property
+    def labels(self) -> NDArray[np.int64]:
+        """The component of each vertex of the faces."""
+        return adjacency_labels(*self.graph)
+
 
 def surface_of(faces: NDArray[np.int64], vertex_count: int, isolated_count: int) -> Surface:
     """Return a `Surface` with its graph."""
@@ -58,6 +70,8 @@ class Integers:
         Grid points of the isolated vertices.
     refinements : int64 (n, 1)
         Of the deltas along the normals; empty where there are none.
+    corrections : int64 (n, 3)
+        Of the positions, in steps; empty where there are none.
     """
 
     values: NDArray[np.int64]
@@ -65,7 +79,11 @@ class Integers:
     positions: NDArray[np.int64]
     isolated: NDArray[np.int64]
     refinements: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 1), np.int64))
+    corrections: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 3), np.int64))
 
+
+# What quantizing returns: what goes into the file, and what a decoder will make of it.
+Quantized = tuple[Parameters, Integers, NDArray[np.float64]]
 
 NONE = np.zeros(0, dtype=np.int64)
 NO_POINTS = np.zeros((0, 3), dtype=np.int64)
@@ -74,7 +92,7 @@ NO_POINTS = np.zeros((0, 3), dtype=np.int64)
 def digest(faces: NDArray[np.int64], integers: Integers) -> bytes:
     """Return the checksum of everything exact that a decoder makes (SPEC.md 5.7)."""
     i = integers
-    arrays = (faces, i.values, i.anchors, i.positions, i.isolated, i.refinements)
+    arrays = (faces, i.values, i.anchors, i.positions, i.isolated, i.refinements, i.corrections)
     result = hashlib.blake2b(digest_size=8)
     for array in arrays:
         result.update(np.ascontiguousarray(array, dtype="<i8").data)

@@ -8,27 +8,20 @@ functions and the decoder's are mirrors: quantize / reconstruct, write / read.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
-import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from deltamesh import anchors as choice
 from deltamesh import entropy
-from deltamesh.geometry import Integers, Surface, payload_of
+from deltamesh.geometry import Integers, Quantized, Surface, payload_of
 from deltamesh.kernels import delta as delta_kernels
 from deltamesh.kernels import points, residual
-from deltamesh.laplacian import adjacency_labels, adjacency_laplacian
 from deltamesh.metrics import diagonal
-from deltamesh.options import (
-    DEAD_ZONE,
-    DEFAULT_COARSE,
-    DEFAULT_HIGHPASS_STEP,
-    NORMAL_DEAD_ZONE,
-    Options,
-)
+from deltamesh.options import DEFAULT_HIGHPASS_STEP, Settings
 from deltamesh.quantize import delta_step, from_grid, quantize_delta, to_delta, to_grid
-from deltamesh.solve import LeastSquares
+from deltamesh.solve import Factor
 from deltamesh_formats.errors import FormatError, OptionError
 from deltamesh_formats.layout import Parameters, Section
 from deltamesh_formats.reader import take
@@ -45,8 +38,9 @@ def quantize(
     surface: Surface,
     vertices: NDArray[np.float64],
     isolated: NDArray[np.float64],
-    options: Options,
-) -> tuple[Parameters, Integers]:
+    settings: Settings,
+    factor: Factor,
+) -> Quantized:
     """Choose steps and anchors, and round.
 
     Parameters
@@ -54,50 +48,26 @@ def quantize(
     surface : Surface
     vertices, isolated : float64 (n, 3), (i, 3)
         Positions of the vertices of the faces in coding order, and of the others by x.
-    options : Options
+    settings : Settings
+    factor : callable
 
     Raises
     ------
     MeshError, OptionError, SolveError
     """
-    n = surface.vertex_count
-    L = adjacency_laplacian(*surface.graph)
-    delta = L @ vertices
-    step = _step(vertices, delta, options)
-    values = np.zeros((n, 3), dtype=np.int64)
-    refined = options.method == "refined"
-    coarse, zone = (options.coarse or DEFAULT_COARSE, DEAD_ZONE) if refined else (1.0, 0.0)
+    delta = surface.laplacian @ vertices
+    step = step_of(vertices, delta, settings)
+    values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
     if step:
-        values = quantize_delta(delta, surface.graph, coarse * step, options.diffusion, zone)
-    everything = np.concatenate([vertices, isolated])
-    origin, fine = everything.min(axis=0), _anchor_step(everything, step)
-    grid, isolated_grid = to_grid(vertices, origin, fine), to_grid(isolated, origin, fine)
-    anchored = from_grid(grid, origin, fine)
-    anchors = _choose(surface, L, vertices, to_delta(values, coarse * step), anchored, options)
-    parameters = Parameters(
-        method=options.method,
-        diffusion=options.diffusion,
-        anchor_method=options.anchor_method,
-        bits=options.bits,
-        step=step,
-        origin=(float(origin[0]), float(origin[1]), float(origin[2])),
-        anchor_step=fine,
-        seed=options.seed,
-        anchor_count=len(anchors),
-        isolated=surface.isolated_count,
-        coarse=coarse,
-        dead_zone=zone,
-        normal_dead_zone=NORMAL_DEAD_ZONE if refined else 0.0,
-    )
-    return parameters, Integers(values, anchors, grid[anchors], isolated_grid)
+        share = float(settings.diffusion)
+        values = quantize_delta(delta, surface.graph, step, (share, share))
+    parameters, integers = anchored(surface, vertices, isolated, values, step, settings, factor)
+    W = solved(deltas(parameters, integers), parameters, integers, factor)
+    return finish(W, vertices, parameters, integers, settings)
 
 
 def reconstruct(
-    surface: Surface,
-    parameters: Parameters,
-    integers: Integers,
-    solver: str,
-    threads: int | None,
+    surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
 ) -> NDArray[np.float64]:
     """Solve [L; S] x = [delta'; c] in the least-squares sense; isolated vertices come last.
 
@@ -105,9 +75,71 @@ def reconstruct(
     ------
     SolveError
     """
-    system = LeastSquares(adjacency_laplacian(*surface.graph), integers.anchors, solver, threads)
-    vertices = system.solve(deltas(parameters, integers), anchor_positions(parameters, integers))
-    return with_isolated(vertices, parameters, integers)
+    W = solved(deltas(parameters, integers), parameters, integers, factor)
+    return finished(W, parameters, integers)
+
+
+def anchored(
+    surface: Surface,
+    vertices: NDArray[np.float64],
+    isolated: NDArray[np.float64],
+    values: NDArray[np.int64],
+    step: float,
+    settings: Settings,
+    factor: Factor,
+) -> tuple[Parameters, Integers]:
+    """Choose the anchors of quantized deltas, and round their positions."""
+    everything = np.concatenate([vertices, isolated])
+    origin, fine = everything.min(axis=0), _anchor_step(everything, step)
+    grid, isolated_grid = to_grid(vertices, origin, fine), to_grid(isolated, origin, fine)
+    coarse = settings.coarse if settings.method == "refined" else 1.0
+    delta, fixed = to_delta(values, coarse * step), from_grid(grid, origin, fine)
+    anchors = _choose(surface, vertices, delta, fixed, settings, factor)
+    parameters = Parameters(
+        method=settings.method,
+        diffusion=settings.diffusion,
+        anchor_method=settings.anchor_method,
+        bits=settings.bits,
+        step=step,
+        origin=(float(origin[0]), float(origin[1]), float(origin[2])),
+        anchor_step=fine,
+        seed=settings.seed,
+        anchor_count=len(anchors),
+        isolated=surface.isolated_count,
+        coarse=coarse,
+    )
+    return parameters, Integers(values, anchors, grid[anchors], isolated_grid)
+
+
+def finish(
+    W: NDArray[np.float64],
+    vertices: NDArray[np.float64],
+    parameters: Parameters,
+    integers: Integers,
+    settings: Settings,
+) -> Quantized:
+    """Correct the solution W, in steps, where it is too far from where the vertices were.
+
+    Raises
+    ------
+    MeshError
+        If a correction takes more than 2^30 steps.
+    """
+    error = vertices - W
+    far = np.linalg.norm(error, axis=1) > settings.largest
+    if parameters.step and far.any():
+        fixes = to_grid(np.where(far[:, None], error, 0.0), np.zeros(3), parameters.step)
+        if fixes.any():
+            integers = replace(integers, corrections=fixes)
+    return parameters, integers, finished(W, parameters, integers)
+
+
+def solved(
+    delta: NDArray[np.float64], parameters: Parameters, integers: Integers, factor: Factor
+) -> NDArray[np.float64]:
+    """Return the vertices of the faces that deltas and anchors make."""
+    positions = from_grid(integers.positions, np.array(parameters.origin), parameters.anchor_step)
+    return factor(integers.anchors).solve(delta, positions)
 
 
 def deltas(parameters: Parameters, integers: Integers) -> NDArray[np.float64]:
@@ -115,24 +147,21 @@ def deltas(parameters: Parameters, integers: Integers) -> NDArray[np.float64]:
     return to_delta(integers.values, parameters.coarse * parameters.step)
 
 
-def anchor_positions(parameters: Parameters, integers: Integers) -> NDArray[np.float64]:
-    """Return the positions of the anchors."""
-    return from_grid(integers.positions, np.array(parameters.origin), parameters.anchor_step)
-
-
-def with_isolated(
+def finished(
     vertices: NDArray[np.float64], parameters: Parameters, integers: Integers
 ) -> NDArray[np.float64]:
-    """Return the vertices of the faces, then the isolated ones."""
+    """Return the vertices of the faces, corrected, then the isolated ones."""
+    if len(integers.corrections):
+        vertices = vertices + parameters.step * integers.corrections
     isolated = from_grid(integers.isolated, np.array(parameters.origin), parameters.anchor_step)
     return np.concatenate([vertices, isolated])
 
 
-def _step(vertices: NDArray[np.float64], delta: NDArray[np.float64], options: Options) -> float:
-    """Return the quantization step that the options ask for, 0 for 0 bits."""
-    if options.bits is not None:
-        return delta_step(delta, options.bits) if options.bits else 0.0
-    return options.step or DEFAULT_HIGHPASS_STEP * diagonal(vertices)
+def step_of(vertices: NDArray[np.float64], delta: NDArray[np.float64], settings: Settings) -> float:
+    """Return the quantization step that is asked for, 0 for 0 bits."""
+    if settings.bits is not None:
+        return delta_step(delta, settings.bits) if settings.bits else 0.0
+    return settings.step or DEFAULT_HIGHPASS_STEP * diagonal(vertices)
 
 
 def _anchor_step(vertices: NDArray[np.float64], step: float) -> float:
@@ -145,40 +174,39 @@ def _anchor_step(vertices: NDArray[np.float64], step: float) -> float:
 
 def _choose(
     surface: Surface,
-    L: sparse.csr_array,
     vertices: NDArray[np.float64],
     delta: NDArray[np.float64],
-    anchored: NDArray[np.float64],
-    options: Options,
+    fixed: NDArray[np.float64],
+    settings: Settings,
+    factor: Factor,
 ) -> NDArray[np.int64]:
-    """Return the anchors that the options ask for, ascending where their indices are stored."""
-    labels = adjacency_labels(*surface.graph)
-    components = int(labels.max()) + 1
+    """Return the anchors that are asked for, ascending where their indices are stored."""
+    components = int(surface.labels.max()) + 1
     try:
-        k = choice.count_anchors(options.anchors, surface.vertex_count, components)
+        k = choice.count_anchors(settings.anchors, surface.vertex_count, components)
     except ValueError as error:
         raise OptionError(str(error)) from None
-    if options.anchor_method == "greedy":
-        solver, threads = options.solver, options.threads
-        return np.sort(choice.greedy(L, vertices, delta, k, anchored, solver, threads))
-    return _computed(surface, labels, options.anchor_method, k, options.seed)
+    if settings.anchor_method == "greedy":
+        return np.sort(choice.greedy(surface.laplacian, vertices, delta, k, fixed, factor))
+    return _computed(surface, settings.anchor_method, k, settings.seed)
 
 
-def _computed(
-    surface: Surface, labels: NDArray[np.int64], method: str, k: int, seed: int
-) -> NDArray[np.int64]:
+def _computed(surface: Surface, method: str, k: int, seed: int) -> NDArray[np.int64]:
     """Return the anchors that follow from connectivity and seed."""
     if method == "random":
-        return choice.random(labels, k, seed)
-    return choice.farthest(*surface.graph, labels, k)
+        return choice.random(surface.labels, k, seed)
+    return choice.farthest(*surface.graph, surface.labels, k)
 
 
 def write(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
-    """Return the payloads of ANCH and DELT."""
-    return {
+    """Return the payloads of ANCH and DELT, and of FIXS where there are corrections."""
+    payloads = {
         "ANCH": _write_anchors(surface, parameters, integers),
-        "DELT": _write_deltas(surface, parameters, integers.values),
+        "DELT": _write_vectors(surface, integers.values) if parameters.step else b"",
     }
+    if len(integers.corrections):
+        payloads["FIXS"] = _write_vectors(surface, integers.corrections)
+    return payloads
 
 
 def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
@@ -191,8 +219,19 @@ def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Sectio
     with payload_of(sections["ANCH"]) as payload:
         anchors, positions, isolated = _read_anchors(surface, parameters, payload)
     with payload_of(sections["DELT"]) as payload:
-        values = _read_deltas(surface, parameters, payload)
-    return Integers(values, anchors, positions, isolated)
+        if parameters.step:
+            values = _read_vectors(surface, payload)
+        elif len(payload):
+            raise FormatError("deltas in a file of 0 bits", 0)
+        else:
+            values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
+    integers = Integers(values, anchors, positions, isolated)
+    if "FIXS" not in sections:
+        return integers
+    with payload_of(sections["FIXS"]) as payload:
+        if not parameters.step:
+            raise FormatError("corrections in a file of 0 bits", 0)
+        return replace(integers, corrections=_read_vectors(surface, payload))
 
 
 def _write_anchors(surface: Surface, parameters: Parameters, integers: Integers) -> bytes:
@@ -218,13 +257,12 @@ def _read_anchors(
     anchors = np.zeros(k, dtype=np.int64)
     positions = np.zeros((k, 3), dtype=np.int64)
     isolated = np.zeros((surface.isolated_count, 3), dtype=np.int64)
-    labels = adjacency_labels(*surface.graph)
     if parameters.anchor_method == "greedy":
         if not points.code_gaps(coder, anchors, n):
             raise FormatError("an anchor that is no vertex", 3)
     else:
-        anchors = _computed(surface, labels, str(parameters.anchor_method), k, parameters.seed)
-    if len(np.unique(labels[anchors])) <= labels.max() or len(anchors) != k:
+        anchors = _computed(surface, str(parameters.anchor_method), k, parameters.seed)
+    if len(np.unique(surface.labels[anchors])) <= surface.labels.max() or len(anchors) != k:
         raise FormatError("a component without an anchor", 3)
     points.code_points(coder, positions, bits)
     if len(isolated) and not points.code_sorted_points(coder, isolated, bits):
@@ -233,22 +271,14 @@ def _read_anchors(
     return anchors, positions, isolated
 
 
-def _write_deltas(surface: Surface, parameters: Parameters, values: NDArray[np.int64]) -> bytes:
-    if not parameters.step:
-        return b""
+def _write_vectors(surface: Surface, values: NDArray[np.int64]) -> bytes:
     coder = entropy.encoder(len(values), residual.SLOTS, residual.MIXERS)
     delta_kernels.code_deltas(coder, *surface.graph, values.copy())
     return entropy.finish(coder)
 
 
-def _read_deltas(
-    surface: Surface, parameters: Parameters, payload: memoryview
-) -> NDArray[np.int64]:
+def _read_vectors(surface: Surface, payload: memoryview) -> NDArray[np.int64]:
     values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
-    if not parameters.step:
-        if len(payload):
-            raise FormatError("deltas in a file of 0 bits", 0)
-        return values
     coder = entropy.decoder(payload, residual.SLOTS, residual.MIXERS)
     delta_kernels.code_deltas(coder, *surface.graph, values)
     entropy.check_end(coder, 0)

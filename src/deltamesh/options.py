@@ -8,7 +8,7 @@ from numbers import Integral
 
 from deltamesh_formats.errors import OptionError
 
-METHODS = ("highpass", "refined", "cartesian")
+METHODS = ("auto", "refined", "highpass", "cartesian")
 ANCHOR_METHODS = ("farthest", "greedy", "random")
 # What is asked for by default: bits a coordinate, and a step in diagonals of the bounding box. The
 # range of the deltas is no scale to go by: one vertex of high valence makes it a thousand times
@@ -16,14 +16,16 @@ ANCHOR_METHODS = ("farthest", "greedy", "random")
 DEFAULT_CARTESIAN_BITS = 11
 DEFAULT_HIGHPASS_STEP = 1 / 1000
 
-# How coarse the deltas are that get refined along the normals, and the dead zones of both.
+# How coarse the deltas are that get refined along the normals.
 DEFAULT_COARSE = 8.0
 MAX_COARSE = 64.0
-DEAD_ZONE = 0.2
-NORMAL_DEAD_ZONE = 0.1
 SOLVERS = ("auto", "rslab", "pardiso", "scipy")
-# The ways to say how small or how good: at most one of them.
-RATES = ("bits", "step", "normal_error", "max_error", "max_error_rel")
+# The ways to say how small, at most one of them, and how good, which go together.
+RATES = ("bits", "step")
+BOUNDS = ("quality", "normal_error", "dihedral_error", "max_error", "max_error_rel")
+DEFAULT_QUALITY, MAX_QUALITY = 5, 9
+# How long to search for fewer bytes: not at all, among the likeliest, among all.
+DEFAULT_EFFORT, MAX_EFFORT = 2, 3
 MAX_BITS = 30
 MAX_THREADS = 1024
 MAX_NAME = 255
@@ -39,12 +41,15 @@ class Options:
         For the first option that is unknown, out of range, or contradicts another.
     """
 
-    method: str = "highpass"
+    method: str = "auto"
     bits: int | None = None
     step: float | None = None
+    quality: int | None = None
     normal_error: float | None = None
+    dihedral_error: float | None = None
     max_error: float | None = None
     max_error_rel: float | None = None
+    effort: int = DEFAULT_EFFORT
     diffusion: bool = True
     anchors: int | float | None = None
     anchor_method: str = "farthest"
@@ -59,30 +64,83 @@ class Options:
         _require_one_of("method", self.method, METHODS)
         _require_one_of("anchor_method", self.anchor_method, ANCHOR_METHODS)
         _require_one_of("solver", self.solver, SOLVERS)
-        given = [name for name in RATES if getattr(self, name) is not None]
-        _require(len(given) <= 1, f"{' and '.join(given)} exclude each other")
-        for name in RATES[1:]:
-            value = getattr(self, name)
-            fits = value is None or (math.isfinite(value) and value > 0)
-            _require(fits, f"{name} must be a number above 0, not {value}")
+        self._check_rate()
+        _require_within("effort", self.effort, 1, MAX_EFFORT)
         if self.coarse is not None:
-            _require(self.method == "refined", f"coarse means nothing with method {self.method}")
+            fits = self.method in ("auto", "refined")
+            _require(fits, f"coarse means nothing with method {self.method}")
             fits = 1 <= self.coarse <= MAX_COARSE
             _require(fits, f"coarse must lie in 1..{MAX_COARSE:g}, not {self.coarse!r}")
-        if self.bits is not None:
-            _require_within("bits", self.bits, 0 if self.method == "highpass" else 1, MAX_BITS)
         _require_within("seed", self.seed, 0, (1 << 64) - 1)
         if self.threads is not None:
             _require_within("threads", self.threads, 1, MAX_THREADS)
         fits = self.source_format.isprintable() and len(self.source_format.encode()) <= MAX_NAME
         _require(fits, "source_format must be printable, and at most 255 bytes")
 
+    def _check_rate(self) -> None:
+        rates = [name for name in RATES if getattr(self, name) is not None]
+        bounds = [name for name in BOUNDS if getattr(self, name) is not None]
+        if rates:
+            _require(len(rates + bounds) == 1, f"{' and '.join(rates + bounds)} exclude each other")
+        for name in ("step", *BOUNDS[1:]):
+            value = getattr(self, name)
+            fits = value is None or (math.isfinite(value) and value > 0)
+            _require(fits, f"{name} must be a number above 0, not {value}")
+        if self.quality is not None:
+            _require_within("quality", self.quality, 1, MAX_QUALITY)
+        if self.bits is not None:
+            # Of 0 bits, the connectivity and the anchors make a surface; nothing else does.
+            least = 0 if self.method in ("auto", "highpass") else 1
+            _require_within("bits", self.bits, least, MAX_BITS)
+
     @property
-    def effective_bits(self) -> int | None:
-        """Bits per coordinate, None for a step."""
-        if all(getattr(self, name) is None for name in RATES) and self.method == "cartesian":
-            return DEFAULT_CARTESIAN_BITS
-        return self.bits
+    def has_rate(self) -> bool:
+        """Whether bits, a step or any bound was given."""
+        return any(getattr(self, name) is not None for name in RATES + BOUNDS)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a method is told to do: options without anything left to search for.
+
+    Attributes
+    ----------
+    method : str
+        Of `METHODS`, but not "auto".
+    bits : int or None
+    step : float or None
+        With neither, the method has a default.
+    coarse : float
+    diffusion : bool
+    anchors, anchor_method, seed
+        As in `Options`.
+    largest : float
+        Correct the vertices that would be further from where they were than that.
+    """
+
+    method: str
+    bits: int | None = None
+    step: float | None = None
+    coarse: float = DEFAULT_COARSE
+    diffusion: bool = True
+    anchors: int | float | None = None
+    anchor_method: str = "farthest"
+    seed: int = 0
+    largest: float = math.inf
+
+
+def settings_of(options: Options, method: str) -> Settings:
+    """Return the settings that options ask of a method, whatever their bounds."""
+    return Settings(
+        method=method,
+        bits=options.bits,
+        step=None if options.step is None else float(options.step),
+        coarse=options.coarse or DEFAULT_COARSE,
+        diffusion=options.diffusion,
+        anchors=options.anchors,
+        anchor_method=options.anchor_method,
+        seed=options.seed,
+    )
 
 
 def _require_one_of(name: str, value: str, known: tuple[str, ...]) -> None:

@@ -59,10 +59,13 @@ def quantize_delta(
     delta: NDArray[np.float64],
     graph: tuple[NDArray[np.int64], NDArray[np.int64]],
     step: float,
-    diffusion: bool,
+    carry: tuple[float, float],
+    *,
+    normals: NDArray[np.float64] | None = None,
     zone: float = 0.0,
+    along: bool = False,
 ) -> NDArray[np.int64]:
-    """Round delta / step, with error diffusion or without.
+    """Round delta / step, or its component along the normals, diffusing the error.
 
     Diffusion visits the vertices in their order and hands the error of each on, in equal parts,
     to its neighbours that are still to come; the sum of the errors over any region then nearly
@@ -70,17 +73,22 @@ def quantize_delta(
 
     Parameters
     ----------
-    delta : float64 (n, d)
+    delta : float64 (n, 3)
     graph : pair of int64 arrays
         Neighbours, from `laplacian.adjacency`.
     step : float
-    diffusion : bool
+    carry : (float, float)
+        Which shares of the error go on, along the surface and across it; without normals, the
+        first. Zeros are plain rounding.
+    normals : float64 (n, 3), optional
     zone : float
         Dead zone: round to 0 up to 0.5 + zone steps.
+    along : bool
+        Whether to round the component along the normals alone.
 
     Returns
     -------
-    int64 (n, d)
+    int64 (n, 3), or (n, 1) along the normals
 
     Raises
     ------
@@ -88,11 +96,9 @@ def quantize_delta(
         If the step is too small for the deltas: 2^30 steps is what a file holds.
     """
     _check_size(delta / step, step)
-    if not diffusion:
-        steps = delta / step
-        return np.where(np.abs(steps) > 0.5 + zone, np.rint(steps), 0).astype(np.int64)
-    out = np.empty(delta.shape, dtype=np.int64)
-    kernels.diffuse(*graph, delta.copy(), step, zone, out)
+    N = np.zeros_like(delta) if normals is None else normals
+    out = np.empty((len(delta), 1 if along else 3), dtype=np.int64)
+    kernels.diffuse(*graph, delta.copy(), N, step, zone, carry[0], carry[1], out)
     return out
 
 

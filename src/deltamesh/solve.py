@@ -15,6 +15,7 @@ error 9e-9 before, 6e-15 after), for the price of one more back substitution.
 from __future__ import annotations
 
 import contextlib
+import functools
 import importlib
 import importlib.util
 import os
@@ -33,6 +34,8 @@ from scipy.sparse import csgraph
 from deltamesh_formats.errors import SolveError
 
 Solve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
+Factor = Callable[[NDArray[np.int64]], "LeastSquares"]
 
 # A row of L with d entries puts d^2 entries into L^T L: one vertex with 50 000 neighbours would ask
 # for 20 GB. Longer rows become unknowns of their own, see `_quasidefinite`.
@@ -135,6 +138,20 @@ def least_squares(
 ) -> NDArray[np.float64]:
     """Return `LeastSquares(L, anchors, solver, threads).solve(delta, positions)`."""
     return LeastSquares(L, anchors, solver, threads).solve(delta, positions)
+
+
+def factorization(L: sparse.csr_array, solver: str = "auto", threads: int | None = None) -> Factor:
+    """Return a function of the anchors that makes a `LeastSquares`.
+
+    It remembers the last one: a search asks for the same again and again, and factoring is what
+    costs most.
+    """
+
+    @functools.lru_cache(maxsize=1)
+    def remembered(anchors: bytes) -> LeastSquares:
+        return LeastSquares(L, np.frombuffer(anchors, dtype=np.int64), solver, threads)
+
+    return lambda anchors: remembered(anchors.tobytes())
 
 
 def available_solvers() -> tuple[str, ...]:

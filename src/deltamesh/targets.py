@@ -1,109 +1,104 @@
-"""Finding the step for a quality: a search that believes only what it has measured."""
+"""What a quality means: bounds on errors."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass
 from typing import Final
 
 from deltamesh.metrics import VertexErrors
-from deltamesh.options import DEFAULT_HIGHPASS_STEP, Options
-from deltamesh_formats.errors import MeshError, TargetError
+from deltamesh.options import DEFAULT_QUALITY, Options
+from deltamesh_formats.errors import TargetError
 
 # By how much positions may differ between machines and solvers, over the diagonal.
 TOLERANCE: Final = 1e-9
 
-# A step whose error is within that share of the bound is good enough.
-CLOSE: Final = 0.9
-# What the next guess aims at: errors are not quite proportional to steps.
-AIM: Final = 0.95
-# Measurements once some step is good, and to find one at all. Each is a quantization and a
-# reconstruction, about half of an encode.
-TRIES, MOST_TRIES = 5, 16
-# How far one guess may go beyond what has been measured.
-FURTHEST: Final = 32.0
+# What quality 5 means: the mean deviation of the face normals in degrees, which shading does not
+# show, and the RMS distance over the diagonal, which bounds how far a silhouette drifts. Two levels
+# up halve both.
+QUALITY_NORMAL: Final = 1.0
+QUALITY_RMS: Final = 1.5e-3
 
 
-def aim(options: Options, scale: float, errors_with: Callable[[Options], VertexErrors]) -> Options:
-    """Return options that ask for a step, where those given ask for a quality.
+@dataclass(frozen=True)
+class Bounds:
+    """The largest errors that are allowed; of `metrics.VertexErrors`, with the same units."""
+
+    rms: float = math.inf
+    max: float = math.inf
+    normal_deviation: float = math.inf
+    dihedral: float = math.inf
+
+    def shares(self, errors: VertexErrors) -> dict[str, float]:
+        """Return each error over its bound; at most 1 where it is kept."""
+        return {name: _share(getattr(errors, name), bound) for name, bound in vars(self).items()}
+
+    def excess(self, errors: VertexErrors) -> float:
+        """Return the largest of the shares."""
+        return max(self.shares(errors).values())
+
+    def drift(self, errors: VertexErrors) -> float:
+        """Return the largest share of a distance."""
+        return max(_share(errors.rms, self.rms), _share(errors.max, self.max))
+
+    def look(self, errors: VertexErrors) -> float:
+        """Return the largest share of an angle."""
+        normal = _share(errors.normal_deviation, self.normal_deviation)
+        return max(normal, _share(errors.dihedral, self.dihedral))
+
+    @property
+    def has_look(self) -> bool:
+        """Whether an angle is bounded."""
+        return min(self.normal_deviation, self.dihedral) < math.inf
+
+    def missed(self, errors: VertexErrors) -> TargetError:
+        """Return what to raise where the errors are the least that could be had."""
+        shares = self.shares(errors)
+        name = max(shares, key=lambda name: shares[name])
+        bound, had = getattr(self, name), getattr(errors, name)
+        text = name.replace("_", " ")
+        return TargetError(f"{text} {bound:g} cannot be met: {had:g} is the least there was")
+
+
+def _share(error: float, bound: float) -> float:
+    if bound:
+        return error / bound
+    return math.inf if error else 1.0  # a bound of 0 is kept by 0 alone
+
+
+def bounds_of(options: Options, scale: float) -> Bounds | None:
+    """Return the bounds that options ask for, None where they ask for a rate or for nothing.
 
     Parameters
     ----------
     options : Options
     scale : float
         Diagonal of the bounding box.
-    errors_with : callable
-        What a decoder will make of the mesh under options that ask for a step.
 
     Raises
     ------
     TargetError
+        For a distance that positions may differ by between machines.
     """
-    plain = replace(options, normal_error=None, max_error=None, max_error_rel=None)
-
-    def normal(step: float) -> float:
-        return errors_with(replace(plain, step=step)).normal_deviation
-
-    def largest(step: float) -> float:
-        return errors_with(replace(plain, step=step)).max + TOLERANCE * scale
-
-    start = DEFAULT_HIGHPASS_STEP * scale
-    if options.normal_error is not None:
-        return replace(plain, step=find_step(normal, options.normal_error, start))
-    if options.max_error is not None:
-        return replace(plain, step=find_step(largest, options.max_error, start))
-    if options.max_error_rel is not None:
-        return replace(plain, step=find_step(largest, options.max_error_rel * scale, start))
-    return options
-
-
-def find_step(measure: Callable[[float], float], bound: float, start: float) -> float:
-    """Return a step, as large as can be had cheaply, whose error is within a bound.
-
-    Parameters
-    ----------
-    measure : callable
-        The error at a step; about proportional to it, but for the noise of rounding. It may raise
-        MeshError for a step that is too small.
-    bound : float
-        The largest error that is allowed, above 0.
-    start : float
-        The first guess.
-
-    Raises
-    ------
-    TargetError
-        If no step was found; the message tells the smallest error that was.
-    """
-    good, bad = 0.0, math.inf
-    errors: dict[float, float] = {}
-    step = start
-    for tries in range(1, MOST_TRIES + 1):
-        try:
-            errors[step] = measure(step)
-        except MeshError:
-            break
-        if errors[step] <= bound:
-            good = max(good, step)
-            if errors[step] >= CLOSE * bound:
-                break
-        else:
-            bad = min(bad, step)
-        if good and (tries >= TRIES or bad <= good):
-            break
-        step = _next(step, errors, good, bad, AIM * bound)
-    if not good:
-        least = min(errors.values(), default=math.inf)
-        raise TargetError(f"an error of {bound:g} cannot be met: {least:g} is the least there was")
-    return good
+    if options.method == "auto" and not options.has_rate:
+        return _of_quality(DEFAULT_QUALITY, scale)
+    largest = min(options.max_error or math.inf, (options.max_error_rel or math.inf) * scale)
+    if not largest > 2 * TOLERANCE * scale and scale:
+        raise TargetError(
+            f"a distance of {largest:g} cannot be promised: positions may differ by"
+            f" {TOLERANCE * scale:g} between machines"
+        )
+    look = Bounds() if options.quality is None else _of_quality(options.quality, scale)
+    bounds = Bounds(
+        rms=look.rms,
+        max=largest - TOLERANCE * scale,
+        normal_deviation=min(options.normal_error or math.inf, look.normal_deviation),
+        dihedral=options.dihedral_error or math.inf,
+    )
+    return None if bounds == Bounds() else bounds
 
 
-def _next(step: float, errors: dict[float, float], good: float, bad: float, aim: float) -> float:
-    """Return the next step to try."""
-    if good and bad < math.inf:
-        low, high = errors[good], errors[bad]
-        share = math.log(aim / low) / math.log(high / low) if 0 < low < aim < high else 0.5
-        return float(good * (bad / good) ** min(max(share, 0.1), 0.9))
-    factor = aim / errors[step] if errors[step] > 0 else FURTHEST
-    return step * min(max(factor, 1 / FURTHEST), FURTHEST)
+def _of_quality(quality: int, scale: float) -> Bounds:
+    factor = 2 ** ((DEFAULT_QUALITY - quality) / 2)
+    rms = QUALITY_RMS * factor * scale
+    return Bounds(rms=rms or math.inf, normal_deviation=QUALITY_NORMAL * factor)

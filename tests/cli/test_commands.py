@@ -27,8 +27,8 @@ def test_round_trip(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_the_options_reach_the_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    line = "encode torus.ply a.dmesh --bits 6 --anchors 20 --anchor-method random --seed 7 --json"
-    assert cli(line, "--no-diffusion") == 0
+    line = "encode torus.ply a.dmesh --method highpass --bits 6 --anchors 20 --seed 7 --json"
+    assert cli(line, "--anchor-method", "random", "--no-diffusion") == 0
     made = json.loads(capsys.readouterr().out)
     assert made["parameters"] | {"step": 0, "anchor_step": 0, "origin": []} == {
         "method": "highpass",
@@ -200,9 +200,10 @@ def test_the_formats_and_solvers_offered_are_those_there_are() -> None:
 
 
 def test_a_target_that_cannot_be_met_has_its_own_exit_code(folder: Path, capsys) -> None:
-    code = cli("encode torus.ply out.dmesh --method cartesian --max-error-rel 1e-15")
-    assert code == 4
-    assert "cannot be met" in capsys.readouterr().err
+    for bound, why in (("--max-error-rel 1e-15", "promised"), ("--normal-error 1e-12", "met")):
+        code = cli(f"encode torus.ply out.dmesh --method cartesian {bound}")
+        assert code == 4
+        assert f"cannot be {why}" in capsys.readouterr().err
     assert not (folder / "out.dmesh").exists()
 
 

@@ -24,7 +24,7 @@ from deltamesh.kernels.jit import Flag, Int, inlined, kernel
 # the mixer was given for each.
 LOW, RANGE, CODE, CACHE, PENDING, POSITION, DECODING, MIXERS = range(8)
 CONTEXT = 8
-MAX_INPUTS = 8
+MAX_INPUTS = 10
 INPUT = CONTEXT + MAX_INPUTS
 STATE_SIZE = INPUT + MAX_INPUTS
 

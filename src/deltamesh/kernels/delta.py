@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh.kernels.coder import Coder
-from deltamesh.kernels.jit import kernel
+from deltamesh.kernels.jit import Int, inlined, kernel
 from deltamesh.kernels.residual import (
     ABSOLUTE,
     HINT,
@@ -79,21 +79,43 @@ def code_refinements(c: Coder, indptr: _Ints, indices: _Ints, deltas: _Ints, val
 
 @kernel
 def diffuse(
-    indptr: _Ints, indices: _Ints, delta: _Floats, step: float, zone: float, out: _Ints
+    indptr: _Ints,
+    indices: _Ints,
+    delta: _Floats,
+    normals: _Floats,
+    step: float,
+    zone: float,
+    tangential: float,
+    normal: float,
+    out: _Ints,
 ) -> None:
-    """Round delta / step into `out` (n, d), handing errors on; `delta` (n, d) is used up.
+    """Round delta / step into `out` (n, 3), or its component along `normals` into `out` (n, 1).
 
-    What is within 0.5 + `zone` steps of 0 becomes 0.
+    What is within 0.5 + `zone` steps of 0 becomes 0. The error goes on, in equal parts, to the
+    neighbours that are still to come, into `delta` (n, 3), which is used up: the share `normal` of
+    its component along the normal, the share `tangential` of the rest.
     """
     for i in range(len(out)):
+        a, n = delta[i], normals[i]  # the rounded part is taken off `a`: the error stays
+        if out.shape[1] == 3:
+            for axis in range(3):
+                out[i, axis] = _round(a[axis] / step, zone)
+                a[axis] -= out[i, axis] * step
+        else:
+            out[i, 0] = _round((a[0] * n[0] + a[1] * n[1] + a[2] * n[2]) / step, zone)
+            for axis in range(3):
+                a[axis] -= out[i, 0] * step * n[axis]
         waiting = 0
         for at in range(indptr[i], indptr[i + 1]):
             waiting += indices[at] > i
-        for axis in range(out.shape[1]):
-            steps = delta[i, axis] / step
-            rounded = np.rint(steps) if abs(steps) > 0.5 + zone else 0.0
-            out[i, axis] = np.int64(rounded)
-            error = delta[i, axis] - rounded * step
+        along = a[0] * n[0] + a[1] * n[1] + a[2] * n[2]
+        for axis in range(3):
+            share = tangential * (a[axis] - along * n[axis]) + normal * along * n[axis]
             for at in range(indptr[i], indptr[i + 1]):
                 if indices[at] > i:
-                    delta[indices[at], axis] += error / waiting
+                    delta[indices[at], axis] += share / waiting
+
+
+@inlined
+def _round(steps: float, zone: float) -> Int:
+    return np.int64(np.rint(steps)) if abs(steps) > 0.5 + zone else np.int64(0)

@@ -1,8 +1,12 @@
-"""Quantized positions, predicted by all the parallelograms that are known.
+"""Quantized positions, predicted by whatever has predicted best of late.
 
-Touma & Gotsman, *Triangle Mesh Compression*, Graphics Interface 1998; several parallelograms:
-Cohen-Or, Cohen, Irony, *Multi-way Geometry Encoding*, 2002. Where Draco sends a flag for each
-parallelogram that it leaves out, here their disagreement is a context.
+Each vertex has several predictions, the mean of all parallelograms that are known first (Touma &
+Gotsman, *Triangle Mesh Compression*, Graphics Interface 1998; Cohen-Or, Cohen, Irony, *Multi-way
+Geometry Encoding*, 2002), and the others for where parallelograms mislead: fans of slivers around
+a hub, rows of vertices along a crease. Which one counts is settled for each axis by the errors that
+all had at vertices of the same class; where Draco sends flags for the parallelograms that it leaves
+out, nothing is sent. The coordinates of the vertices around are candidates (see `numbers`): on
+machine parts most coordinates are those of a neighbour.
 """
 
 from __future__ import annotations
@@ -10,8 +14,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh.kernels import numbers
 from deltamesh.kernels.coder import Coder
 from deltamesh.kernels.jit import Int, inlined, kernel
+from deltamesh.kernels.numbers import code_number, level
 from deltamesh.kernels.residual import (
     ABSOLUTE,
     HINT,
@@ -19,10 +25,12 @@ from deltamesh.kernels.residual import (
     KIND,
     KNOWN,
     LAST,
+    MAGNITUDES,
     NEIGHBOURS,
+    SIGNS,
     SUM,
-    code_vector,
-    level,
+    set_magnitudes,
+    set_signs,
 )
 
 _Ints = NDArray[np.int64]
@@ -30,6 +38,26 @@ _Ints = NDArray[np.int64]
 # Positions of a file that an encoder has written are below 2^31; extrapolation in a crafted one
 # must not leave the integers.
 BOUND = 1 << 40
+
+# The predictions: the mean of the parallelograms, the gate's near end, the line from the apex
+# through that, the gate's parallelogram, the mean of the known neighbours.
+MEAN, NEAR, LINE, GATE, AROUND = range(5)
+PREDICTIONS = 5
+CANDIDATES = 3  # the ends of the gate, and the apex
+
+# Vertices are of a class by how many parallelograms they have (or, having none, neighbours), and by
+# the shape of the gate's triangle: the shorter of the two sides at its apex over the longer, in
+# eighths.
+SHAPES = 10
+CLASSES = 4 * SHAPES + 4
+
+# Errors of a prediction are remembered over some 2^DECAY vertices of a class; another than the mean
+# of the parallelograms is taken only if it is better by a fifth: per axis, choices are noisy.
+DECAY = 8
+MARGIN, UNITY = 10, 8
+
+SLOTS = numbers.SLOTS
+MIXERS = numbers.mixers(MAGNITUDES + 1, SIGNS + 1, CANDIDATES)
 
 
 @kernel
@@ -44,28 +72,34 @@ def code_positions(
     n = len(values)
     residuals = np.zeros((n, 3), np.int64)
     known = np.zeros(KNOWN, np.int64)
-    prediction = np.zeros(3, np.int64)
+    predictions = np.zeros((3, PREDICTIONS), np.int64)
+    positions = np.zeros((3, CANDIDATES), np.int64)
+    errors = np.zeros((3, CLASSES, PREDICTIONS), np.int64)
+    fortunes = np.zeros((3, CANDIDATES), np.int64)
     for i in range(n):
         known[:] = 0
-        _predict(indptr, indices, first, corners, values, i, known, prediction)
-        for at in range(indptr[i], indptr[i + 1]):
-            j = indices[at]
-            if j >= i:
-                break  # neighbours ascend
-            known[NEIGHBOURS] += 1
-            for axis in range(3):
-                known[SUM + axis] += residuals[j, axis]
-                known[ABSOLUTE + axis] += abs(residuals[j, axis])
-        for axis in range(3):
-            known[LAST + axis] = residuals[i - 1, axis] if i > 0 else 0
-            residuals[i, axis] = values[i, axis] - prediction[axis]
-        code_vector(c, residuals[i], known)
-        for axis in range(3):
-            position = prediction[axis] + residuals[i, axis]
-            values[i, axis] = min(max(position, -BOUND), BOUND)
+        _look_around(indptr, indices, residuals, i, known)
+        kind = _predict(indptr, indices, first, corners, values, i, predictions, positions, known)
+        value, residual = values[i], residuals[i]
+        _code_position(c, kind, predictions, positions, known, errors, fortunes, value, residual)
 
 
 @inlined
+def _look_around(indptr: _Ints, indices: _Ints, residuals: _Ints, i: Int, known: _Ints) -> None:
+    """Sum up the residuals of the known neighbours."""
+    for at in range(indptr[i], indptr[i + 1]):
+        j = indices[at]
+        if j >= i:
+            break  # neighbours ascend
+        known[NEIGHBOURS] += 1
+        for axis in range(3):
+            known[SUM + axis] += residuals[j, axis]
+            known[ABSOLUTE + axis] += abs(residuals[j, axis])
+    for axis in range(3):
+        known[LAST + axis] = residuals[i - 1, axis] if i > 0 else 0
+
+
+@kernel
 def _predict(
     indptr: _Ints,
     indices: _Ints,
@@ -73,37 +107,154 @@ def _predict(
     corners: _Ints,
     values: _Ints,
     i: Int,
+    predictions: _Ints,
+    positions: _Ints,
     known: _Ints,
-    prediction: _Ints,
-) -> None:
-    """Set the prediction, the number of parallelograms and how far they disagree."""
+) -> Int:
+    """Set the predictions, the candidates' positions and what is `known`; return the class."""
     count = first[i + 1] - first[i]
     known[KIND] = min(count, 3)
+    if count == 0:
+        return _predict_alone(indptr, indices, values, i, predictions, positions, known)
+    gate, shape = _gate(first, corners, values, i)
+    a, b, o = corners[gate, 0], corners[gate, 1], corners[gate, 2]
+    if _distance(values, b, o) < _distance(values, a, o):
+        a, b = b, a
     spread = np.int64(0)
     for axis in range(3):
-        if count == 0:
-            prediction[axis] = _neighbour_mean(indptr, indices, values, i, axis)
-            continue
         total, low, high = np.int64(0), np.int64(4 * BOUND), np.int64(-4 * BOUND)
         for at in range(first[i], first[i + 1]):
-            a, b, o = corners[at, 0], corners[at, 1], corners[at, 2]
-            p = values[a, axis] + values[b, axis] - values[o, axis]
+            p = values[corners[at, 0], axis] + values[corners[at, 1], axis]
+            p -= values[corners[at, 2], axis]
             total += p
             low, high = min(low, p), max(high, p)
-        prediction[axis] = (2 * total + count) // (2 * count)
+        near, far, apex = values[a, axis], values[b, axis], values[o, axis]
+        predictions[axis, MEAN] = (2 * total + count) // (2 * count)
+        predictions[axis, NEAR] = near
+        predictions[axis, LINE] = 2 * near - apex
+        predictions[axis, GATE] = near + far - apex
+        predictions[axis, AROUND] = _neighbour_mean(indptr, indices, values, i, axis)
+        positions[axis, 0], positions[axis, 1], positions[axis, 2] = near, far, apex
         known[HINT + axis] = high - low
         spread += high - low
     known[HINT_ALL] = level(spread) // 2
+    return 4 + min(count, 3) * SHAPES + shape
+
+
+@inlined
+def _predict_alone(
+    indptr: _Ints,
+    indices: _Ints,
+    values: _Ints,
+    i: Int,
+    predictions: _Ints,
+    positions: _Ints,
+    known: _Ints,
+) -> Int:
+    """Likewise, where there is no parallelogram."""
+    before: Int = max(i - 1, 0)
+    last: Int = before
+    for at in range(indptr[i], indptr[i + 1]):
+        if indices[at] < i:
+            last = indices[at]
+    for axis in range(3):
+        previous = values[before, axis] if i > 0 else np.int64(0)
+        near = values[last, axis] if i > 0 else np.int64(0)
+        mean = previous
+        if known[NEIGHBOURS] > 0:
+            mean = _neighbour_mean(indptr, indices, values, i, axis)
+        else:
+            near = previous
+        predictions[axis, :] = mean
+        predictions[axis, NEAR] = near
+        predictions[axis, LINE] = previous
+        positions[axis, 0], positions[axis, 1], positions[axis, 2] = near, previous, mean
+    return min(known[NEIGHBOURS], 3)
+
+
+@inlined
+def _gate(first: _Ints, corners: _Ints, values: _Ints, i: Int) -> tuple[Int, Int]:
+    """Return the parallelogram whose triangle has the most equal sides at its apex, and these."""
+    gate: Int = first[i]
+    best: Int = np.int64(-1)
+    for at in range(first[i], first[i + 1]):
+        o = corners[at, 2]
+        one, other = _distance(values, corners[at, 0], o), _distance(values, corners[at, 1], o)
+        shape = 8 * min(one, other) // max(one, other, 1)
+        if shape > best:
+            gate, best = at, shape
+    return gate, best
+
+
+@inlined
+def _distance(values: _Ints, i: Int, j: Int) -> Int:
+    """Return the sum of the distances along the axes."""
+    total = np.int64(0)
+    for axis in range(3):
+        total += abs(values[i, axis] - values[j, axis])
+    return total
 
 
 @inlined
 def _neighbour_mean(indptr: _Ints, indices: _Ints, values: _Ints, i: Int, axis: Int) -> Int:
-    """Return the mean of the known neighbours; the vertex before where there is none."""
-    total, count = np.int64(0), 0
+    """Return the mean of the known neighbours, of which there is one."""
+    total, count = np.int64(0), np.int64(0)
     for at in range(indptr[i], indptr[i + 1]):
         if indices[at] < i:
             total += values[indices[at], axis]
             count += 1
-    if count > 0:
-        return total // count
-    return values[i - 1, axis] if i > 0 else np.int64(0)
+    return total // count
+
+
+@kernel
+def _code_position(
+    c: Coder,
+    kind: Int,
+    predictions: _Ints,
+    positions: _Ints,
+    known: _Ints,
+    errors: _Ints,
+    fortunes: _Ints,
+    value: _Ints,
+    residual: _Ints,
+) -> None:
+    """Code one position and learn from it."""
+    magnitudes, signs = np.empty(MAGNITUDES + 1, np.int64), np.empty(SIGNS + 1, np.int64)
+    candidates, histories = np.empty(CANDIDATES, np.int64), np.empty(CANDIDATES, np.int64)
+    total = known[ABSOLUTE] + known[ABSOLUTE + 1] + known[ABSOLUTE + 2]
+    spent, along = np.int64(0), np.int64(0)
+    for axis in range(3):
+        chosen = _chosen(errors[axis, kind])
+        base = predictions[axis, chosen]
+        off = predictions[axis, NEAR] - base
+        set_magnitudes(magnitudes, known, axis, total, spent)
+        step = level(abs(predictions[axis, MEAN] - predictions[axis, NEAR])) // 2
+        magnitudes[MAGNITUDES] = (kind * PREDICTIONS + chosen) * 8 + min(step, 7)
+        set_signs(signs, known, axis, along)
+        signs[SIGNS] = 1 if off > 0 else (2 if off < 0 else 0)
+        for k in range(CANDIDATES):
+            candidates[k] = positions[axis, k] - base
+            histories[k] = 2 * fortunes[axis, k] + (1 if candidates[k] == 0 else 0)
+        r = value[axis] - base
+        r = code_number(c, r, np.int64(axis), magnitudes, signs, candidates, histories)
+        residual[axis] = r
+        value[axis] = min(max(base + r, -BOUND), BOUND)
+        for k in range(CANDIDATES):
+            fortunes[axis, k] = (2 * fortunes[axis, k] + (1 if r == candidates[k] else 0)) & 15
+        for k in range(PREDICTIONS):
+            error = errors[axis, kind, k]
+            error += 16 * abs(base + r - predictions[axis, k]) - (error >> DECAY)
+            errors[axis, kind, k] = error
+        spent += abs(r)
+        along += known[SUM + axis] * r
+
+
+@inlined
+def _chosen(errors: _Ints) -> Int:
+    """Return the prediction with the least error."""
+    chosen = np.int64(0)
+    for k in range(1, PREDICTIONS):
+        margin = MARGIN if chosen == MEAN else UNITY
+        if errors[k] * margin < errors[chosen] * UNITY:
+            chosen = np.int64(k)
+    return chosen
