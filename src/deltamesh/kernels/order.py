@@ -54,10 +54,17 @@ FIRST, OLDEST, NEWEST = 0, 1, 2
 SCANNED = 64
 CANDIDATES = 16
 
-# Indices into what a model remembers: the ways of the last three steps, as digits; the last anchor;
-# the last distances between anchors; what the last choice at an anchor looked like.
-HISTORY, ANCHOR, DISTANCE, DISTANCE_BEFORE, CHOICE = range(5)
-REMEMBERED = 5
+# Indices into what a model remembers: the ways of the last four steps, as digits; the last trail;
+# what the last choice at an anchor looked like.
+HISTORY, TRAIL, CHOICE = range(3)
+REMEMBERED = 3
+
+# An order may go on at several places of the mesh in turns: the trails, the last first. Each has
+# its last anchor and the last two distances; an anchor within reach of that belongs to it.
+TRAIL_BITS = 4
+TRAILS = 1 << TRAIL_BITS
+ANCHOR, DISTANCE, DISTANCE_BEFORE = range(3)
+REACH = 32
 
 # Slots and mixers: the distances, as vectors of one coordinate; then those of the ways, of the
 # choice at an anchor, and of the turn of a face.
@@ -68,14 +75,18 @@ CHOOSE = WAY + 2 * WAY_INPUTS * WAY_SIZE
 CHOOSE_SIZE = 1024
 TURN = CHOOSE + CHOICE_INPUTS * CHOOSE_SIZE
 TURN_SIZE = 2048
-SLOTS = TURN + 2 * TURN_INPUTS * TURN_SIZE
+TRACK = TURN + 2 * TURN_INPUTS * TURN_SIZE
+TRACK_INPUTS, TRACK_SIZE = 2, 256
+SLOTS = TRACK + TRACK_INPUTS * TRACK_SIZE
 WAY_MIXER, CHOOSE_MIXER, TURN_MIXER = AXIS_MIXERS, AXIS_MIXERS + 2, AXIS_MIXERS + 3
+TRACK_MIXER = TURN_MIXER + 2
 LIMIT = 255
 MIXERS = (
     *VECTOR_MIXERS[:AXIS_MIXERS],
     *((WAY_INPUTS, LIMIT),) * 2,
     (CHOICE_INPUTS, LIMIT),
     *((TURN_INPUTS, LIMIT),) * 2,
+    (TRACK_INPUTS, LIMIT),
 )
 
 
@@ -93,17 +104,37 @@ def _bits(x: Int) -> Int:
     return n
 
 
-@inlined
-def _is_cheap(distance: Int, left: Int) -> Flag:
-    """Tell whether a distance to the last anchor takes fewer bits than a rank does."""
-    return 2 * _bits(abs(distance)) + 2 < _bits(left)
+@kernel
+def _trail_of(trails: _Ints, anchor: Int, left: Int) -> Int:
+    """Return the trail from which to tell an anchor, -1 where a rank among `left` takes less."""
+    best, least = -1, _bits(left)
+    for k in range(TRAILS):
+        cost = 2 * _bits(abs(anchor - trails[k, ANCHOR])) + (2 if k == 0 else 6)
+        if cost < least:
+            best, least = k, cost
+    return best
 
 
 @kernel
-def _code_way(c: Coder, way: Int, memory: _Ints, follows: Int, has_anchor: Flag) -> Int:
+def _follow(trails: _Ints, anchor: Int) -> None:
+    """Bring the trail that comes by an anchor to the front; without one, the last begins anew."""
+    k = 0
+    while k < TRAILS - 1 and abs(anchor - trails[k, ANCHOR]) > REACH:
+        k += 1
+    distance, before = anchor - trails[k, ANCHOR], trails[k, DISTANCE]
+    if abs(distance) > REACH:
+        distance, before = np.int64(0), np.int64(0)
+    while k > 0:
+        trails[k] = trails[k - 1]
+        k -= 1
+    trails[0, ANCHOR], trails[0, DISTANCE], trails[0, DISTANCE_BEFORE] = anchor, distance, before
+
+
+@kernel
+def _code_way(c: Coder, way: Int, memory: _Ints, trails: _Ints, follows: Int, has_anchor: Flag) -> Int:
     """Code how the step is told; `follows`, below 4, is how the next one left is to the last."""
     state, history = c.state, memory[HISTORY]
-    far = level(abs(memory[DISTANCE])) // 2
+    far = level(abs(trails[0, DISTANCE])) // 2
     for k in range(2 if has_anchor else 1):
         base = WAY + k * WAY_INPUTS * WAY_SIZE
         state[CONTEXT] = base + history
@@ -119,20 +150,30 @@ def _code_way(c: Coder, way: Int, memory: _Ints, follows: Int, has_anchor: Flag)
 
 
 @kernel
-def _code_anchor(c: Coder, anchor: Int, memory: _Ints, known: _Ints, value: _Ints) -> Int:
-    """Code the place of an anchor, by its distance to the last."""
-    first, second = memory[DISTANCE], memory[DISTANCE_BEFORE]
+def _code_anchor(
+    c: Coder, anchor: Int, trail: Int, memory: _Ints, trails: _Ints, known: _Ints, value: _Ints
+) -> Int:
+    """Code the place of an anchor: a trail, and the distance from there."""
+    state = c.state
+    last = memory[TRAIL]
+    node = np.int64(1)
+    for shift in range(TRAIL_BITS - 1, -1, -1):
+        state[CONTEXT] = TRACK + TRAILS * last + node
+        state[CONTEXT + 1] = TRACK + TRACK_SIZE + TRAILS * (memory[HISTORY] // 3 % 9) + node
+        node = 2 * node + code_bit(c, (trail >> shift) & 1, np.int64(TRACK_MIXER))
+    trail = node - TRAILS
+    memory[TRAIL] = trail
+    first, second = trails[trail, DISTANCE], trails[trail, DISTANCE_BEFORE]
     known[:] = 0
     known[SUM] = first + second
     known[ABSOLUTE] = abs(first) + abs(second)
     known[LAST] = first
     known[HINT] = abs(second)
     known[NEIGHBOURS] = 2
-    known[KIND] = memory[HISTORY] // 3 % 3
-    value[0] = anchor - memory[ANCHOR]
+    known[KIND] = min(trail, 3)
+    value[0] = anchor - trails[trail, ANCHOR]
     code_vector(c, value, known)
-    memory[DISTANCE_BEFORE], memory[DISTANCE] = first, value[0]
-    return memory[ANCHOR] + value[0]
+    return trails[trail, ANCHOR] + value[0]
 
 
 @inlined
@@ -163,6 +204,7 @@ def code_vertices(
     around = np.full((n, 3), -1, np.int64)
     around[:, 2] = 0
     memory, known = np.zeros(REMEMBERED, np.int64), np.zeros(KNOWN, np.int64)
+    trails = np.zeros((TRAILS, 3), np.int64)
     value, found = np.zeros(1, np.int64), np.empty(CANDIDATES, np.int64)
     last = np.zeros(3, np.int64)  # `around` of the vertex before, when it got its place
     key = 1 if newest else 0
@@ -170,20 +212,21 @@ def code_vertices(
     for i in range(min(n, stop)):
         vertex = order[i] if encoding else np.int64(-1)
         following = next_left(left, previous + 1)
-        way, count = np.int64(NEXT), 0
+        way, count, trail = np.int64(NEXT), 0, -1
         if encoding and vertex != following:
             way = np.int64(ANY)
             anchor = around[vertex, key]
-            if anchor >= 0 and _is_cheap(anchor - memory[ANCHOR], n - i):
+            trail = _trail_of(trails, anchor, n - i) if anchor >= 0 else -1
+            if trail >= 0:
                 count = _around_anchor(rings, indices, around, key, order[anchor], anchor, found)
                 way = np.int64(NEAR) if _index(found, count, vertex) >= 0 else way
         follows = 2 * (around[following, 1] == i - 1) + (around[following, 1] >= 0)
-        way = _code_way(c, way, memory, follows, i > 0)
+        way = _code_way(c, way, memory, trails, follows, i > 0)
         if way == NEXT:
             vertex = following
         elif way == NEAR:
             anchor = around[vertex, key] if encoding else np.int64(0)
-            anchor = _code_anchor(c, anchor, memory, known, value)
+            anchor = _code_anchor(c, anchor, trail, memory, trails, known, value)
             if not 0 <= anchor < i:
                 return CORRUPT
             count = _around_anchor(rings, indices, around, key, order[anchor], anchor, found)
@@ -196,7 +239,7 @@ def code_vertices(
                 return CORRUPT
         order[i] = vertex
         last[:] = around[vertex]
-        memory[ANCHOR] = around[vertex, key] if around[vertex, key] >= 0 else i
+        _follow(trails, around[vertex, key] if around[vertex, key] >= 0 else i)
         _place_vertex(left, rings, indptr, indices, mirror, around, vertex, i)
         previous = vertex
     return OK
@@ -311,6 +354,7 @@ def code_faces(
     left = all_of(np.int64(m))
     rings = rings_of(faces.ravel(), np.int64(n))
     memory, known = np.zeros(REMEMBERED, np.int64), np.zeros(KNOWN, np.int64)
+    trails = np.zeros((TRAILS, 3), np.int64)
     value, found = np.zeros(1, np.int64), np.empty(CANDIDATES, np.int64)
     # The vertices of the last two faces, as they came; no vertex at first.
     recent = np.full((2, 3), -1, np.int64)
@@ -319,16 +363,17 @@ def code_faces(
     for i in range(min(m, stop)):
         face, turn = (order[i], turns[i]) if encoding else (np.int64(-1), np.int64(0))
         following = next_left(left, previous + 1)
-        way, count = np.int64(NEXT), 0
+        way, count, trail = np.int64(NEXT), 0, -1
         if encoding and face != following:
             way = np.int64(ANY)
             corner = _anchor_corner(faces, places, mode, face, turn)
             anchor = places[faces[face, corner]]
-            if anchor >= 0 and _is_cheap(anchor - memory[ANCHOR], m - i):
+            trail = _trail_of(trails, anchor, m - i) if anchor >= 0 else -1
+            if trail >= 0:
                 count = _at_anchor(rings, faces, places, mode, at[anchor], found)
                 way = np.int64(NEAR) if _index(found, count, 3 * face + corner) >= 0 else way
         follows = _shared(faces, following, recent[0])
-        way = _code_way(c, way, memory, follows, placed > 0)
+        way = _code_way(c, way, memory, trails, follows, placed > 0)
         if way == NEXT:
             face = following
         elif way == NEAR:
@@ -336,7 +381,7 @@ def code_faces(
             if encoding:
                 corner = _anchor_corner(faces, places, mode, face, turn)
                 anchor = places[faces[face, corner]]
-            anchor = _code_anchor(c, anchor, memory, known, value)
+            anchor = _code_anchor(c, anchor, trail, memory, trails, known, value)
             if not 0 <= anchor < placed:
                 return CORRUPT
             count = _at_anchor(rings, faces, places, mode, at[anchor], found)
@@ -365,7 +410,7 @@ def code_faces(
             if places[v] < 0:
                 places[v], at[placed] = placed, v
                 placed += 1
-        memory[ANCHOR] = places[faces[face, _anchor_corner(faces, places, mode, face, turn)]]
+        _follow(trails, places[faces[face, _anchor_corner(faces, places, mode, face, turn)]])
         previous = face
     return OK
 
