@@ -105,7 +105,7 @@ def assert_right(encoded, V, F):
     decoded = decode(encoded.data)
     assert strategies.canonical(encoded.order[decoded.faces]) == strategies.canonical(F)
     container = read_container(encoded.data)
-    surface, integers = codec._read(container, 10**9, 2**40, codec.silent)
+    surface, integers, _ = codec._read(container, 10**9, 2**40, codec.silent)
     p, n = container.parameters, surface.vertex_count
     origin = np.array(p.origin)
     if p.method == "cartesian":
@@ -184,7 +184,7 @@ def one_sided_anchors():
     """Two components, both anchors in the first, and the digest right."""
     data = encoded(meshes.two_components(), bits=6, anchors=2, anchor_method="greedy")
     container = read_container(data)
-    surface, integers = codec._read(container, 10**9, 2**40, codec.silent)
+    surface, integers, _ = codec._read(container, 10**9, 2**40, codec.silent)
     anchors = np.array([0, 1])
     wrong = Integers(integers.values, anchors, integers.positions, integers.isolated)
     payload = highpass.write(surface, container.parameters, wrong)["ANCH"]

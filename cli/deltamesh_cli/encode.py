@@ -108,6 +108,12 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
     default=None,
     help="Leave out the vertices that belong to no face.",
 )
+@click.option(
+    "--keep-order",
+    is_flag=True,
+    default=None,
+    help="Vertices and faces come back in the order of IN, each face from its first corner on.",
+)
 @options.input_format
 @options.solver
 @options.threads
@@ -130,9 +136,9 @@ def command(
 
     IN is an obj, ply, off, stl or glb file.
 
-    Connectivity is kept exactly; vertices at one position become one, and vertices and faces may
-    come back in another order. Positions come back with a small, smooth error: --bits or --step
-    sets it, and what became of it is printed and stored in the file.
+    Connectivity is kept exactly; vertices at one position become one, and without --keep-order
+    vertices and faces come back in another order. Positions come back with a small, smooth error:
+    --bits or --step sets it, and what became of it is printed and stored in the file.
 
     What has no oriented manifold surface (an edge with three faces, faces of opposite winding,
     degenerate faces) is refused, and the first place is named.

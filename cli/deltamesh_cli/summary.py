@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from deltamesh_cli.output import number, shown, table
-from deltamesh_formats.layout import Container, Meta, Parameters
+from deltamesh_formats.layout import ORDER, Container, Meta, Parameters
 
 METHODS = {"highpass": "high-pass", "refined": "refined high-pass", "cartesian": "Cartesian"}
 
@@ -36,6 +36,7 @@ def as_object(name: str, container: Container) -> dict[str, object]:
         "bits_per_vertex": bits_per_vertex(container.size, n),
         "parameters": _parameters(parameters),
         "header": {"bytes": _header_bytes(container)},
+        "order_kept": ORDER in container.sections,
         "sections": [
             {"id": s.id, "offset": s.offset, "bytes": s.size} for s in container.sections.values()
         ],
@@ -101,6 +102,8 @@ def _lines(name: str, container: Container) -> Iterator[str]:
     meta = container.meta
     yield f"{shown(name)}: {container.size} bytes, {counts(container)}"
     yield from (f"  {line}" for line in _described(container.parameters))
+    if ORDER in container.sections:
+        yield "  order of vertices and faces: that of the source"
     if meta is not None:
         source = f", from {meta.source}" if meta.source else ""
         yield f"  errors: {achieved(meta)}"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -68,6 +68,7 @@ ANCHORS: Final = "ANCH"
 DELTAS: Final = "DELT"
 NORMALS: Final = "NORM"
 CARTESIAN: Final = "CART"
+ORDER: Final = "ORDR"
 META: Final = "meta"
 CHECK: Final = "CHEK"
 # What a file of each method begins with, in this order; `CHEK` ends it.
@@ -76,7 +77,9 @@ REQUIRED: Final[Mapping[str, tuple[str, ...]]] = {
     "cartesian": (PARAMETERS, CONNECTIVITY, CARTESIAN),
     "refined": (PARAMETERS, CONNECTIVITY, ANCHORS, DELTAS, NORMALS),
 }
-KNOWN: Final = frozenset({section for ids in REQUIRED.values() for section in ids} | {META, CHECK})
+KNOWN: Final = frozenset(
+    {section for ids in REQUIRED.values() for section in ids} | {ORDER, META, CHECK}
+)
 
 # SPEC.md#41-parm
 
@@ -126,6 +129,11 @@ META_FIELDS: Final = (
 
 CHECK_FIELDS: Final = (Field("digest", "bytes8"),)
 DIGEST_SIZE: Final = 8
+
+
+def required(method: str, present: Collection[str]) -> tuple[str, ...]:
+    """Return the ids with which a file of a method begins that has `present` among its sections."""
+    return (*REQUIRED[method], *((ORDER,) if ORDER in present else ()))
 
 
 @dataclass(frozen=True)

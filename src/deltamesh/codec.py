@@ -20,6 +20,7 @@ from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_limits
 from deltamesh.mesh import LARGEST, Mesh, checked_mesh
 from deltamesh.metrics import VertexErrors, diagonal, vertex_errors
 from deltamesh.options import Options
+from deltamesh.order import Order, arrays, decode_order, encode_order, order_of, reordered
 from deltamesh.targets import aim
 from deltamesh.topology import Topology, build_topology, weld
 from deltamesh.version import __version__
@@ -74,13 +75,14 @@ def encode(
     solver: str = "auto",
     threads: int | None = None,
     drop_isolated: bool = False,
+    keep_order: bool = False,
     source_format: str = "",
     progress: Progress | None = None,
 ) -> bytes:
     """Compress a triangle mesh.
 
-    Connectivity is kept exactly; vertices at one position become one; vertices and faces come
-    back in an order of the codec's own.
+    Connectivity is kept exactly; vertices at one position become one, the first; vertices and
+    faces come back in an order of the codec's own unless `keep_order` says otherwise.
 
     Parameters
     ----------
@@ -118,6 +120,8 @@ def encode(
         For the solver. Default: all cores. The bytes do not depend on it.
     drop_isolated : bool
         Leave out the vertices that belong to no face.
+    keep_order : bool
+        Vertices and faces come back in the order of the input, each face from its first corner on.
     source_format : str
         Stored; what `deltamesh decode` writes by default.
     progress : callable, optional
@@ -156,6 +160,7 @@ def encode(
         solver=solver,
         threads=threads,
         drop_isolated=drop_isolated,
+        keep_order=keep_order,
         source_format=source_format,
     )
     return encode_mesh(checked_mesh(vertices, faces), options, progress or silent).data
@@ -188,9 +193,15 @@ def encode_mesh(mesh: Mesh, options: Options, progress: Progress = silent) -> En
     progress("checking")
     decoded = coder.reconstruct(surface, parameters, integers, options.solver, options.threads)
     meta = _measure(V[order], decoded, surface, options.source_format)
-    checksum = digest(surface.faces, integers)
+    result, kept = Mesh(decoded, surface.faces), None
+    if options.keep_order:
+        progress("order")
+        kept = order_of(order, surface.faces, keep[welded[mesh.faces]])
+        payloads["ORDR"] = encode_order(surface.faces, kept)
+        result, order = reordered(result, kept), order[kept.vertices]
+    checksum = digest(surface.faces, integers, arrays(kept))
     data = write_container(len(order), len(surface.faces), parameters, payloads, meta, checksum)
-    return Encoded(data, order, Mesh(decoded, surface.faces))
+    return Encoded(data, order, result)
 
 
 def decode(
@@ -235,17 +246,18 @@ def decode(
     """
     progress = progress or silent
     container = read_container(data)
-    surface, integers = _read(container, max_vertices, memory, progress)
+    surface, integers, order = _read(container, max_vertices, memory, progress)
     progress("positions")
     coder = _METHODS[container.parameters.method]
     _check_scale(container, integers)
     vertices = coder.reconstruct(surface, container.parameters, integers, solver, threads)
-    return Mesh(vertices, surface.faces)
+    mesh = Mesh(vertices, surface.faces)
+    return mesh if order is None else reordered(mesh, order)
 
 
 def _read(
     container: Container, max_vertices: int, memory: int, progress: Progress
-) -> tuple[Surface, Integers]:
+) -> tuple[Surface, Integers, Order | None]:
     """Return everything exact in a file, checked."""
     check_limits(container, max_vertices, memory)
     parameters, sections = container.parameters, container.sections
@@ -256,9 +268,14 @@ def _read(
     progress("geometry")
     surface = surface_of(faces, count, parameters.isolated)
     integers = _METHODS[parameters.method].read(surface, parameters, sections)
-    if digest(faces, integers) != container.digest:
+    order = None
+    if "ORDR" in sections:
+        progress("order")
+        with payload_of(sections["ORDR"]) as payload:
+            order = decode_order(payload, faces, container.vertices)
+    if digest(faces, integers, arrays(order)) != container.digest:
         raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)
-    return surface, integers
+    return surface, integers, order
 
 
 def _check_scale(container: Container, integers: Integers) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
@@ -71,10 +71,12 @@ NONE = np.zeros(0, dtype=np.int64)
 NO_POINTS = np.zeros((0, 3), dtype=np.int64)
 
 
-def digest(faces: NDArray[np.int64], integers: Integers) -> bytes:
-    """Return the checksum of everything exact that a decoder makes (SPEC.md 5.7)."""
+def digest(
+    faces: NDArray[np.int64], integers: Integers, order: Iterable[NDArray[np.int64]] = ()
+) -> bytes:
+    """Return the checksum of everything exact that a decoder makes (SPEC.md 5.8)."""
     i = integers
-    arrays = (faces, i.values, i.anchors, i.positions, i.isolated, i.refinements)
+    arrays = (faces, i.values, i.anchors, i.positions, i.isolated, i.refinements, *order)
     result = hashlib.blake2b(digest_size=8)
     for array in arrays:
         result.update(np.ascontiguousarray(array, dtype="<i8").data)

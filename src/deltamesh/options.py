@@ -53,6 +53,7 @@ class Options:
     threads: int | None = None
     coarse: float | None = None
     drop_isolated: bool = False
+    keep_order: bool = False
     source_format: str = ""
 
     def __post_init__(self) -> None:

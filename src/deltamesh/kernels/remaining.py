@@ -50,9 +50,10 @@ class Rings(NamedTuple):
 def all_of(n: Int) -> Remaining:
     """Return all indices below n."""
     sums = np.zeros(n + 1, np.int64)
+    onwards = np.empty(n + 1, np.int64)
     for i in range(n + 1):
-        sums[i] = i & -i
-    return Remaining(sums, np.arange(n + 1))
+        sums[i], onwards[i] = i & -i, i
+    return Remaining(sums, onwards)
 
 
 @inlined
@@ -98,7 +99,7 @@ def select(r: Remaining, rank: Int) -> Int:
     step = np.int64(1)
     while 2 * step < r.sums.size:
         step *= 2
-    at, rest = np.int64(0), rank
+    at, rest = 0, rank
     while step > 0:
         if at + step < r.sums.size and r.sums[at + step] <= rest:
             at += step
