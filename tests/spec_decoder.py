@@ -75,7 +75,8 @@ def container(data):
         file.crc(start)
     method, meta = sections.get("PARM", b"")[:1], ["meta"] if "meta" in sections else []
     geometry = {b"\1": ["CART"], b"\2": ["ANCH", "DELT", "NORM"]}.get(method, ["ANCH", "DELT"])
-    order = ["PARM", "CONN", *geometry, *meta]
+    kept = ["ORDR"] if "ORDR" in sections else []
+    order = ["PARM", "CONN", *geometry, *kept, *meta]
     names = list(sections)
     check(names[: len(order)] == order and names[-1] == "CHEK", "order of the sections")
     check(all(name[0].islower() for name in names[len(order) : -1]), "an unknown section")
@@ -158,6 +159,13 @@ class Stream:
         for _ in range(n):
             value = 2 * value + self.bit(32768)
         return value
+
+    def below(self, n):
+        """The index of a target, among n."""
+        b = n.bit_length() - 1
+        u = (1 << b + 1) - n
+        i = self.raw(b)
+        return i if i < u else 2 * i + self.raw(1) - u
 
     def predicted(self, mixer, keys, limit, first=(1 << 21, 0)):
         """A bit, read with a mixer and a slot for each of its inputs; all of them learn."""
@@ -321,10 +329,7 @@ class Region:
             for _ in range((z >> 1) + 1):
                 node = node.before if z & 1 else node.next
             return node
-        b = len(self.live).bit_length() - 1
-        u = (1 << b + 1) - len(self.live)
-        i = self.stream.raw(b)
-        return self.live[i if i < u else 2 * i + self.stream.raw(1) - u]
+        return self.live[self.stream.below(len(self.live))]
 
     def split(self, r):
         if r >= 8:
@@ -541,6 +546,214 @@ def grid_points(payload, faces, near):
     return points
 
 
+# ---- §5.9: order ----------------------------------------------------------------------------
+
+FIRST, OLDEST, NEWEST = 0, 1, 2
+NEXT, NEAR, ANY = 0, 1, 2
+
+
+def near_class(x, y):
+    return clamp(x - y, -2, 3) + 2
+
+
+class Steps:
+    """What both streams of an order have in common."""
+
+    def __init__(self, payload, count, rings):
+        self.stream = Stream(payload)
+        self.distances = Vectors(b"", 1)
+        self.distances.stream = self.stream
+        self.left, self.last, self.ways = list(range(count)), -1, [0] * 4
+        self.trails, self.trail, self.rings = [(0, 0, 0)] * 32, 0, rings
+
+    def next(self):
+        return next((e for e in self.left if e > self.last), self.left[0])
+
+    def way(self, follows, any_anchor):
+        h, f = tuple(self.ways), level(abs(self.trails[0][1])) // 2
+        way = ANY
+        for k in (NEXT, NEAR) if any_anchor else (NEXT,):
+            keys = [("way", k, h), ("way 2", k, h[-2:], follows), ("way 3", k, h[-1], f)]
+            if self.stream.predicted(("way", k), keys, 255):
+                way = k
+                break
+        self.ways = [*self.ways[1:], way]
+        return way
+
+    def any(self):
+        return self.left[self.stream.below(len(self.left))]
+
+    def anchor(self):
+        before, node = tuple(self.ways[-3:-1]), 1
+        for _ in range(5):
+            keys = ("trail", self.trail, node), ("trail 2", before, node)
+            node = 2 * node + self.stream.predicted("trail", keys, 255)
+        self.trail = t = node - 32
+        a, d1, d2 = self.trails[t]
+        self.distances.read = [(d2,), (d1,)]  # as if of two neighbours, the second one just before
+        return a + self.distances.next((0, 1), min(t, 3), 0, [abs(d2)])[0]
+
+    def candidates(self, anchor, fits):
+        found = [e for e in self.rings[anchor][:64] if fits(e)][:16]
+        check(found, "no candidate at an anchor")
+        return found
+
+    def leave(self, vertex, element):
+        ring = self.rings[vertex]
+        at = ring.index(element)
+        self.rings[vertex] = ring[at + 1 :] + ring[:at]
+
+    def follow(self, x):
+        trails = self.trails
+        t = next((t for t in range(31) if abs(x - trails[t][0]) <= 12), 31)
+        a, d1, _ = trails.pop(t)
+        trails.insert(0, (x, x - a, d1) if abs(x - a) <= 12 else (x, 0, 0))
+
+    def placed(self, element):
+        self.left.remove(element)
+        self.last = element
+
+
+def order_of_vertices(payload, near, newest):
+    """The vertex at each place."""
+    steps = Steps(payload, len(near), [list(ring) for ring in near])
+    places, order, before, chosen = {}, [], (0, 0), (0, 0)
+
+    def around(v):
+        return [places[w] for w in near[v] if w in places]
+
+    def ends(v):
+        return (min(around(v)), max(around(v))) if around(v) else (-1, -1)
+
+    while steps.left:
+        i = len(order)
+        follows = around(steps.next()) and 1 + (ends(steps.next())[1] == i - 1)
+        way = steps.way(follows or 0, i > 0)
+        if way == NEXT:
+            v = steps.next()
+        elif way == ANY:
+            v = steps.any()
+        else:
+            place = steps.anchor()
+            check(0 <= place < i, "an anchor without a place")
+            found = steps.candidates(order[place], lambda w: ends(w)[newest] == place)  # noqa: B023
+            for k, v in enumerate(found):
+                (p, q), n = ends(v), min(len(around(v)), 3)
+                w = near_class(p, before[0]), int(q == i - 1)
+                third = n, min(k, 3), near_class(q, before[1])
+                keys = ("v", w, n), ("v 2", w, chosen), ("v 3", *third)
+                if v == found[-1] or steps.stream.predicted("candidate", keys, 255):
+                    break
+            chosen = w
+        before = ends(v)
+        steps.follow(before[newest] if around(v) else i)
+        for w in near[v]:
+            steps.leave(w, v)
+        places[v] = i
+        order.append(v)
+        steps.placed(v)
+    steps.stream.end()
+    return order
+
+
+def order_of_faces(payload, faces, places, kind):
+    """The face at each place and the corner at which it begins; `places` gets the rest of them."""
+    none = 1 << 60
+    corners = [[] for _ in range(1 + max(chain(*faces)))]
+    for e, v in enumerate(chain(*faces)):
+        corners[v].append(e)
+    steps = Steps(payload, len(faces), corners)
+    order, begins, recent = [], [], [(None,) * 3] * 2
+    m_before, u_before, straight = 0, 0, (False, False)
+
+    def place(v):
+        return places.get(v, none)
+
+    def corner(face, kind):
+        """The corner of the oldest or newest vertex."""
+        at = [places.get(v, none if kind == OLDEST else -1) for v in faces[face]]
+        return at.index(min(at) if kind == OLDEST else max(at))
+
+    def alike(others, here):
+        if others[0] is None:
+            return False
+        turns = [[place(others[(i + j) % 3]) for j in range(3)] for i in range(3)]
+        return any(len({x - y for x, y in zip(turn, here, strict=True)}) == 1 for turn in turns)
+
+    while steps.left:
+        way = steps.way(sum(v in recent[0] for v in faces[steps.next()]), places)
+        begin = None
+        if way == NEXT:
+            f = steps.next()
+        elif way == ANY:
+            f = steps.any()
+        else:
+            anchor = steps.anchor()
+            hub = [v for v in places if places[v] == anchor]
+            check(hub, "an anchor without a place")
+            fits = lambda e: kind == FIRST or corner(e // 3, kind) == e % 3  # noqa: E731
+            found = steps.candidates(hub[0], fits)
+            for k, e in enumerate(found):
+                f, j = divmod(e, 3)
+                s, s2 = (sum(v in others for v in faces[f]) for others in recent)
+                here = [place(faces[f][(j + i) % 3]) for i in range(3)]
+                m = min(here[1:]) if kind == NEWEST else max(here[1:])
+                lead = near_class(m, m_before) if m < 1 << 50 else 6
+                z, y = here.count(none), tuple(alike(others, here) for others in recent)
+                keys = ("f", s, s2, z), ("f 2", lead, s, z), ("f 3", lead, y, min(k, 3))
+                if e == found[-1] or steps.stream.predicted("candidate", keys, 255):
+                    break
+            m_before = min(m, 1 << 50)
+            begin = j if kind == FIRST else None
+        if begin is None:
+            r = corner(f, kind or OLDEST)
+            turned = [faces[f][(r + i) % 3] for i in range(3)]
+            where = tuple(recent[0].index(v) if v in recent[0] else 3 for v in turned)
+            b1, b2 = place(turned[1]), place(turned[2])
+            b = 0 if b1 < b2 else 1 if b1 > b2 else 2
+            mask, v = tuple(x < 3 for x in where), -r % 3
+            u = 2
+            for x in (0, 1):
+                second = mask, b, u_before
+                keys = ("u", x, where, u_before), ("u 2", x, *second), ("u 3", x, v, straight)
+                if steps.stream.predicted(("u", x), keys, 255):
+                    u = x
+                    break
+            u_before, straight = u, (straight[1], u == v)
+            begin = (r + u) % 3
+        order.append(f)
+        begins.append(begin)
+        for j, v in enumerate(faces[f]):
+            steps.leave(v, 3 * f + j)
+        recent = [tuple(faces[f][(begin + j) % 3] for j in range(3)), recent[0]]
+        for v in recent[0]:
+            places.setdefault(v, len(places))
+        steps.follow(place(faces[f][begin if kind == FIRST else corner(f, kind)]))
+        steps.placed(f)
+    steps.stream.end()
+    return order, begins
+
+
+def read_order(payload, faces, near):
+    """The vertex and the face at each place, and where the faces begin."""
+    table = Bytes(payload)
+    (plan,), size = table.unpack("B"), table.varint()
+    check(plan < 16 and plan & 3 < 3 and table.at + size <= len(payload), "plan or size of ORDR")
+    of_vertices, of_faces = payload[table.at :][:size], payload[table.at + size :]
+    if not plan & 8:
+        order = order_of_vertices(of_vertices, near, plan >> 2 & 1)
+        places = {v: i for i, v in enumerate(order)}
+        return order, *order_of_faces(of_faces, faces, places, plan & 3)
+    names = {}
+    face_order = order_of_faces(of_faces, faces, names, plan & 3)
+    for v in range(len(near)):
+        names.setdefault(v, len(names))
+    vertex = sorted(names, key=names.get)
+    renamed = [sorted(names[w] for w in near[v]) for v in vertex]
+    order = order_of_vertices(of_vertices, renamed, plan >> 2 & 1)
+    return [vertex[v] for v in order], *face_order
+
+
 # ---- Positions ------------------------------------------------------------------------------
 
 
@@ -619,7 +832,17 @@ def decode(data):
         exact["vectors"] = deltas(sections["DELT"], p["step"], near)
     if p["method"] == REFINED:
         exact["corrections"] = corrections(sections["NORM"], near, exact["vectors"])
+    kept = []
+    if "ORDR" in sections:
+        kept = read_order(sections["ORDR"], faces, near + [[] for _ in range(p["isolated"])])
     words = [struct.pack("<q", x) for name in EXACT for row in exact[name] for x in row]
+    words += [struct.pack("<q", x) for x in chain(*kept)]
     digest = hashlib.blake2b(b"".join(words), digest_size=8).digest()
     check(digest == sections["CHEK"], "digest")
-    return positions(p, faces, near, exact), np.array(faces), exact
+    x, result = positions(p, faces, near, exact), np.array(faces)
+    if kept:
+        order, face_order, begins = map(np.array, kept)
+        corners = (begins[:, None] + np.arange(3)) % 3
+        turned = np.take_along_axis(result[face_order], corners, axis=1)
+        x, result = x[order], np.argsort(order)[turned]
+    return x, result, exact

@@ -7,17 +7,11 @@ import math
 import meshes
 import numpy as np
 import pytest
-import strategies
-from hypothesis import given
-from hypothesis import strategies as st
 
-from deltamesh import decode, encode
+from deltamesh import decode
 from deltamesh.codec import encode_mesh
-from deltamesh.geometry import digest
-from deltamesh.mesh import Mesh
 from deltamesh.options import Options
-from deltamesh.order import Order, decode_order, encode_order, order_of, reordered
-from deltamesh_formats.errors import FormatError
+from deltamesh.order import Order, decode_order, encode_order
 
 MANIFOLDS = {name: mesh for name, mesh in meshes.every().items() if name != "three_pages"}
 

@@ -10,8 +10,11 @@ import pytest
 import spec_decoder
 import strategies
 
-from deltamesh import decode, encode
+from deltamesh import decode, encode, order
+from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
+from deltamesh.order import Order
+from deltamesh_formats.writer import write_varint
 
 HERE = Path(__file__).parent
 GOLDEN = sorted((HERE / "golden").glob("*.dmesh"))
@@ -39,6 +42,15 @@ FRESH = {
 }
 
 
+KEPT = {
+    "closed": meshes.icosphere(1),
+    "boundary": meshes.grid(6, 7),
+    "handles": meshes.double_torus(),
+    "components": meshes.union(meshes.torus(5, 4), meshes.grid(4, 4)),
+    "isolated": meshes.with_isolated(),
+}
+
+
 def assert_same(data: bytes) -> None:
     vertices, faces, _ = spec_decoder.decode(data)
     mesh = decode(data)
@@ -57,6 +69,37 @@ def test_fresh_file(name: str) -> None:
     (vertices, faces), options = FRESH[name]
     noise = np.random.default_rng(2003).normal(size=vertices.shape)
     assert_same(encode(vertices + 0.03 * noise, faces, **options))
+
+
+@pytest.mark.parametrize("seed", [None, 8])
+@pytest.mark.parametrize("name", KEPT)
+def test_kept_order(name: str, seed: int | None) -> None:
+    V, F = KEPT[name]
+    mesh = Mesh(V, F) if seed is None else meshes.shuffled(V, F, seed)[0]
+    data = encode(mesh.vertices, mesh.faces, method="cartesian", keep_order=True)
+    assert_same(data)
+    np.testing.assert_array_equal(spec_decoder.decode(data)[1], mesh.faces)
+
+
+@pytest.mark.parametrize("plan", [0, 1, 2, 4, 8, 9, 10, 13])
+def test_each_plan_of_an_order(plan: int) -> None:
+    """As the encoder would write it if the plan were the best."""
+    V, F = meshes.union(meshes.torus(7, 5), meshes.grid(4, 5))
+    mesh = meshes.shuffled(V, F, plan)[0]
+    # A part in an order of its own, so that all ways to tell a step come up.
+    own = np.argsort(np.where(np.arange(len(F)) % 7, mesh.faces.min(axis=1), -1), kind="stable")
+    kept = Order(np.argsort(mesh.vertices[:, 0], kind="stable"), own, np.arange(len(F)) % 3)
+    coded = [order._vertex_stream, order._face_stream]
+    first, second = (code(mesh.faces, kept, plan, 0, None) for code in coded)
+    payload = bytes([plan]) + write_varint(len(first)) + first + second
+    near = [sorted({int(w) for f in mesh.faces if v in f for w in f} - {v}) for v in range(len(V))]
+    faces = [tuple(map(int, face)) for face in mesh.faces]
+    for expected, found in zip(
+        (kept.vertices, kept.faces, kept.turns),
+        spec_decoder.read_order(payload, faces, near),
+        strict=True,
+    ):
+        np.testing.assert_array_equal(found, expected)
 
 
 def test_large_valences() -> None:

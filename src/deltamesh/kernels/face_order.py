@@ -118,8 +118,6 @@ def code_faces(
                 turn = chosen % 3
         else:
             face = code_any(c, left, face, m - i)
-            if face < 0:
-                return CORRUPT
         if way != NEAR or mode != FIRST:
             turn = _code_turn(c, faces, places, mode, recent, turned, face, turn)
         order[i], turns[i] = face, turn

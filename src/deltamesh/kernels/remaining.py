@@ -86,7 +86,8 @@ def next_left(r: Remaining, index: Int) -> Int:
 @inlined
 def count_below(r: Remaining, index: Int) -> Int:
     """Return how many are left below `index`."""
-    total, i = np.int64(0), index
+    total: Int = 0
+    i = index
     while i > 0:
         total += r.sums[i]
         i -= i & -i
@@ -96,10 +97,11 @@ def count_below(r: Remaining, index: Int) -> Int:
 @inlined
 def select(r: Remaining, rank: Int) -> Int:
     """Return the index below which `rank` are left, itself left; `rank` is below their number."""
-    step = np.int64(1)
+    step = 1
     while 2 * step < r.sums.size:
         step *= 2
-    at, rest = 0, rank
+    at: Int = 0
+    rest = rank
     while step > 0:
         if at + step < r.sums.size and r.sums[at + step] <= rest:
             at += step

@@ -171,9 +171,8 @@ def code_anchor(
 
 @inlined
 def code_any(c: Coder, left: Remaining, element: Int, count: Int) -> Int:
-    """Code an element by its rank among those that are left; -1 if there is none of that rank."""
-    rank = code_below(c, count_below(left, element) if element >= 0 else 0, count)
-    return select(left, rank) if rank < count else np.int64(-1)
+    """Code an element by its rank among those that are left."""
+    return select(left, code_below(c, count_below(left, element) if element >= 0 else 0, count))
 
 
 @inlined

@@ -84,7 +84,7 @@ def code_vertices(
             if trail >= 0:
                 count = _around_anchor(rings, indices, around, key, order[anchor], anchor, found)
                 way = np.int64(NEAR) if index_of(found, count, vertex) >= 0 else way
-        follows = 2 * (around[following, 1] == i - 1) + (around[following, 1] >= 0)
+        follows = min(around[following, 2], 1) * (2 if around[following, 1] == i - 1 else 1)
         way = code_way(c, way, memory, trails, follows, i > 0)
         if way == NEXT:
             vertex = following
@@ -99,8 +99,6 @@ def code_vertices(
             vertex = _choose_vertex(c, memory, around, last, found, count, i, vertex)
         else:
             vertex = code_any(c, left, vertex, n - i)
-            if vertex < 0:
-                return CORRUPT
         order[i] = vertex
         last[:] = around[vertex]
         follow(trails, around[vertex, key] if around[vertex, key] >= 0 else i)
