@@ -25,6 +25,7 @@ from deltamesh.geometry import Integers, digest
 from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
 from deltamesh.options import Options
+from deltamesh.order import Order, encode_order
 from deltamesh.quantize import from_grid
 from deltamesh_formats.errors import FormatError, LimitError
 from deltamesh_formats.reader import read_container
@@ -97,7 +98,22 @@ def golden():
         ("cartesian-triangle", (np.eye(3), np.array([[0, 1, 2]])), {"method": "cartesian"}),
         ("cartesian-isolated", meshes.with_isolated(), {"method": "cartesian"}),
         ("cartesian-everything", surface_with_everything(), {"method": "cartesian"}),
+        ("highpass-order", shuffled(surface_with_everything()), {"bits": 8, "keep_order": True}),
+        ("cartesian-order", torus, {"method": "cartesian", "keep_order": True}),
+        (
+            "cartesian-order-isolated",
+            shuffled(meshes.with_isolated()),
+            {"method": "cartesian", "keep_order": True},
+        ),
     ]
+
+
+def shuffled(mesh):
+    """In an order without any pattern, but for a part of the faces that goes by the vertices."""
+    mesh = meshes.shuffled(*mesh, 1968)[0]
+    first = mesh.faces.min(axis=1)
+    first[::3] = -1
+    return mesh.vertices, mesh.faces[np.argsort(first, kind="stable")]
 
 
 def assert_right(encoded, V, F):
@@ -105,12 +121,17 @@ def assert_right(encoded, V, F):
     decoded = decode(encoded.data)
     assert strategies.canonical(encoded.order[decoded.faces]) == strategies.canonical(F)
     container = read_container(encoded.data)
-    surface, integers, _ = codec._read(container, 10**9, 2**40, codec.silent)
+    surface, integers, kept = codec._read(container, 10**9, 2**40, codec.silent)
     p, n = container.parameters, surface.vertex_count
     origin = np.array(p.origin)
+    if kept is not None:
+        np.testing.assert_array_equal(decoded.faces, F)
+        assert strategies.canonical(kept.vertices[F]) == strategies.canonical(surface.faces)
+    # Where the vertices of the codec's own order are in the decoded mesh.
+    places = np.arange(len(V)) if kept is None else np.argsort(kept.vertices)
     if p.method == "cartesian":
         expected = from_grid(integers.values, origin, p.step)
-        assert np.abs(expected - V[encoded.order]).max() <= 0.500001 * p.step
+        assert np.abs(expected - V[encoded.order[places]]).max() <= 0.500001 * p.step
     else:
         anchored = from_grid(integers.positions, origin, p.anchor_step)
         L = oracle.laplacian(surface.faces, n)
@@ -124,7 +145,7 @@ def assert_right(encoded, V, F):
             solution = oracle.least_squares(L, integers.anchors, delta, anchored - centre)
         isolated = from_grid(integers.isolated, origin, p.anchor_step)
         expected = np.concatenate((solution + centre, isolated))
-    assert np.abs(decoded.vertices - expected).max() <= 1e-9 * diagonal(V)
+    assert np.abs(decoded.vertices[places] - expected).max() <= 1e-9 * diagonal(V)
     return decoded
 
 
@@ -274,7 +295,26 @@ def refused():
         "cartesian-noise": forging.forged(c, CART=bytes(range(1, 200))),
         "cartesian-and-more": forging.forged(c, CART=payload_of(c, "CART") + b"\1"),
     }
-    return damage | header | frames | payloads
+    kept = encoded(meshes.icosphere(1), method="cartesian", bits=9, keep_order=True)
+    order = payload_of(kept, "ORDR")
+    orders = {
+        "order-empty": forging.forged(kept, ORDR=b""),
+        "order-of-another-plan": forging.forged(kept, ORDR=b"\3" + order[1:]),
+        "order-too-long": forging.forged(kept, ORDR=order[:1] + b"\x7f" + order[2:]),
+        "order-noise": forging.forged(kept, ORDR=b"\5\x14" + bytes(range(1, 90))),
+        "order-of-all-near": forging.forged(kept, ORDR=b"\2\2\1\1" + bytes([1] * 40)),
+        "order-and-more": forging.forged(kept, ORDR=order + b"\1"),
+        "order-of-another": forging.forged(kept, ORDR=backwards(c)),
+        "order-misplaced": exchanged(kept, "CART", "ORDR"),
+    }
+    return damage | header | frames | payloads | orders
+
+
+def backwards(data):
+    """The payload of an order that is right, but for the digest of the file."""
+    mesh = decode(data)
+    n, m = len(mesh.vertices), len(mesh.faces)
+    return encode_order(mesh.faces, Order(np.arange(n)[::-1].copy(), np.arange(m), np.ones(m, int)))
 
 
 def write_refused():

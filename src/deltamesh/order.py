@@ -28,7 +28,7 @@ _Ints = NDArray[np.int64]
 _Stream = Callable[[_Ints, "Order", int, int, int | None], bytes]
 
 # Plans are compared on so many vertices and faces, at most: enough to tell, seconds for any mesh.
-SAMPLE = 1 << 16
+SAMPLE = 1 << 17
 # How much shorter than a rank an anchor has to seem before it is used, in bits.
 MARGINS = (0, 2, 4)
 
