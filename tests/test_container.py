@@ -141,6 +141,7 @@ def containers(draw):
         draw(hundredths),
     )
     required = layout.REQUIRED[method][1:]
+    required += (layout.ORDER,) if draw(st.booleans()) else ()
     payloads = {name: draw(st.binary(max_size=300)) for name in required}
     ids = st.from_regex(r"[a-z][A-Za-z]{3}", fullmatch=True).filter(lambda i: i != "meta")
     payloads |= draw(st.dictionaries(ids, st.binary(max_size=20), max_size=3))

@@ -32,6 +32,7 @@ FILES = {
     "isolated": encode(*meshes.with_isolated()),
     "isolated cartesian": encode(*meshes.with_isolated(), method="cartesian"),
     "boundary": encode(*meshes.grid(5, 6)),
+    "order": encode(*meshes.grid(5, 6), keep_order=True),
     "genus 2 of two": encode(*meshes.union(meshes.double_torus(), meshes.tetrahedron())),
 }
 
