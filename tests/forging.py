@@ -9,7 +9,8 @@ import zlib
 from deltamesh import codec
 from deltamesh.connectivity import decode_connectivity
 from deltamesh.geometry import digest, payload_of, surface_of
-from deltamesh.order import arrays, decode_order
+from deltamesh.order import decode_order
+from deltamesh.reordering import arrays
 from deltamesh_formats import layout
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.writer import write_container, write_varint

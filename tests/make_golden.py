@@ -25,8 +25,9 @@ from deltamesh.geometry import Integers, digest
 from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
 from deltamesh.options import Options
-from deltamesh.order import Order, encode_order
+from deltamesh.order import encode_order
 from deltamesh.quantize import from_grid
+from deltamesh.reordering import Order
 from deltamesh_formats.errors import FormatError, LimitError
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.writer import write_varint

@@ -19,7 +19,8 @@ from deltamesh.codec import encode_mesh
 from deltamesh.kernels import remaining
 from deltamesh.mesh import Mesh
 from deltamesh.options import Options
-from deltamesh.order import Order, arrays, decode_order, encode_order, order_of, reordered
+from deltamesh.order import decode_order, encode_order
+from deltamesh.reordering import Order, arrays, order_of, reordered
 from deltamesh_formats.errors import FormatError
 
 MANIFOLDS = {name: mesh for name, mesh in meshes.every().items() if name != "three_pages"}

@@ -13,7 +13,7 @@ import strategies
 from deltamesh import decode, encode, order
 from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
-from deltamesh.order import Order
+from deltamesh.reordering import Order
 from deltamesh_formats.writer import write_varint
 
 HERE = Path(__file__).parent

@@ -20,7 +20,8 @@ from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_limits
 from deltamesh.mesh import LARGEST, Mesh, checked_mesh
 from deltamesh.metrics import VertexErrors, diagonal, vertex_errors
 from deltamesh.options import Options
-from deltamesh.order import Order, arrays, decode_order, encode_order, order_of, reordered
+from deltamesh.order import decode_order, encode_order
+from deltamesh.reordering import Order, arrays, order_of, reordered
 from deltamesh.targets import aim
 from deltamesh.topology import Topology, build_topology, weld
 from deltamesh.version import __version__

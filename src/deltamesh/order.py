@@ -9,23 +9,21 @@ they are the first to use come next, as most programs number them. The encoder t
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import entropy
-from deltamesh.correspondence import canonical
 from deltamesh.kernels import face_order, steps, vertex_order
 from deltamesh.kernels.coder import Coder
 from deltamesh.laplacian import adjacency
-from deltamesh.mesh import Mesh
+from deltamesh.reordering import Order, inverse
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.reader import read_varint, take
 from deltamesh_formats.writer import write_varint
 
 _Ints = NDArray[np.int64]
-_Stream = Callable[[_Ints, "Order", int, int, int | None], bytes]
+_Stream = Callable[[_Ints, Order, int, int, int | None], bytes]
 
 # Plans are compared on so many vertices and faces, at most: enough to tell, seconds for any mesh.
 SAMPLE = 1 << 17
@@ -34,65 +32,6 @@ MARGINS = (0, 2, 4)
 
 # The bits of a plan: the anchors of faces; the newest neighbours as anchors; faces first.
 ANCHORS, NEWEST, FACES_FIRST = 3, 4, 8
-
-
-@dataclass(frozen=True)
-class Order:
-    """Where the elements of a mesh come in another order of it.
-
-    Attributes
-    ----------
-    vertices : int64 (n,)
-        The vertex of the mesh at each place of the other order.
-    faces : int64 (m,)
-        Likewise, the face.
-    turns : int64 (m,)
-        The corner of that face, 0 to 2, at which it begins there.
-    """
-
-    vertices: NDArray[np.int64]
-    faces: NDArray[np.int64]
-    turns: NDArray[np.int64]
-
-
-def arrays(order: Order | None) -> tuple[_Ints, ...]:
-    """Return what the digest of a file covers of an order."""
-    return () if order is None else (order.vertices, order.faces, order.turns)
-
-
-def order_of(names: _Ints, faces: _Ints, others: _Ints) -> Order:
-    """Return how another order of a mesh comes from it.
-
-    Parameters
-    ----------
-    names : int64 (n,)
-        What the other order calls the vertices of the mesh, all different; they ascend there.
-    faces : int64 (m, 3)
-        Of the mesh.
-    others : int64 (m, 3)
-        The same faces by those names, in the other order; they may begin at other corners.
-    """
-    named = names[faces]
-    left, right = canonical(named), canonical(others)
-    order = np.empty(len(faces), dtype=np.int64)
-    order[np.lexsort(right.T)] = np.lexsort(left.T)
-    turns = np.zeros(len(faces), dtype=np.int64)
-    for turn in (2, 1, 0):
-        turns[(np.roll(named[order], -turn, axis=1) == others).all(axis=1)] = turn
-    return Order(np.argsort(names), order, turns)
-
-
-def reordered(mesh: Mesh, order: Order) -> Mesh:
-    """Return a mesh in the other order."""
-    corners = (order.turns[:, None] + np.arange(3)) % 3
-    turned = np.take_along_axis(mesh.faces[order.faces], corners, axis=1)
-    return Mesh(mesh.vertices[order.vertices], _inverse(order.vertices)[turned])
-
-
-def _inverse(permutation: _Ints) -> _Ints:
-    result = np.empty_like(permutation)
-    result[permutation] = np.arange(len(permutation))
-    return result
 
 
 def encode_order(faces: _Ints, order: Order) -> bytes:
@@ -148,7 +87,7 @@ def _vertex_stream(faces: _Ints, order: Order, plan: int, margin: int, stop: int
 def _face_stream(faces: _Ints, order: Order, plan: int, margin: int, stop: int | None) -> bytes:
     """Return the stream of the first `stop` faces."""
     n = len(order.vertices)
-    places = np.full(n, -1) if plan & FACES_FIRST else _inverse(order.vertices)
+    places = np.full(n, -1) if plan & FACES_FIRST else inverse(order.vertices)
     coder = _encoder(len(faces), stop)
     status = _code_faces(coder, faces, plan, places, order.faces, order.turns, margin, stop)
     return _finished(coder, status)
@@ -210,10 +149,10 @@ def decode_order(payload: memoryview, faces: _Ints, vertex_count: int) -> Order:
         _read_faces(payload[at + size :], at + size, faces, plan, places, order, turns)
         names = _with_the_unused(places)
         _read_vertices(payload[at : at + size], at, names[faces], plan, vertices)
-        vertices = _inverse(names)[vertices]
+        vertices = inverse(names)[vertices]
     else:
         _read_vertices(payload[at : at + size], at, faces, plan, vertices)
-        places = _inverse(vertices)
+        places = inverse(vertices)
         _read_faces(payload[at + size :], at + size, faces, plan, places, order, turns)
     return Order(vertices, order, turns)
 
@@ -244,7 +183,7 @@ def _code_vertices(
 ) -> int:
     indptr, indices = (a.astype(np.int64) for a in adjacency(faces, len(vertices)))
     # By columns, the entries of a symmetric matrix are those by rows, mirrored.
-    mirror = _inverse(np.argsort(indices, kind="stable"))
+    mirror = inverse(np.argsort(indices, kind="stable"))
     newest = 1 if plan & NEWEST else 0
     stop = len(vertices) if stop is None else stop
     status: int = vertex_order.code_vertices(

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh.kernels.coder import CONTEXT, DECODING, Coder, code_bit
+from deltamesh.kernels.face_turn import anchor_corner, code_turn, place_of
 from deltamesh.kernels.jit import Int, inlined, kernel
 from deltamesh.kernels.remaining import (
     Rings,
@@ -25,18 +26,13 @@ from deltamesh.kernels.steps import (
     CHOOSE_SIZE,
     CORRUPT,
     FIRST,
-    INPUTS,
     NEAR,
     NEWEST,
     NEXT,
     OK,
-    OLDEST,
     REMEMBERED,
     SCANNED,
     TRAILS,
-    TURN,
-    TURN_MIXER,
-    TURN_SIZE,
     code_anchor,
     code_any,
     code_way,
@@ -89,7 +85,7 @@ def code_faces(
         way, count, trail = np.int64(NEXT), 0, -1
         if encoding and face != following:
             way = np.int64(ANY)
-            corner = _anchor_corner(faces, places, mode, face, turn)
+            corner = anchor_corner(faces, places, mode, face, turn)
             anchor = places[faces[face, corner]]
             trail = trail_of(trails, anchor, m - i, margin) if anchor >= 0 else -1
             if trail >= 0:
@@ -102,7 +98,7 @@ def code_faces(
         elif way == NEAR:
             corner, anchor = np.int64(0), np.int64(0)
             if encoding:
-                corner = _anchor_corner(faces, places, mode, face, turn)
+                corner = anchor_corner(faces, places, mode, face, turn)
                 anchor = places[faces[face, corner]]
             anchor = code_anchor(c, anchor, trail, memory, trails, known, value)
             if not 0 <= anchor < placed:
@@ -119,7 +115,7 @@ def code_faces(
         else:
             face = code_any(c, left, face, m - i)
         if way != NEAR or mode != FIRST:
-            turn = _code_turn(c, faces, places, mode, recent, turned, face, turn)
+            turn = code_turn(c, faces, places, mode, recent, turned, face, turn)
         order[i], turns[i] = face, turn
         remove(left, face)
         recent[1] = recent[0]
@@ -131,29 +127,9 @@ def code_faces(
             if places[v] < 0:
                 places[v], at[placed] = placed, v
                 placed += 1
-        follow(trails, places[faces[face, _anchor_corner(faces, places, mode, face, turn)]])
+        follow(trails, places[faces[face, anchor_corner(faces, places, mode, face, turn)]])
         previous = face
     return OK
-
-
-@inlined
-def _place(places: _Ints, v: Int) -> Int:
-    """Return the place of a vertex; without one, it is after all that have one."""
-    return places[v] if places[v] >= 0 else np.int64(1) << 60
-
-
-@inlined
-def _anchor_corner(faces: _Ints, places: _Ints, mode: Int, face: Int, turn: Int) -> Int:
-    """Return the corner of a face that is its anchor, the first of equals."""
-    if mode == FIRST:
-        return np.int64(turn)
-    best = np.int64(0)
-    for j in range(1, 3):
-        new, old = places[faces[face, j]], places[faces[face, best]]
-        better = new > old if mode == NEWEST else new >= 0 and (old < 0 or new < old)
-        if better:
-            best = np.int64(j)
-    return best
 
 
 @kernel
@@ -163,7 +139,7 @@ def _at_anchor(rings: Rings, faces: _Ints, places: _Ints, mode: Int, hub: Int, f
     for _ in range(SCANNED):
         if e < 0 or count == CANDIDATES:
             break
-        if mode == FIRST or _anchor_corner(faces, places, mode, e // 3, np.int64(0)) == e % 3:
+        if mode == FIRST or anchor_corner(faces, places, mode, e // 3, np.int64(0)) == e % 3:
             found[count] = e
             count += 1
         e = rings.after[e]
@@ -200,7 +176,10 @@ def _choose_face(
         face, j = found[k] // 3, found[k] % 3
         shared, before = _shared(faces, face, recent[0]), _shared(faces, face, recent[1])
         a = places[faces[face, j]]
-        b, d = _place(places, faces[face, (j + 1) % 3]), _place(places, faces[face, (j + 2) % 3])
+        b, d = (
+            place_of(places, faces[face, (j + 1) % 3]),
+            place_of(places, faces[face, (j + 2) % 3]),
+        )
         fresh = (1 if b > a + (1 << 50) else 0) + (1 if d > a + (1 << 50) else 0)
         alike = _like(places, recent[0], a, b, d) + 2 * _like(places, recent[1], a, b, d)
         third = b if (b < d) == (mode == NEWEST) else d
@@ -228,48 +207,3 @@ def _like(places: _Ints, others: _Ints, a: Int, b: Int, d: Int) -> Int:
             if f - e == b - a and g - e == d - a:
                 result = 1
     return result
-
-
-@kernel
-def _code_turn(
-    c: Coder,
-    faces: _Ints,
-    places: _Ints,
-    mode: Int,
-    recent: _Ints,
-    turned: _Ints,
-    face: Int,
-    turn: Int,
-) -> Int:
-    """Code at which corner a face begins, from a corner that its vertices single out."""
-    state = c.state
-    base = _anchor_corner(faces, places, OLDEST if mode == FIRST else mode, face, np.int64(0))
-    mask, pattern = 0, 0
-    for j in range(3):
-        v = faces[face, (base + j) % 3]
-        where = 3
-        for k in range(3):
-            if recent[0, k] == v:
-                where = min(where, k)
-        mask = 2 * mask + (1 if where < 3 else 0)
-        pattern = 4 * pattern + where
-    b, d = (
-        _place(places, faces[face, (base + 1) % 3]),
-        _place(places, faces[face, (base + 2) % 3]),
-    )
-    rising = 0 if b < d else (1 if d < b else 2)
-    straight = (3 - base) % 3
-    result = (turn - base) % 3
-    for k in range(2):
-        at = TURN + k * INPUTS * TURN_SIZE
-        state[CONTEXT] = at + 3 * pattern + turned[0]
-        state[CONTEXT + 1] = at + TURN_SIZE + 24 * turned[0] + 3 * mask + rising
-        state[CONTEXT + 2] = at + 2 * TURN_SIZE + 3 * turned[1] + straight
-        if code_bit(c, 1 if result == k else 0, TURN_MIXER + k) == 1:
-            result = np.int64(k)
-            break
-        if k == 1:
-            result = np.int64(2)
-    turned[0] = result
-    turned[1] = turned[1] % 2 * 2 + (1 if result == straight else 0)
-    return (base + result) % 3
