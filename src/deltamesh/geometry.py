@@ -74,7 +74,7 @@ NO_POINTS = np.zeros((0, 3), dtype=np.int64)
 def digest(
     faces: NDArray[np.int64], integers: Integers, order: Iterable[NDArray[np.int64]] = ()
 ) -> bytes:
-    """Return the checksum of everything exact that a decoder makes (SPEC.md 5.8)."""
+    """Return the checksum of everything exact that a decoder makes (SPEC.md 5.7)."""
     i = integers
     arrays = (faces, i.values, i.anchors, i.positions, i.isolated, i.refinements, *order)
     result = hashlib.blake2b(digest_size=8)
