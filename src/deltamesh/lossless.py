@@ -128,7 +128,7 @@ def _errors(
 def _model(axes: list[Spelling]) -> tuple[int, entropy.Mixers]:
     """Return the number of slots, and the mixers."""
     forms = sum(len(how.forms) for how in axes)
-    slots = 3 * exact.AXIS_SLOTS + forms * exact.FORM_SLOTS
+    slots = exact.FORMS_AT + forms * exact.FORM_SLOTS
     return slots, 3 * exact.AXIS_MIXERS + forms * exact.FORM_MIXERS
 
 

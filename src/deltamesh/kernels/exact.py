@@ -57,6 +57,8 @@ CHOICES = 3
 CHOICE_SLOTS = 128
 AXIS_SLOTS = 3 * CHOICES * CHOICE_SLOTS
 AXIS_MIXERS = ((CHOICES, LIMIT),) * 3
+# Those of the forms come after those of the axes.
+FORMS_AT = 3 * AXIS_SLOTS
 
 POWERS = np.array([10**i for i in range(19)], dtype=np.int64)
 
@@ -260,7 +262,7 @@ def _place_of(forms: _Ints, f: Int, index: Int) -> Int:
         if size >= top:
             e = (size - top) // (9 * top)
         m, unit = size - e * 9 * top, e + offset
-        if unit <= 16 and m < BOUND // POWERS[min(unit, 18)] or m == 0:
+        if m <= BOUND // POWERS[min(unit, 18)]:
             place = m * POWERS[min(unit, 18)]
     return -place if index < 0 else place
 
@@ -279,7 +281,7 @@ def _in_units(forms: _Ints, f: Int, unit: Int, size: Int) -> Int:
 def _set_contexts(
     slots: _Ints, f: Int, kind: Int, here: Int, hint: Int, latest: Int, before: Int
 ) -> None:
-    base = f * FORM_SLOTS
+    base = FORMS_AT + f * FORM_SLOTS
     slots[0] = base + (here * 4 + kind) * LENGTHS
     slots[1] = base + MAGNITUDE_SLOTS + (here * LEVELS + before) * LENGTHS
     slots[2] = base + 2 * MAGNITUDE_SLOTS + (here * LEVELS + latest) * LENGTHS
@@ -294,7 +296,7 @@ def _set_contexts(
 
 @inlined
 def _set_sign_contexts(slots: _Ints, f: Int, signs: Int, count: Int, error: Int) -> None:
-    base = f * FORM_SLOTS + SIGN_AT
+    base = FORMS_AT + f * FORM_SLOTS + SIGN_AT
     side = np.int64(signs > 0) + 2 * np.int64(signs < 0)
     turn = np.int64(error > 0) + 2 * np.int64(error < 0)
     slots[8] = base + side
