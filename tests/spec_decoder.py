@@ -552,7 +552,7 @@ def grid_points(payload, faces, near):
         both = zip(prediction, residual, strict=True)
         points.append(tuple(clamp(g + r, -(1 << 40), 1 << 40) for g, r in both))
     vectors.stream.end()
-    return points
+    return points, []
 
 
 # ---- §5.9: exact coordinates ----------------------------------------------------------------
@@ -621,7 +621,7 @@ class Axis:
         self.kinds = [*range(count), *[2] * self.raw]
         self.f, self.places, self.errors, self.numbers = [], [], [], []
 
-    def read(self, stream, i, known, guesses, width, E, N):  # noqa: N803
+    def read(self, stream, i, known, guesses, width, E, N):
         """Read the coordinate of vertex i; return f, and N for the next axis."""
         c, r = len(known), sum(self.f[v] in (1, 2) for v in known)
         T, before = (self.f[-1], self.errors[-1]) if i else (0, 0)
@@ -643,7 +643,7 @@ class Axis:
         M, w = sum(abs(self.errors[v]) for v in known), form.w
         here = level(form.units(4 * M // max(c, 1), y) >> w)
         hint, last = (level(form.units(z, y) >> w) for z in (H, abs(before)))
-        K = min(len(guesses), 3)  # noqa: N806
+        K = min(len(guesses), 3)
         lengths = (here, K), (here, N), (here, last), (hint, here)
         lengths += (hint // 2, N // 2, K), (here // 2, N // 2, K)
         slope = sum((self.errors[v] > 0) - (self.errors[v] < 0) for v in known)
@@ -702,12 +702,12 @@ class Axis:
 
 
 def coordinates(payload, faces, near):
-    """§5.9: the coordinates as integers of 64 bits."""
+    """§5.9: the coordinates as integers of 64 bits, and the bytes before the stream."""
     table, guesses = Bytes(payload), parallelograms(faces)
     (width,) = table.unpack("B")
     check(width in (32, 64), "width")
     axes = [Axis(table, a) for a in range(3)]
-    stream = Stream(payload[table.at :])
+    forms, stream = payload[: table.at], Stream(payload[table.at :])
     for i, neighbours in enumerate(near):
         known, E, N = [v for v in neighbours if v < i][:8], 0, 0
         for axis in axes:
@@ -715,7 +715,7 @@ def coordinates(payload, faces, near):
             E = 3 * E + f
     stream.end()
     rows = zip(*(axis.numbers for axis in axes), strict=True)
-    return [struct.unpack("<3q", struct.pack("<3d", *row)) for row in rows]
+    return [struct.unpack("<3q", struct.pack("<3d", *row)) for row in rows], [tuple(forms)]
 
 
 # ---- Positions ------------------------------------------------------------------------------
@@ -771,7 +771,7 @@ def positions(p, faces, near, exact):
 # ---- All of it ------------------------------------------------------------------------------
 
 # §5.7, in the order of the digest
-EXACT = "faces", "vectors", "anchors", "points", "isolated", "corrections"
+EXACT = "faces", "vectors", "anchors", "points", "isolated", "corrections", "forms"
 
 
 def decode(data):
@@ -783,7 +783,8 @@ def decode(data):
     n = vertex_count - p["isolated"]
     payload = sections[{CARTESIAN: "CART", LOSSLESS: "EXAC"}.get(p["method"], "ANCH")]
     # A predicted bit takes log2(65536 / 65512) bits or more, a vertex at least one such bit.
-    check(p["isolated"] <= 15200 * (len(payload) + 4), "more vertices than fit into the file")
+    bits = p["isolated"] * (3 if p["method"] == LOSSLESS else 1)
+    check(bits <= 15200 * (len(payload) + 4), "more vertices than fit into the file")
     faces = Region(sections["CONN"], n, face_count).faces
     graph = [set() for _ in range(n)]
     for face in faces:
@@ -794,7 +795,7 @@ def decode(data):
     if p["method"] in (CARTESIAN, LOSSLESS):
         near += [[] for _ in range(p["isolated"])]
         read = grid_points if p["method"] == CARTESIAN else coordinates
-        exact["vectors"] = read(payload, faces, near)
+        exact["vectors"], exact["forms"] = read(payload, faces, near)
     else:
         exact |= read_anchors(sections["ANCH"], p, near)
         exact["vectors"] = deltas(sections["DELT"], p["step"], near)

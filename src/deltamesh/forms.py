@@ -46,6 +46,7 @@ PLACE_BITS: Final = BOUND.bit_length() - 1
 MOST_USUAL: Final = 60
 LEAST_USUAL: Final = 3.5
 
+_QUOTIENT: Final = 15  # digits of any numerator: 10^15 < 2^53
 _NEVER: Final = 1 << 12  # the places and digits of a number that is no decimal
 # What a form takes to tell, in bits.
 _TOLD: Final = 40.0
@@ -87,11 +88,6 @@ class Spelling:
     grid: int
     raw: bool
     zeros: bool
-
-    @property
-    def base(self) -> int:
-        """Base of the forms, 2 without any."""
-        return self.forms[0].base if self.forms else 2
 
 
 @dataclass(frozen=True)
@@ -143,8 +139,9 @@ def to_integers(values: _Floats, how: Spelling, single: bool) -> tuple[_Ints, _I
     """Return the class of each value (see `kernels.exact`), and its index or its bits."""
     classes = np.full(len(values), RAW, dtype=np.int64)
     integers = _bits(values, single)
-    needs = _needs(values, how.base, single)
-    able = _able(needs)
+    if how.forms:
+        needs = _needs(values, how.forms[0].base, single)
+        able = _able(needs)
     for i in reversed(range(len(how.forms))):
         has = able & _has(how.forms[i], needs)
         classes[has] = i
@@ -178,7 +175,7 @@ def spelling_fault(how: Spelling) -> str:
         else:
             fits = 0 <= form.places <= DECIMAL_PLACES and 1 <= form.digits <= DECIMAL_DIGITS
             fits = fits and form.base == 10 and 0 <= offset <= DECIMAL_OFFSET
-        if not fits or form.base != how.base or usual > MOST_USUAL:
+        if not fits or form.base != how.forms[0].base or usual > MOST_USUAL:
             return f"a form of coordinates that there is not: {form}"
     return ""
 
@@ -240,7 +237,9 @@ def _rounded(x: _Floats, single: bool) -> _Floats:
 
 
 def _has(form: Form, needs: _Needs) -> NDArray[np.bool_]:
-    return (needs.places <= form.places) & (needs.digits <= form.digits)
+    reach = needs.size + form.places
+    near = reach <= (1 << (INDEX_BITS - form.digits)) - 2 if form.base == 2 else reach <= _QUOTIENT
+    return np.asarray((needs.places <= form.places) & (needs.digits <= form.digits) & near)
 
 
 def _able(needs: _Needs) -> NDArray[np.bool_]:
@@ -249,9 +248,10 @@ def _able(needs: _Needs) -> NDArray[np.bool_]:
     if needs.base == 2:
         most = PLACE_BITS - largest + largest_offset(int(needs.digits.max(initial=1)))
     else:
-        most = min(DECIMAL_PLACES, 15 - largest)  # 10^15 < 2^53
+        most = min(DECIMAL_PLACES, _QUOTIENT - largest)
     digits = BINARY_DIGITS if needs.base == 2 else DECIMAL_DIGITS
-    return (needs.digits == 0) | ((needs.places <= most) & (needs.digits <= digits))
+    fit = (needs.places <= most) & (needs.digits <= digits)
+    return np.asarray(fit | (needs.digits == 0))
 
 
 def _index(form: Form, needs: _Needs) -> _Ints:
@@ -265,7 +265,7 @@ def _index(form: Form, needs: _Needs) -> _Ints:
     else:
         m = m * POWERS[np.clip(up, 0, 18)] // POWERS[np.clip(-up, 0, 18)]
     index = m + e * ((form.base - 1) * form.base ** (form.digits - 1))
-    return np.where(needs.mantissa < 0, -index, index)
+    return np.asarray(np.where(needs.mantissa < 0, -index, index))
 
 
 def _number(form: Form, index: _Ints, single: bool) -> _Floats:
@@ -277,7 +277,9 @@ def _number(form: Form, index: _Ints, single: bool) -> _Floats:
     sign = np.where(index < 0, -1.0, 1.0)
     with np.errstate(over="ignore"):
         if form.base == 2:
-            return sign * np.ldexp(m.astype(np.float64), np.minimum(e, _NEVER) - form.places)
+            return np.asarray(
+                sign * np.ldexp(m.astype(np.float64), np.minimum(e, _NEVER) - form.places)
+            )
         fits = (e <= 18) & (m < EXACT // POWERS[np.clip(e, 0, 18)])
         exact = np.where(fits, m * POWERS[np.clip(e, 0, 18)], 0).astype(np.float64)
         return sign * np.where(fits, _rounded(exact / TENS[form.places], single), np.inf)
@@ -292,13 +294,15 @@ def _best(needs: _Needs, errors: _Floats, raw_bits: float) -> tuple[float, tuple
     for form in _first_forms(needs.base, kinds.places[able], kinds.digits[able]):
         first = able & _has(form, kinds)
         rest = able & ~first
-        forms, shares = (form,), [int(counts[first].sum()), int(counts[~able].sum())]
+        forms: tuple[Form, ...] = (form,)
+        shares = [int(counts[first].sum()), int(counts[~able].sum())]
         cost = counts[first] @ lengths(form, kinds.size[first]) + shares[1] * raw_bits
         if rest.any():
             places, digits = int(kinds.places[rest].max()), int(kinds.digits[rest].max())
-            forms = (form, Form(needs.base, places, digits))
+            second = Form(needs.base, places, digits)
+            forms = (form, second)
             shares.append(int(counts[rest].sum()))
-            cost += counts[rest] @ lengths(forms[1], kinds.size[rest])
+            cost += counts[rest] @ lengths(second, kinds.size[rest])
         cost += _TOLD * len(forms) + _entropy(shares)
         best = min(best, (float(cost), forms), key=lambda one: one[0])
     return best

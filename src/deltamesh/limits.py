@@ -60,5 +60,6 @@ def _check_isolated(container: Container) -> None:
     method = container.parameters.method
     name = {"cartesian": "CART", "lossless": "EXAC"}.get(method, "ANCH")
     section, count = container.sections[name], container.parameters.isolated
-    if count > PER_BYTE * (len(section.payload) + 4):
+    bits = 3 * count if method == "lossless" else count  # one a coordinate
+    if bits > PER_BYTE * (len(section.payload) + 4):
         raise FormatError(f"{count} isolated vertices do not fit into this file", section.offset)

@@ -19,6 +19,7 @@ from deltamesh.cartesian import parallelograms
 from deltamesh.forms import Form, Spelling, spelling, spelling_fault, to_integers, to_values
 from deltamesh.geometry import NO_POINTS, NONE, Integers, Surface, payload_of
 from deltamesh.kernels import exact
+from deltamesh.kernels.coder import Coder
 from deltamesh.mesh import LARGEST
 from deltamesh.options import Options
 from deltamesh_formats.errors import FormatError
@@ -41,7 +42,9 @@ def quantize(
     isolated: NDArray[np.float64],
     options: Options,
 ) -> tuple[Parameters, Integers]:
-    """Return the bit patterns of the positions: nothing is lost. The mirror is `reconstruct`.
+    """Return the bit patterns of the positions, and choose how to spell them.
+
+    Nothing is lost. The mirror is `reconstruct`.
 
     Parameters
     ----------
@@ -62,8 +65,18 @@ def quantize(
         anchor_count=0,
         isolated=surface.isolated_count,
     )
-    values = np.concatenate([vertices, isolated]).view(np.int64)
-    return parameters, Integers(values, NONE, NO_POINTS, NO_POINTS)
+    V = np.concatenate([vertices, isolated])
+    with np.errstate(over="ignore"):
+        single = bool((V.astype(np.float32) == V).all())
+    errors = _errors(V, *parallelograms(surface.faces, len(V)))
+    axes = [spelling(V[:, a].copy(), errors[:, a], single) for a in range(3)]
+    return parameters, exactly(V.view(np.int64), packed(SINGLE if single else DOUBLE, axes))
+
+
+def exactly(bits: NDArray[np.int64], forms: bytes) -> Integers:
+    """Return the integers of bit patterns (n, 3) that are spelled so."""
+    told = np.frombuffer(forms, dtype=np.uint8).astype(np.int64)
+    return Integers(bits, NONE, NO_POINTS, NO_POINTS, forms=told)
 
 
 def reconstruct(
@@ -79,19 +92,16 @@ def reconstruct(
 
 def write(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
     """Return the payload of EXAC."""
-    V = integers.values.view(np.float64)
-    n, corners = len(V), parallelograms(surface.faces, len(V))
-    with np.errstate(over="ignore"):
-        single = bool((V.astype(np.float32) == V).all())
-    errors = _errors(V, *corners)
-    axes = [spelling(V[:, a].copy(), errors[:, a], single) for a in range(3)]
+    forms = integers.forms.astype(np.uint8).tobytes()
+    width, axes, _ = unpacked(memoryview(forms))
+    n, bits = len(integers.values), integers.values
     classes, values = np.empty((n, 3), dtype=np.int64), np.empty((n, 3), dtype=np.int64)
     for a, how in enumerate(axes):
-        classes[:, a], values[:, a] = to_integers(V[:, a].copy(), how, single)
-    width = SINGLE if single else DOUBLE
+        one = bits[:, a].copy().view(np.float64)
+        classes[:, a], values[:, a] = to_integers(one, how, width == SINGLE)
     coder = entropy.encoder(_ELEMENTS * n, *_model(axes))
-    _code(coder, surface, corners, axes, width, classes, values)
-    return {"EXAC": _WIDTH.pack(width) + b"".join(map(_packed, axes)) + entropy.finish(coder)}
+    _code(coder, surface, axes, width, classes, values)
+    return {"EXAC": forms + entropy.finish(coder)}
 
 
 def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
@@ -104,16 +114,16 @@ def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Sectio
     n = surface.vertex_count + surface.isolated_count
     V, shape = np.empty((n, 3)), (n, 3)
     with payload_of(sections["EXAC"]) as payload:
-        width, axes, at = _unpacked(payload)
+        width, axes, at = unpacked(payload)
         classes, values = np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=np.int64)
         coder = entropy.decoder(payload[at:], *_model(axes))
-        _code(coder, surface, parallelograms(surface.faces, n), axes, width, classes, values)
+        _code(coder, surface, axes, width, classes, values)
         entropy.check_end(coder, at)
         for a, how in enumerate(axes):
             V[:, a] = to_values(classes[:, a], values[:, a], how, width == SINGLE)
         if not (np.abs(V) <= LARGEST).all():
             raise FormatError("a position that no mesh has", at)
-    return Integers(V.view(np.int64), NONE, NO_POINTS, NO_POINTS)
+        return exactly(V.view(np.int64), bytes(payload[:at]))
 
 
 def _errors(
@@ -122,7 +132,7 @@ def _errors(
     """Return how far each parallelogram is off, float64 (p, 3)."""
     apex = np.repeat(np.arange(len(V)), np.diff(first))
     a, b, o = corners.T
-    return np.abs(V[a] + V[b] - V[o] - V[apex])
+    return np.asarray(np.abs(V[a] + V[b] - V[o] - V[apex]))
 
 
 def _model(axes: list[Spelling]) -> tuple[int, entropy.Mixers]:
@@ -133,17 +143,18 @@ def _model(axes: list[Spelling]) -> tuple[int, entropy.Mixers]:
 
 
 def _code(
-    coder: entropy.Coder,
+    coder: Coder,
     surface: Surface,
-    corners: tuple[NDArray[np.int64], NDArray[np.int64]],
     axes: list[Spelling],
     width: int,
     classes: NDArray[np.int64],
     values: NDArray[np.int64],
 ) -> None:
+    corners = parallelograms(surface.faces, len(values))
     indptr, indices = surface.graph
     indptr = np.pad(indptr, (0, surface.isolated_count), mode="edge")
-    table, forms = [], []
+    table: list[tuple[int, ...]] = []
+    forms: list[tuple[int, ...]] = []
     for how in axes:
         table.append((len(forms), len(how.forms), int(how.raw), int(how.zeros)))
         for form, usual in zip(how.forms, how.usual, strict=True):
@@ -152,16 +163,24 @@ def _code(
     exact.code_exact(coder, indptr, indices, *corners, *tables, np.int64(width), classes, values)
 
 
-def _packed(how: Spelling) -> bytes:
-    flags = len(how.forms) | _RAW * how.raw | _ZEROS * how.zeros
-    forms = zip(how.forms, how.usual, strict=True)
-    return _AXIS.pack(flags, how.grid) + b"".join(
-        _FORM.pack(form.base, form.places, form.digits, usual) for form, usual in forms
-    )
+def packed(width: int, axes: list[Spelling]) -> bytes:
+    """Return the beginning of EXAC; the mirror is `unpacked`."""
+    parts = [_WIDTH.pack(width)]
+    for how in axes:
+        flags = len(how.forms) | _RAW * how.raw | _ZEROS * how.zeros
+        parts.append(_AXIS.pack(flags, how.grid))
+        for form, usual in zip(how.forms, how.usual, strict=True):
+            parts.append(_FORM.pack(form.base, form.places, form.digits, usual))
+    return b"".join(parts)
 
 
-def _unpacked(payload: memoryview) -> tuple[int, list[Spelling], int]:
-    """Return the width, the spelling of each axis, and where the stream begins."""
+def unpacked(payload: memoryview) -> tuple[int, list[Spelling], int]:
+    """Return the width, the spelling of each axis, and where the stream begins.
+
+    Raises
+    ------
+    FormatError
+    """
     (width,), at = _take(payload, 0, _WIDTH)
     if width not in (SINGLE, DOUBLE):
         raise FormatError(f"numbers of {width} bits", 0)

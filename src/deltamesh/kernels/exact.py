@@ -86,14 +86,11 @@ def code_exact(
     errors = np.zeros((n, 3), np.int64)  # prediction to truth, on the grid
     slots = np.zeros(INPUTS, np.int64)
     for i in range(n):
-        kind = min(first[i + 1] - first[i], 3)
         before, spelled = np.int64(0), np.int64(0)
         for axis in range(3):
             place, spread = _predict(indptr, indices, first, corners, grid, i, axis)
-            total, signs, others, count = _around(indptr, indices, errors, classes, i, axis)
-            last = classes[i - 1, axis] if i > 0 else np.int64(FIRST)
-            _set_choice_contexts(c, axis, others, count, last, spelled)
-            chosen = _code_choice(c, axes, axis, classes[i, axis])
+            around = _around(indptr, indices, errors, classes, i, axis)
+            chosen = _code_choice(c, axes, classes, i, axis, around, spelled)
             spelled = 3 * spelled + chosen
             if classes[i, axis] != NEGATIVE_ZERO:
                 classes[i, axis] = chosen
@@ -103,21 +100,17 @@ def code_exact(
                 continue
             f = axes[axis, FORM_AT] + chosen
             index, unit = _index_at(forms, f, place)
-            shift = max(forms[f, USUAL] - WINDOW, 0)
-            here = level(_in_units(forms, f, unit, 4 * total // max(count, 1)) >> shift)
-            hint = level(_in_units(forms, f, unit, spread) >> shift)
             error = errors[i - 1, axis] if i > 0 else np.int64(0)
-            latest = level(_in_units(forms, f, unit, abs(error)) >> shift)
-            _set_contexts(slots, f, kind, here, hint, latest, before)
-            _set_sign_contexts(slots, f, signs, count, error)
-            mixer = len(axes) * len(AXIS_MIXERS) + f * len(FORM_MIXERS)
+            kind = min(first[i + 1] - first[i], 3)
+            _set_contexts(slots, forms, f, unit, around, kind, spread, error, before)
+            mixer = 3 * len(AXIS_MIXERS) + f * len(FORM_MIXERS)
             distance = _code_distance(c, values[i, axis] - index, slots, mixer, forms[f, USUAL])
             values[i, axis] = index + distance
             if index + distance == 0 and chosen == FIRST and axes[axis, HAS_ZEROS] == 1:
                 classes[i, axis] = _code_zero(c, indptr, indices, classes, i, axis)
             grid[i, axis] = _place_of(forms, f, index + distance)
             errors[i, axis] = min(max(grid[i, axis] - place, -BOUND), BOUND)
-            size = level(abs(distance) >> shift)
+            size = level(abs(distance) >> max(forms[f, USUAL] - WINDOW, 0))
             before = size if axis == 0 else (before + size + 1) // 2
 
 
@@ -150,8 +143,10 @@ def _predict(
 def _around(
     indptr: _Ints, indices: _Ints, errors: _Ints, classes: _Ints, i: Int, axis: Int
 ) -> tuple[Int, Int, Int, Int]:
-    """Return, of the known neighbours: the sum of the errors' sizes, and of their signs; how many
-    are not in the first form; how many there are.
+    """Return what the known neighbours have, four numbers.
+
+    These are the sum of the sizes of their errors, and of the signs; how many of them are raw or in
+    the second form; how many there are.
     """
     total, signs, others, count = np.int64(0), np.int64(0), np.int64(0), np.int64(0)
     for at in range(indptr[i], indptr[i + 1]):
@@ -161,32 +156,41 @@ def _around(
         error = errors[j, axis]
         total += abs(error)
         signs += np.int64(error > 0) - np.int64(error < 0)
-        others += np.int64(classes[j, axis] == SECOND or classes[j, axis] == RAW)
+        others += np.int64(classes[j, axis] == SECOND) + np.int64(classes[j, axis] == RAW)
         count += 1
     return total, signs, others, count
 
 
 @inlined
-def _set_choice_contexts(
-    c: Coder, axis: Int, others: Int, count: Int, last: Int, spelled: Int
-) -> None:
+def _code_choice(
+    c: Coder,
+    axes: _Ints,
+    classes: _Ints,
+    i: Int,
+    axis: Int,
+    around: tuple[Int, Int, Int, Int],
+    spelled: Int,
+) -> Int:
+    """Code whether a coordinate is in the first form, the second, or raw.
+
+    `spelled` tells what was chosen for the axes before.
+    """
+    _, _, others, count = around
+    given = classes[i, axis]
+    last = classes[i - 1, axis] if i > 0 else np.int64(FIRST)
     base = axis * AXIS_SLOTS
     share = 4 * others // max(count, 1)
     c.state[CONTEXT] = base + 16 * share + spelled
-    c.state[CONTEXT + 1] = base + CHOICE_SLOTS + 9 * others + count
+    c.state[CONTEXT + 1] = base + CHOICE_SLOTS + (MOST + 1) * others + count
     c.state[CONTEXT + 2] = base + 2 * CHOICE_SLOTS + 16 * last + spelled
-
-
-@inlined
-def _code_choice(c: Coder, axes: _Ints, axis: Int, given: Int) -> Int:
-    """Code whether a coordinate is in the first form, the second, or raw."""
     forms, raw = axes[axis, FORMS], axes[axis, HAS_RAW]
     mixer = axis * len(AXIS_MIXERS)
     if forms == 0:
         return np.int64(RAW)
     if forms + raw == 1:
         return np.int64(FIRST)
-    if code_bit(c, np.int64(given == SECOND or given == RAW), mixer) == 0:
+    other = np.int64(given == SECOND) + np.int64(given == RAW)
+    if code_bit(c, other, mixer) == 0:
         return np.int64(FIRST)
     if forms == 1:
         return np.int64(RAW)
@@ -247,20 +251,18 @@ def _index_at(forms: _Ints, f: Int, place: Int) -> tuple[Int, Int]:
 def _place_of(forms: _Ints, f: Int, index: Int) -> Int:
     """Return the place of a number on the grid, rounded towards 0, within the bound."""
     offset, digits = forms[f, OFFSET], forms[f, DIGITS]
-    size = abs(index)
-    e = np.int64(0)
-    place = np.int64(BOUND)
+    size: Int = abs(index)
+    place: Int = BOUND
     if forms[f, BASE] == 2:
         e = max((size >> (digits - 1)) - 1, 0)
         m, unit = size - (e << (digits - 1)), e + offset
         if unit <= 0:
             place = min(m >> min(-unit, 62), BOUND)
-        elif unit < 56 and m < BOUND >> unit or m == 0:
+        elif (unit < 56 and m < BOUND >> unit) or m == 0:
             place = m << min(unit, 56)
     else:
         top = POWERS[digits - 1]
-        if size >= top:
-            e = (size - top) // (9 * top)
+        e = (size - top) // (9 * top) if size >= top else 0
         m, unit = size - e * 9 * top, e + offset
         if m <= BOUND // POWERS[min(unit, 18)]:
             place = m * POWERS[min(unit, 18)]
@@ -279,8 +281,22 @@ def _in_units(forms: _Ints, f: Int, unit: Int, size: Int) -> Int:
 
 @inlined
 def _set_contexts(
-    slots: _Ints, f: Int, kind: Int, here: Int, hint: Int, latest: Int, before: Int
+    slots: _Ints,
+    forms: _Ints,
+    f: Int,
+    unit: Int,
+    around: tuple[Int, Int, Int, Int],
+    kind: Int,
+    spread: Int,
+    error: Int,
+    before: Int,
 ) -> None:
+    """Set the slots of a distance; `error` is that of the vertex before."""
+    total, signs, _, count = around
+    shift = max(forms[f, USUAL] - WINDOW, 0)
+    here = level(_in_units(forms, f, unit, 4 * total // max(count, 1)) >> shift)
+    hint = level(_in_units(forms, f, unit, spread) >> shift)
+    latest = level(_in_units(forms, f, unit, abs(error)) >> shift)
     base = FORMS_AT + f * FORM_SLOTS
     slots[0] = base + (here * 4 + kind) * LENGTHS
     slots[1] = base + MAGNITUDE_SLOTS + (here * LEVELS + before) * LENGTHS
@@ -292,13 +308,9 @@ def _set_contexts(
     slots[5] = base + 5 * MAGNITUDE_SLOTS + (pair * 4 + kind) * LENGTHS
     slots[6] = base + MANTISSA_AT
     slots[7] = base + MANTISSA_AT + (1 + here) * MANTISSA_SLOTS
-
-
-@inlined
-def _set_sign_contexts(slots: _Ints, f: Int, signs: Int, count: Int, error: Int) -> None:
-    base = FORMS_AT + f * FORM_SLOTS + SIGN_AT
     side = np.int64(signs > 0) + 2 * np.int64(signs < 0)
     turn = np.int64(error > 0) + 2 * np.int64(error < 0)
+    base += SIGN_AT
     slots[8] = base + side
     slots[9] = base + SIGN_SLOTS + signs + MOST
     slots[10] = base + 2 * SIGN_SLOTS + 3 * turn + side
