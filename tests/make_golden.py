@@ -19,8 +19,9 @@ import numpy as np
 import oracle
 import strategies
 
-from deltamesh import codec, highpass
+from deltamesh import codec, highpass, lossless
 from deltamesh.codec import decode, encode_mesh
+from deltamesh.forms import Spelling
 from deltamesh.geometry import Integers, digest
 from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
@@ -106,6 +107,14 @@ def golden():
             shuffled(meshes.with_isolated()),
             {"method": "cartesian", "keep_order": True},
         ),
+        ("lossless-double", torus, {"method": "lossless"}),
+        ("lossless-single", as_single(torus), {"method": "lossless"}),
+        ("lossless-decimals", rounded(far), {"method": "lossless"}),
+        ("lossless-single-decimals", as_single(rounded(sphere)), {"method": "lossless"}),
+        ("lossless-whole-or-not", half_rounded(torus), {"method": "lossless"}),
+        ("lossless-wild", meshes.wild(torus), {"method": "lossless"}),
+        ("lossless-triangle", (np.eye(3), np.array([[0, 1, 2]])), {"method": "lossless"}),
+        ("lossless-everything", surface_with_everything(), {"method": "lossless"}),
     ]
 
 
@@ -117,6 +126,21 @@ def shuffled(mesh):
     return mesh.vertices, mesh.faces[np.argsort(first, kind="stable")]
 
 
+def as_single(mesh):
+    return mesh[0].astype(np.float32).astype(np.float64), mesh[1]
+
+
+def rounded(mesh):
+    return mesh[0].round(3), mesh[1]
+
+
+def half_rounded(mesh):
+    """Two forms: two coordinates of each vertex are whole, as marching cubes make them."""
+    V = np.floor(4096 * mesh[0]) / 64
+    whole = np.arange(3) != np.arange(len(V))[:, None] % 3
+    return np.where(whole, np.floor(V), V), mesh[1]
+
+
 def assert_right(encoded, V, F):
     """Compare what a file decodes to with what does not come from the decoder."""
     decoded = decode(encoded.data)
@@ -125,6 +149,9 @@ def assert_right(encoded, V, F):
     surface, integers, kept = codec._read(container, 10**9, 2**40, codec.silent)
     p, n = container.parameters, surface.vertex_count
     origin = np.array(p.origin)
+    if p.method == "lossless":
+        assert decoded.vertices.tobytes() == V[encoded.order].tobytes()
+        return decoded
     if kept is not None:
         np.testing.assert_array_equal(decoded.faces, F)
         assert strategies.canonical(kept.vertices[F]) == strategies.canonical(surface.faces)
@@ -223,10 +250,25 @@ def long_varint(data):
     return raw + zlib.crc32(raw).to_bytes(4, "little") + data[start:]
 
 
+def infinite(data):
+    """A file of raw coordinates, one of which is infinite, and the digest right."""
+    container = read_container(data)
+    surface, integers = codec._read(container, 10**9, 2**40, codec.silent)
+    values = integers.values.copy()
+    values[7, 1] = np.float64("inf").view(np.int64)
+    raw = Spelling((), (), 0, raw=True, zeros=False)
+    wrong = lossless.exactly(values, lossless.packed(lossless.DOUBLE, [raw] * 3))
+    payloads = lossless.write(surface, container.parameters, wrong)
+    return forging.forged(data, **payloads, checksum=digest(surface.faces, wrong))
+
+
 def refused():
     """Name and bytes of each file that must be refused."""
     h = encoded(meshes.icosphere(1), bits=8, anchors=3)
     c = encoded(meshes.icosphere(1), method="cartesian", bits=9)
+    x = encoded(meshes.icosphere(1), method="lossless")
+    exact = payload_of(x, "EXAC")
+    stream = lossless.unpacked(memoryview(exact))[2]
     sections = read_container(h).sections
     connectivity, check = sections["CONN"], sections["CHEK"]
     another = encoded(meshes.torus(7, 6), bits=8, anchors=3)  # 42 vertices, too
@@ -295,6 +337,15 @@ def refused():
         "deltas-of-0-bits": forging.forged(h, parameters={"bits": 0, "step": 0.0}),
         "cartesian-noise": forging.forged(c, CART=bytes(range(1, 200))),
         "cartesian-and-more": forging.forged(c, CART=payload_of(c, "CART") + b"\1"),
+        "lossless-width": forging.forged(x, EXAC=b"\x18" + exact[1:]),
+        "lossless-reserved-flag": forging.forged(x, EXAC=exact[:1] + b"\x11" + exact[2:]),
+        "lossless-base": forging.forged(x, EXAC=exact[:4] + b"\3" + exact[5:]),
+        "lossless-cut-in-forms": forging.forged(x, EXAC=exact[:20]),
+        "lossless-noise": forging.forged(x, EXAC=exact[:stream] + bytes(range(1, 200))),
+        "lossless-and-more": forging.forged(x, EXAC=exact + b"\1"),
+        "lossless-step": with_parameter_bytes(x, 4, np.float64(0.5).tobytes()),
+        "lossless-bits": with_parameter_bytes(x, 3, b"\10"),
+        "lossless-infinite": infinite(x),
     }
     kept = encoded(meshes.icosphere(1), method="cartesian", bits=9, keep_order=True)
     order = payload_of(kept, "ORDR")

@@ -11,11 +11,12 @@ import hashlib
 import math
 import struct
 import zlib
+from fractions import Fraction
 from itertools import chain, count
 
 import numpy as np
 
-HIGHPASS, CARTESIAN, REFINED = 0, 1, 2
+HIGHPASS, CARTESIAN, REFINED, LOSSLESS = 0, 1, 2, 3
 
 
 class RefusedError(ValueError):
@@ -74,7 +75,8 @@ def container(data):
         (sections[name],) = file.unpack(f"{min(file.varint(), len(data))}s")
         file.crc(start)
     method, meta = sections.get("PARM", b"")[:1], ["meta"] if "meta" in sections else []
-    geometry = {b"\1": ["CART"], b"\2": ["ANCH", "DELT", "NORM"]}.get(method, ["ANCH", "DELT"])
+    geometries = {b"\1": ["CART"], b"\2": ["ANCH", "DELT", "NORM"], b"\3": ["EXAC"]}
+    geometry = geometries.get(method, ["ANCH", "DELT"])
     kept = ["ORDR"] if "ORDR" in sections else []
     order = ["PARM", "CONN", *geometry, *kept, *meta]
     names = list(sections)
@@ -91,15 +93,18 @@ def parameters(payload, vertices):
     table.unpack("BB")  # the dead zones: for information
     p["anchor_count"], p["isolated"] = table.varint(), table.varint()
     check(table.at == len(payload), "PARM is too long")
-    cartesian, steps = p["method"] == CARTESIAN, (p["step"], p["anchor_step"])
-    check(p["method"] <= REFINED, "method")
-    check(p["anchor_method"] in ((255,) if cartesian else (0, 1, 2)), "anchor method")
+    free, steps = p["method"] in (CARTESIAN, LOSSLESS), (p["step"], p["anchor_step"])
+    lossless = p["method"] == LOSSLESS
+    check(p["method"] <= LOSSLESS, "method")
+    check(p["anchor_method"] in ((255,) if free else (0, 1, 2)), "anchor method")
     check(p["bits"] in (*range(63), 255), "bits")
     reals = *steps, p["x"], p["y"], p["z"], p["coarse"]
     check(all(map(math.isfinite, reals)) and min(steps) >= 0, "steps and origin")
     check(p["coarse"] == 1 or (p["method"] == REFINED and p["coarse"] > 1), "coarse")
-    check((p["step"] == 0) == (p["method"] == HIGHPASS and p["bits"] == 0), "step")
-    check(not cartesian or p["anchor_step"] == p["anchor_count"] == 0, "anchors")
+    none = lossless or (p["method"] == HIGHPASS and p["bits"] == 0)
+    check((p["step"] == 0) == none, "step")
+    check(not free or p["anchor_step"] == p["anchor_count"] == 0, "anchors")
+    check(not lossless or (p["bits"] == 255 and p["x"] == p["y"] == p["z"] == 0), "lossless")
     check(max(p["isolated"], p["anchor_count"]) <= vertices, "counts of PARM")
     return p
 
@@ -517,16 +522,25 @@ def corrections(payload, near, values):
     return vectors.read
 
 
+def parallelograms(faces):
+    """§5.6: (a, b, o) of each vertex that has any, in the order of the half-edges from a to b."""
+    halves = [half for a, b, c in faces for half in ((a, b, c), (b, c, a), (c, a, b))]
+    sides, guesses = {}, {}
+    for at, half in enumerate(halves):
+        sides.setdefault(frozenset(half[:2]), []).append(at)
+    across = {}
+    for pair in (pair[:2] for pair in sides.values() if len(pair) > 1):
+        across |= {pair[0]: pair[1], pair[1]: pair[0]}
+    for at, (a, b, i) in enumerate(halves):
+        o = halves[across[at]][2] if at in across else i
+        if max(a, b, o) < i:
+            guesses.setdefault(i, []).append((a, b, o))
+    return guesses
+
+
 def grid_points(payload, faces, near):
     """§5.6."""
-    sides, guesses = {}, {}
-    for a, b, c in faces:
-        for half in (a, b, c), (b, c, a), (c, a, b):
-            sides.setdefault(frozenset(half[:2]), []).append(half)
-    for first, second in (pair[:2] for pair in sides.values() if len(pair) > 1):
-        for (a, b, i), o in (first, second[2]), (second, first[2]):
-            if max(a, b, o) < i:
-                guesses.setdefault(i, []).append((a, b, o))
+    guesses = parallelograms(faces)
     vectors, points = Vectors(payload), []
     for i, neighbours in enumerate(near):
         below, m = [v for v in neighbours if v < i], len(guesses.get(i, ()))
@@ -543,7 +557,170 @@ def grid_points(payload, faces, near):
         both = zip(prediction, residual, strict=True)
         points.append(tuple(clamp(g + r, -(1 << 40), 1 << 40) for g, r in both))
     vectors.stream.end()
-    return points
+    return points, []
+
+
+# ---- §5.10: exact coordinates ---------------------------------------------------------------
+
+
+class Form:
+    """A form and what follows from it: x is the places of the grid less its own."""
+
+    def __init__(self, key, grid, base, places, digits, usual):
+        self.key, self.base, self.places, self.digits, self.usual = key, base, places, digits, usual
+        self.x, self.w, self.top = grid - places, max(usual - 8, 0), base ** max(digits - 1, 0)
+        check(usual <= 60, "usual length")
+        if base == 2:
+            check(-971 <= places <= 1074 and 1 <= digits <= 53, "a binary form")
+            check(self.x >= 58 - (1 << 61 - digits), "a binary form far off the grid")
+        else:
+            check(base == 10 and 0 <= places <= 22 and 1 <= digits <= 17, "a decimal form")
+            check(0 <= self.x <= 18, "a decimal form far off the grid")
+
+    def next_to(self, p):
+        """The index next to a place, and y."""
+        n = 0
+        while self.base**n <= abs(p):
+            n += 1
+        e = max(n - self.x - self.digits, 0)
+        y = e + self.x
+        m = self.scaled(abs(p) + (self.base**y // 2 if y > 0 else 0), -y)
+        index = m + e * (self.base - 1) * self.top
+        return (-index if p < 0 else index), y
+
+    def parts(self, index):
+        e = max((abs(index) - self.top) // ((self.base - 1) * self.top), 0)
+        return abs(index) - e * (self.base - 1) * self.top, e
+
+    def scaled(self, z, y):
+        return z * self.base**y if y >= 0 else z // self.base**-y
+
+    def place(self, index):
+        m, e = self.parts(index)
+        size = min(self.scaled(m, min(e + self.x, 99)), 1 << 56)
+        return -size if index < 0 else size
+
+    def number(self, index, width):
+        m, e = self.parts(index)
+        check(e < 4096, "a coordinate that is too large")
+        check(self.base == 2 or m * 10**e < 1 << 53, "a decimal that is too long")
+        number = float(Fraction(m * self.base**e) / Fraction(self.base) ** self.places)
+        if width == 32 and self.base == 10:
+            (number,) = struct.unpack("<f", struct.pack("<f", number))
+        return -number if index < 0 else number
+
+    def units(self, z, y):
+        return z // self.base**y if y >= 0 else min(z, 1 << 29) << min(-y, 32)
+
+
+class Axis:
+    """The forms of an axis, what was read of it, and what is known of the next vertex."""
+
+    def __init__(self, table, number):
+        self.number, (flags, grid) = number, table.unpack("Bh")
+        count, self.raw, self.zeros = flags & 3, flags >> 2 & 1, flags >> 3
+        check(flags < 16 and count < 3 and count + self.raw, "flags of an axis")
+        keys = ((number, i) for i in range(count))
+        self.forms = [Form(key, grid, *table.unpack("BhBB")) for key in keys]
+        check(len({form.base for form in self.forms}) < 2, "forms of two bases")
+        self.kinds = [*range(count), *[2] * self.raw]
+        self.f, self.places, self.errors, self.numbers = [], [], [], []
+
+    def read(self, stream, i, known, guesses, width, E, N):
+        """Read the coordinate of vertex i; return f, and N for the next axis."""
+        c, r = len(known), sum(self.f[v] in (1, 2) for v in known)
+        T, before = (self.f[-1], self.errors[-1]) if i else (0, 0)
+        p, H = self.predicted(known, guesses)
+        kinds = list(self.kinds)
+        for bit in range(len(kinds) - 1):
+            keys = (4 * r // max(c, 1), E), (r, c), (T, E)
+            if not self.bit(stream, ("choice", bit), keys):
+                break
+            kinds.pop(0)
+        f = kinds[0]
+        if f == 2:
+            code = "<f" if width == 32 else "<d"
+            bits = stream.raw(width).to_bytes(width // 8, "little")
+            self.add(2, p, 0, struct.unpack(code, bits)[0])
+            return f, N
+        form = self.forms[f]
+        index, y = form.next_to(p)
+        M, w = sum(abs(self.errors[v]) for v in known), form.w
+        here = level(form.units(4 * M // max(c, 1), y) >> w)
+        hint, last = (level(form.units(z, y) >> w) for z in (H, abs(before)))
+        K = min(len(guesses), 3)
+        lengths = (here, K), (here, N), (here, last), (hint, here)
+        lengths += (hint // 2, N // 2, K), (here // 2, N // 2, K)
+        slope = sum((self.errors[v] > 0) - (self.errors[v] < 0) for v in known)
+        signs = side(slope), slope, (side(before), side(slope))
+        v = self.distance(stream, form, lengths, here, signs)
+        index += v
+        place, negative = form.place(index), False
+        if index == 0 and f == 0 and self.zeros:
+            alike = sum(self.f[v] == 3 for v in known)
+            negative = self.bit(stream, ("zero",), (None, alike, T))
+        number = -0.0 if negative else form.number(index, width)
+        self.add(3 if negative else f, place, clamp(place - p, -(1 << 56), 1 << 56), number)
+        size = level(abs(v) >> w)
+        return f, (N + size + 1) // 2 if self.number else size
+
+    def add(self, f, place, error, number):
+        check(abs(number) <= 1e150, "a coordinate that is too large")
+        self.f.append(f)
+        self.places.append(place)
+        self.errors.append(error)
+        self.numbers.append(number)
+
+    def predicted(self, known, guesses):
+        g = self.places
+        found = [g[a] + g[b] - g[o] for a, b, o in guesses[:8]]
+        if found:
+            p = (2 * sum(found) + len(found)) // (2 * len(found))
+            return clamp(p, -(1 << 56), 1 << 56), max(found) - min(found)
+        if known:
+            return sum(g[v] for v in known) // len(known), 0
+        return (g[-1] if g else 0), 0
+
+    def bit(self, stream, what, contexts, mixer=None, key=None):
+        name = (self.number, key, *what)
+        keys = [(*name, i, context) for i, context in enumerate(contexts)]
+        return stream.predicted((self.number, key, *(mixer or what)), keys, 255)
+
+    def distance(self, stream, form, lengths, here, signs):
+        def longer(k):
+            return self.bit(stream, ("length", k), lengths, None, form.key)
+
+        k = form.usual
+        if longer(k):
+            k += 1
+            while k <= 61 and longer(k):
+                k += 1
+        else:
+            while k and not longer(k - 1):
+                k -= 1
+        size = min(k, 1)
+        for _ in range(min(k - 1, 3)):
+            below = "below", k, size
+            size = 2 * size + self.bit(stream, below, (None, here), ("below",), form.key)
+        size = size << max(k - 4, 0) | stream.raw(max(k - 4, 0))
+        return -size if k and self.bit(stream, ("sign",), signs, None, form.key) else size
+
+
+def coordinates(payload, faces, near):
+    """§5.10: the coordinates as integers of 64 bits, and the bytes before the stream."""
+    table, guesses = Bytes(payload), parallelograms(faces)
+    (width,) = table.unpack("B")
+    check(width in (32, 64), "width")
+    axes = [Axis(table, a) for a in range(3)]
+    forms, stream = payload[: table.at], Stream(payload[table.at :])
+    for i, neighbours in enumerate(near):
+        known, E, N = [v for v in neighbours if v < i][:8], 0, 0
+        for axis in axes:
+            f, N = axis.read(stream, i, known, guesses.get(i, []), width, E, N)
+            E = 3 * E + f
+    stream.end()
+    rows = zip(*(axis.numbers for axis in axes), strict=True)
+    return [struct.unpack("<3q", struct.pack("<3d", *row)) for row in rows], [tuple(forms)]
 
 
 # ---- §5.9: order ----------------------------------------------------------------------------
@@ -791,6 +968,8 @@ def positions(p, faces, near, exact):
     vectors, points, isolated = (np.array(exact[name], float).reshape(-1, 3) for name in names)
     if p["method"] == CARTESIAN:
         return origin + vectors * step
+    if p["method"] == LOSSLESS:
+        return np.array(exact["vectors"], np.int64).view(np.float64)
     system = near, [index for (index,) in exact["anchors"]], origin + points * steps[1]
     delta = vectors * steps[0]
     x = least_squares(delta, *system)
@@ -805,7 +984,7 @@ def positions(p, faces, near, exact):
 # ---- All of it ------------------------------------------------------------------------------
 
 # §5.7, in the order of the digest
-EXACT = "faces", "vectors", "anchors", "points", "isolated", "corrections"
+EXACT = "faces", "vectors", "anchors", "points", "isolated", "corrections", "forms"
 
 
 def decode(data):
@@ -814,9 +993,11 @@ def decode(data):
     p = parameters(sections["PARM"], vertex_count)
     if "meta" in sections:
         check_meta(sections["meta"])
-    n, payload = vertex_count - p["isolated"], sections.get("CART", sections.get("ANCH", b""))
+    n = vertex_count - p["isolated"]
+    payload = sections[{CARTESIAN: "CART", LOSSLESS: "EXAC"}.get(p["method"], "ANCH")]
     # A predicted bit takes log2(65536 / 65512) bits or more, a vertex at least one such bit.
-    check(p["isolated"] <= 15200 * (len(payload) + 4), "more vertices than fit into the file")
+    bits = p["isolated"] * (3 if p["method"] == LOSSLESS else 1)
+    check(bits <= 15200 * (len(payload) + 4), "more vertices than fit into the file")
     faces = Region(sections["CONN"], n, face_count).faces
     graph = [set() for _ in range(n)]
     for face in faces:
@@ -824,9 +1005,10 @@ def decode(data):
             graph[v] |= {w for w in face if w != v}
     near = [sorted(neighbours) for neighbours in graph]
     exact = {name: [] for name in EXACT} | {"faces": faces}
-    if p["method"] == CARTESIAN:
-        isolated = [[] for _ in range(p["isolated"])]
-        exact["vectors"] = grid_points(sections["CART"], faces, near + isolated)
+    if p["method"] in (CARTESIAN, LOSSLESS):
+        near += [[] for _ in range(p["isolated"])]
+        read = grid_points if p["method"] == CARTESIAN else coordinates
+        exact["vectors"], exact["forms"] = read(payload, faces, near)
     else:
         exact |= read_anchors(sections["ANCH"], p, near)
         exact["vectors"] = deltas(sections["DELT"], p["step"], near)

@@ -19,7 +19,7 @@ sys.path.append(str(BENCHMARKS))
 corpus, measurement, processes, results, run = map(
     importlib.import_module, ("corpus", "measurement", "processes", "results", "run")
 )
-SCRIPTS = ("run", "speed", "draco", "valences", "order", "memory")
+SCRIPTS = ("run", "speed", "draco", "lossless", "valences", "order", "memory")
 TORUS = corpus.GENERATED
 Rows = list[dict[str, str]]
 

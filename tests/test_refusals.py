@@ -29,8 +29,11 @@ FILES = {
     "greedy": encode(*SPHERE, anchors=4, anchor_method="greedy"),
     "zero bits": encode(*SPHERE, anchors=4, bits=0),
     "cartesian": encode(*SPHERE, method="cartesian"),
+    "lossless": encode(*SPHERE, method="lossless"),
+    "lossless, raw": encode(*meshes.wild(meshes.tetrahedron()), method="lossless"),
     "isolated": encode(*meshes.with_isolated()),
     "isolated cartesian": encode(*meshes.with_isolated(), method="cartesian"),
+    "isolated lossless": encode(*meshes.with_isolated(), method="lossless"),
     "boundary": encode(*meshes.grid(5, 6)),
     "order": encode(*meshes.grid(5, 6), keep_order=True),
     "genus 2 of two": encode(*meshes.union(meshes.double_torus(), meshes.tetrahedron())),
@@ -181,16 +184,23 @@ def test_no_faces(name: str) -> None:
         parameters |= {"anchor_count": min(n, read_container(data).parameters.anchor_count)}
         empty = forging.forged(data, vertices=n, faces=0, parameters=parameters, **nothing)
         refusal(empty)
-        payloads = {"CART": b""} if "cartesian" in name else {"ANCH": bytes(3), "DELT": b""}
-        refusal(
-            forging.forged(empty, **payloads, checksum=digest_of_points(n, "cartesian" in name))
-        )
+        method = read_container(data).parameters.method
+        payloads = {"cartesian": {"CART": b""}, "lossless": {"EXAC": EMPTY_FORMS}}
+        payload = payloads.get(method, {"ANCH": bytes(3), "DELT": b""})
+        forms = EMPTY_FORMS if method == "lossless" else b""
+        checksum = digest_of_points(n, method in payloads, forms)
+        refusal(forging.forged(empty, **payload, checksum=checksum))
 
 
-def digest_of_points(n, cartesian):
+# Of width 64, and on each axis one form, in which all is 0.
+EMPTY_FORMS = b"@" + 3 * b"\1\0\0\2\0\0\1\0"
+
+
+def digest_of_points(n, cartesian, forms):
     zeros, none = np.zeros((n, 3), dtype=np.int64), np.zeros(0, dtype=np.int64)
     values, isolated = (zeros, zeros[:0]) if cartesian else (zeros[:0], zeros)
-    return digest(zeros[:0], Integers(values, none, zeros[:0], isolated))
+    told = np.array(list(forms), dtype=np.int64)
+    return digest(zeros[:0], Integers(values, none, zeros[:0], isolated, forms=told))
 
 
 # ---- Limits ------------------------------------------------------------------------------------
@@ -344,7 +354,7 @@ def lengths():
         (name, field)
         for name, data in FILES.items()
         for field in ("step", "anchor_step", "origin")
-        if getattr(read_container(data).parameters, field)
+        if getattr(read_container(data).parameters, field) and "lossless" not in name
     ]
 
 

@@ -106,16 +106,18 @@ def _as_read_and_as_encoded(a: Loaded, b: Loaded) -> Iterator[tuple[Mesh, Mesh]]
     What has been decoded is not welded: coarse steps may put two of its vertices into one place.
     """
     yield a.mesh, b.mesh
-    first, second = (one.mesh if one.container else _welded(one.mesh) for one in (a, b))
+    containers = [one.container for one in (a, b) if one.container]
+    exact = any(container.parameters.method == "lossless" for container in containers)
+    first, second = (one.mesh if one.container else _welded(one.mesh, exact) for one in (a, b))
     yield first, second
     yield _without_isolated(first), _without_isolated(second)
 
 
-def _welded(mesh: Mesh) -> Mesh:
+def _welded(mesh: Mesh, exact: bool) -> Mesh:
     from deltamesh.mesh import Mesh
     from deltamesh.topology import weld
 
-    keep, welded = weld(mesh.vertices)
+    keep, welded = weld(mesh.vertices, exact=exact)
     return Mesh(mesh.vertices[keep], welded[mesh.faces])
 
 

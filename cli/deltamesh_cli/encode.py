@@ -24,6 +24,7 @@ deltamesh encode scan.obj --step 0.01 --anchors 500
 deltamesh encode scan.obj --method refined --normal-error 1
 deltamesh encode part.stl --method cartesian --max-error 0.05
 deltamesh encode part.stl --method cartesian --bits 12
+deltamesh encode part.obj --lossless
 cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 """
 
@@ -37,7 +38,12 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
     default="highpass",
     show_default=True,
     help="What is quantized: differential coordinates (scans, organic shapes); these coarsely, and"
-    " finely across the surface (the same look in fewer bytes); or x, y, z (CAD).",
+    " finely across the surface (the same look in fewer bytes); x, y, z (CAD); or nothing.",
+)
+@click.option(
+    "--lossless",
+    is_flag=True,
+    help="Keep positions to the last bit, -0.0 and all: short for --method lossless.",
 )
 @click.option(
     "-b",
@@ -130,6 +136,7 @@ def command(
     quiet: bool,
     verbose: bool,
     show_progress: bool | None,
+    lossless: bool,
     **parameters: Any,
 ) -> None:
     """Compress a mesh file into a .dmesh file.
@@ -138,7 +145,8 @@ def command(
 
     Connectivity is kept exactly; vertices at one position become one, and without --keep-order
     vertices and faces come back in another order. Positions come back with a small, smooth error:
-    --bits or --step sets it, and what became of it is printed and stored in the file.
+    --bits or --step sets it, and what became of it is printed and stored in the file. With
+    --lossless they come back as they were.
 
     What has no oriented manifold surface (an edge with three faces, faces of opposite winding,
     degenerate faces) is refused, and the first place is named.
@@ -150,7 +158,9 @@ def command(
     target = files.chosen_output(target, output)
     if target is None:
         target = source if source == files.STDIO else source + files.SUFFIX
-    if parameters["method"] == "cartesian":
+    if lossless:
+        _choose_lossless(parameters)
+    if parameters["method"] in ("cartesian", "lossless"):
         _refuse_high_pass_options(parameters)
     _refuse_two_rates(parameters)
     if source == files.STDIO and input_format is None:
@@ -173,17 +183,28 @@ def command(
     each([source], encode, as_json=as_json)
 
 
+def _choose_lossless(parameters: dict[str, Any]) -> None:
+    source = click.get_current_context().get_parameter_source("method")
+    method = parameters["method"]
+    if source is not click.core.ParameterSource.DEFAULT and method != "lossless":
+        raise click.UsageError(f"--lossless and --method {method} exclude each other.")
+    parameters["method"] = "lossless"
+
+
 def _refuse_two_rates(parameters: dict[str, Any]) -> None:
     given = [f"--{name.replace('_', '-')}" for name in RATES if parameters[name] is not None]
     if len(given) > 1:
         raise click.UsageError(f"{' and '.join(given)} exclude each other.")
+    if given and parameters["method"] == "lossless":
+        raise click.UsageError(f"{given[0]} means nothing with --method lossless.")
 
 
 def _refuse_high_pass_options(parameters: dict[str, Any]) -> None:
     for name in ("anchors", "anchor_method", "diffusion", "seed"):
         if parameters[name] is not None:
             option = name.replace("_", "-")
-            raise click.UsageError(f"--{option} means nothing with --method cartesian.")
+            method = parameters["method"]
+            raise click.UsageError(f"--{option} means nothing with --method {method}.")
 
 
 def _encoded(mesh: MeshData, stage: Stage, parameters: dict[str, Any]) -> bytes:

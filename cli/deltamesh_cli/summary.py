@@ -7,7 +7,12 @@ from collections.abc import Iterator
 from deltamesh_cli.output import number, shown, table
 from deltamesh_formats.layout import ORDER, Container, Meta, Parameters
 
-METHODS = {"highpass": "high-pass", "refined": "refined high-pass", "cartesian": "Cartesian"}
+METHODS = {
+    "highpass": "high-pass",
+    "refined": "refined high-pass",
+    "cartesian": "Cartesian",
+    "lossless": "lossless",
+}
 
 
 def bits_per_vertex(size: int, vertices: int) -> float:
@@ -120,7 +125,7 @@ def _described(parameters: Parameters) -> Iterator[str]:
             words.append(f"deltas {number(parameters.coarse)} times as coarse")
         if parameters.method != "cartesian":
             words.append("error diffusion" if parameters.diffusion else "plain rounding")
-    yield f"{METHODS[parameters.method]}: {', '.join(words)}"
+    yield ": ".join(filter(None, (METHODS[parameters.method], ", ".join(words))))
     if parameters.anchor_method is not None:
         seed = f", seed {parameters.seed}" if parameters.anchor_method == "random" else ""
         yield f"anchors: {parameters.anchor_count}, {parameters.anchor_method}{seed}"

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from deltamesh import cartesian, highpass, refined
+from deltamesh import cartesian, highpass, lossless, refined
 from deltamesh.connectivity import decode_connectivity, encode_connectivity
 from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
 from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_limits
@@ -32,7 +32,12 @@ from deltamesh_formats.writer import write_container
 
 Progress = Callable[[str], None]
 
-_METHODS: Final = {"highpass": highpass, "refined": refined, "cartesian": cartesian}
+_METHODS: Final = {
+    "highpass": highpass,
+    "refined": refined,
+    "cartesian": cartesian,
+    "lossless": lossless,
+}
 
 
 def silent(stage: str) -> None:
@@ -91,9 +96,9 @@ def encode(
         Finite real numbers.
     faces : array_like (m, 3)
         Vertex indices from 0, of an oriented manifold, with or without boundary.
-    method : {"highpass", "refined", "cartesian"}
+    method : {"highpass", "refined", "cartesian", "lossless"}
         What is quantized: differential coordinates; these coarsely, and their component along the
-        normal finely; or x, y and z.
+        normal finely; x, y and z; or nothing: positions come back bit for bit, -0.0 and all.
     bits : int, optional
         The step is the range of what is quantized over 2^bits. With "highpass", 0 is a
         least-squares mesh: connectivity and anchors alone. Default for "cartesian": 11.
@@ -172,7 +177,7 @@ def encode_mesh(mesh: Mesh, options: Options, progress: Progress = silent) -> En
     if len(mesh.faces) == 0:
         raise MeshError("the mesh has no faces")
     progress("topology")
-    keep, welded = weld(mesh.vertices)
+    keep, welded = weld(mesh.vertices, exact=options.method == "lossless")
     topology = build_topology(welded[mesh.faces], len(keep), keep)
     progress("connectivity")
     payload, connectivity = encode_connectivity(topology)
@@ -231,7 +236,7 @@ def decode(
     -------
     Mesh
         Faces and stored integers exactly; positions to within 1e-9 of the bounding box diagonal,
-        whatever the machine and the solver.
+        whatever the machine and the solver, of a lossless file bit for bit.
 
     Raises
     ------

@@ -50,7 +50,8 @@ class Integers:
     Attributes
     ----------
     values : int64 (n, 3)
-        Quantized delta coordinates, or grid points with the isolated vertices last.
+        Quantized delta coordinates; or grid points, or bit patterns of binary64, with the isolated
+        vertices last.
     anchors : int64 (k,)
     positions : int64 (k, 3)
         Grid points of the anchors.
@@ -58,6 +59,8 @@ class Integers:
         Grid points of the isolated vertices.
     refinements : int64 (n, 1)
         Of the deltas along the normals; empty where there are none.
+    forms : int64 (k,)
+        Bytes that tell how bit patterns are spelled; empty where there are none.
     """
 
     values: NDArray[np.int64]
@@ -65,6 +68,7 @@ class Integers:
     positions: NDArray[np.int64]
     isolated: NDArray[np.int64]
     refinements: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 1), np.int64))
+    forms: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
 
 
 NONE = np.zeros(0, dtype=np.int64)
@@ -76,7 +80,7 @@ def digest(
 ) -> bytes:
     """Return the checksum of everything exact that a decoder makes (SPEC.md 5.7)."""
     i = integers
-    arrays = (faces, i.values, i.anchors, i.positions, i.isolated, i.refinements, *order)
+    arrays = (faces, i.values, i.anchors, i.positions, i.isolated, i.refinements, i.forms, *order)
     result = hashlib.blake2b(digest_size=8)
     for array in arrays:
         result.update(np.ascontiguousarray(array, dtype="<i8").data)

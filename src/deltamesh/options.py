@@ -8,7 +8,7 @@ from numbers import Integral
 
 from deltamesh_formats.errors import OptionError
 
-METHODS = ("highpass", "refined", "cartesian")
+METHODS = ("highpass", "refined", "cartesian", "lossless")
 ANCHOR_METHODS = ("farthest", "greedy", "random")
 # What is asked for by default: bits a coordinate, and a step in diagonals of the bounding box. The
 # range of the deltas is no scale to go by: one vertex of high valence makes it a thousand times
@@ -62,6 +62,8 @@ class Options:
         _require_one_of("solver", self.solver, SOLVERS)
         given = [name for name in RATES if getattr(self, name) is not None]
         _require(len(given) <= 1, f"{' and '.join(given)} exclude each other")
+        meaningless = self.method == "lossless" and given
+        _require(not meaningless, f"{' and '.join(given)} means nothing with method lossless")
         for name in RATES[1:]:
             value = getattr(self, name)
             fits = value is None or (math.isfinite(value) and value > 0)
