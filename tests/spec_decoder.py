@@ -1004,11 +1004,11 @@ def decode(data):
         for v in face:
             graph[v] |= {w for w in face if w != v}
     near = [sorted(neighbours) for neighbours in graph]
+    everywhere = near + [[] for _ in range(p["isolated"])]
     exact = {name: [] for name in EXACT} | {"faces": faces}
     if p["method"] in (CARTESIAN, LOSSLESS):
-        near += [[] for _ in range(p["isolated"])]
         read = grid_points if p["method"] == CARTESIAN else coordinates
-        exact["vectors"], exact["forms"] = read(payload, faces, near)
+        exact["vectors"], exact["forms"] = read(payload, faces, everywhere)
     else:
         exact |= read_anchors(sections["ANCH"], p, near)
         exact["vectors"] = deltas(sections["DELT"], p["step"], near)
@@ -1016,7 +1016,7 @@ def decode(data):
         exact["corrections"] = corrections(sections["NORM"], near, exact["vectors"])
     kept = []
     if "ORDR" in sections:
-        kept = read_order(sections["ORDR"], faces, near + [[] for _ in range(p["isolated"])])
+        kept = read_order(sections["ORDR"], faces, everywhere)
     words = [struct.pack("<q", x) for name in EXACT for row in exact[name] for x in row]
     words += [struct.pack("<q", x) for x in chain(*kept)]
     digest = hashlib.blake2b(b"".join(words), digest_size=8).digest()
