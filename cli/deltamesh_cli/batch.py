@@ -31,7 +31,7 @@ deltamesh batch -r scans --include '*.stl' --exclude 'draft*' -n
 deltamesh batch -d -r packed --output-dir-flat meshes --output-format obj
 find scans -name '*.ply' -print0 | deltamesh batch -0 --filelist - -j 0
 deltamesh batch -r scans --scheduler tcp://head:8786 --manifest run.jsonl
-deltamesh batch -r scans --slurm array --manifest run-$SLURM_ARRAY_TASK_ID.jsonl
+deltamesh batch -r scans --slurm array -j 0      one share of a SLURM array
 """
 _CODE = """\
 The exit code is that of the worst file: the largest."""
