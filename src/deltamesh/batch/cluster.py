@@ -91,8 +91,9 @@ def run_on_dask(
 ) -> Generator[Outcome]:
     """Work on tasks on the workers of a cluster, which see the same files by absolute names.
 
-    Small files are grouped. A group of which workers die is taken apart, so that one file is given
-    up and not all. When the iterator is closed, what has not begun is cancelled.
+    Small files are grouped. The files of a group of which workers have died are tried once more at
+    the end, one after the other, so that one is given up and not all. When the iterator is closed,
+    what has not begun is cancelled.
 
     Parameters
     ----------
@@ -109,24 +110,33 @@ def run_on_dask(
     ------
     task, outcome : Task, dict or Exception
         In the order in which groups are done; `WorkerError` for a task of which workers have died.
+
+    Raises
+    ------
+    WorkerError
+        If the scheduler has gone.
     """
     from distributed import as_completed
 
-    listed = list(tasks)
+    listed, lost = list(tasks), []
     begin(listed)
     running = {_submit(client, work, group): group for group in groups(listed, size, count)}
-    completed = as_completed(list(running), loop=client.loop)
     try:
-        for future in completed:
+        for future in as_completed(list(running), loop=client.loop):
             group = running.pop(future)
-            outcomes = _outcomes(future, group)
-            if outcomes is not None:
+            outcomes = _outcomes(future)
+            if isinstance(outcomes, list):
                 yield from zip(group, outcomes, strict=True)
-                continue
-            for task in group:
-                again = _submit(client, work, [task])
-                running[again] = [task]
-                completed.add(again)
+            else:
+                lost += group
+        # The scheduler blames whatever waited at a worker for its death. With nothing else
+        # about, the blame is right.
+        for task in lost:
+            future = _submit(client, work, [task])
+            running[future] = [task]
+            outcomes = _outcomes(future)
+            del running[future]
+            yield task, outcomes[0] if isinstance(outcomes, list) else outcomes
     finally:
         client.cancel(list(running))
 
@@ -146,16 +156,16 @@ def _work_on(work: Work, group: list[Task]) -> list[Record | Exception]:
     return [attempted(work, task) for task in group]
 
 
-def _outcomes(future: Any, group: list[Task]) -> list[Record | Exception] | None:
-    """Return what became of a group; None when it killed its workers and has to be taken apart."""
+def _outcomes(future: Any) -> list[Record | Exception] | WorkerError:
+    """Wait for what became of a group, or for why nobody knows."""
     from distributed import KilledWorker
 
-    if future.status == "finished":
-        done: list[Record | Exception] = future.result()
-        return done
-    error = future.exception() if future.status == "error" else None
-    if isinstance(error, KilledWorker):
-        if len(group) > 1:
-            return None
-        return [WorkerError("the workers that tried it died")]
-    return [WorkerError(f"the cluster gave it up: {error or future.status}")] * len(group)
+    try:
+        outcomes: list[Record | Exception] = future.result()
+    except KilledWorker:
+        return WorkerError("the workers that tried it died")
+    except Exception as error:
+        if future.client.status != "running":
+            raise WorkerError("the scheduler has gone") from error
+        return WorkerError(f"the cluster gave it up: {type(error).__name__}: {error}")
+    return outcomes
