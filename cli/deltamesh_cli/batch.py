@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,14 +17,17 @@ from deltamesh_cli.batch_options import (
     with_options_of_both,
 )
 from deltamesh_cli.batch_plan import Places, listed, planned, selection
-from deltamesh_cli.batch_run import Engine, Keeping, Telling, dry_run, here, in_processes, on_dask
+from deltamesh_cli.batch_run import Keeping, Telling, dry_run, here, in_processes, on_dask
 from deltamesh_cli.batch_run import run as run_batch
 from deltamesh_cli.failures import Failure, report
 from deltamesh_cli.signals import stopping_cleanly
 from deltamesh_formats.errors import OptionError
 
+if TYPE_CHECKING:
+    from deltamesh_cli.batch_run import Engine
+
 _EXAMPLES = """\
-deltamesh batch *.ply                            writes each beside its input
+deltamesh batch *.ply                         writes each beside its input
 deltamesh batch -r scans --output-dir-mirror packed -j 0
 deltamesh batch -r scans -j 4 --manifest run.jsonl --resume
 deltamesh batch -r scans --include '*.stl' --exclude 'draft*' -n
@@ -102,8 +105,8 @@ The exit code is that of the worst file: the largest."""
 @click.option(
     "--scheduler",
     metavar="ADDRESS",
-    help="Work on the Dask cluster whose scheduler is there, such as tcp://head:8786. Its workers"
-    " have to see the same files; extra `cluster`.",
+    help="Work on the Dask cluster whose scheduler is there, such as tcp://head:8786, or a"
+    " --scheduler-file. Its workers have to see the same files; extra `cluster`.",
 )
 @click.option(
     "--dask-local",

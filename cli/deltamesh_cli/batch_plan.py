@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from deltamesh.batch.find import Selection, find
+from deltamesh.batch.finding import Selection, find
 from deltamesh.batch.manifest import SKIPPED, Record, is_ours, still_done
 from deltamesh.batch.plan import Task, check_targets, flat, mirrored
 from deltamesh.batch.schedule import memory_for_counts, memory_for_mesh_file

@@ -7,7 +7,7 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import click
 
@@ -20,7 +20,6 @@ from deltamesh.batch.manifest import (
 )
 from deltamesh.batch.manifest import key as key_of
 from deltamesh.batch.plan import Task
-from deltamesh.batch.pool import Begin, Outcome, run_here, run_in_processes
 from deltamesh_cli import files
 from deltamesh_cli.batch_plan import Item, settled
 from deltamesh_cli.batch_report import Tell, Totals, progress, tell_record
@@ -28,8 +27,12 @@ from deltamesh_cli.batch_work import Job, failed, prepare, work
 from deltamesh_cli.failures import Failure, attempt
 from deltamesh_cli.output import print_json, shown
 
+if TYPE_CHECKING:
+    from deltamesh.batch.pool import Begin, Outcome
+
+    Engine: TypeAlias = Callable[[Job, list[Task], Begin], Generator[Outcome]]
+
 Records: TypeAlias = dict[tuple[str, str], Record]
-Engine: TypeAlias = Callable[[Job, list[Task], Begin], Generator[Outcome]]
 
 
 @dataclass(frozen=True)
@@ -64,6 +67,8 @@ class Telling:
 
 def here(job: Job, tasks: list[Task], begin: Begin) -> Generator[Outcome]:
     """Work in this process."""
+    from deltamesh.batch.pool import run_here
+
     return run_here(tasks, partial(work, job), begin=begin)
 
 
@@ -71,6 +76,8 @@ def in_processes(jobs: int, memory: float, timeout: float) -> Engine:
     """Return the engine that works in processes of this machine."""
 
     def engine(job: Job, tasks: list[Task], begin: Begin) -> Generator[Outcome]:
+        from deltamesh.batch.pool import run_in_processes
+
         with attempt("worker processes", "cannot go on"):
             yield from run_in_processes(
                 tasks,
@@ -160,6 +167,7 @@ def _manifest(keeping: Keeping) -> Iterator[tuple[Records, Append]]:
     if path is None:
         yield {}, lambda records: None
         return
+    _make_folder(os.path.dirname(path))
     begin_hint = "--resume goes on with it, -f begins it anew"
     hint = begin_hint if os.path.exists(path) and not keeping.resume else ""
     with ExitStack() as stack:
@@ -232,8 +240,12 @@ def _record(job: Job, task: Task, outcome: Record | Exception) -> Record:
 
 def _make_folders(todo: list[Task]) -> None:
     for folder in sorted({os.path.dirname(task.target) for task in todo}):
-        with attempt(folder, "cannot create the folder"):
-            os.makedirs(folder or os.curdir, exist_ok=True)
+        _make_folder(folder)
+
+
+def _make_folder(folder: str) -> None:
+    with attempt(folder, "cannot create the folder"):
+        os.makedirs(folder or os.curdir, exist_ok=True)
 
 
 def _sum_up(totals: Totals, telling: Telling) -> None:

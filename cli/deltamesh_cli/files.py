@@ -7,7 +7,6 @@ folder and rename it, so that a file with the final name is always a whole one. 
 from __future__ import annotations
 
 import errno
-import hashlib
 import os
 import secrets
 import shutil
@@ -195,6 +194,8 @@ def _temporary(path: str) -> tuple[str, str]:
     The name is short, because a long one might exceed what the file system takes, and tells what
     the file was to become, so that one that was left behind can be found.
     """
+    import hashlib
+
     folder, name = os.path.split(path)
     digest = hashlib.sha256(os.fsencode(name)).hexdigest()
     return folder, f".deltamesh-{digest[:12]}-"

@@ -360,7 +360,7 @@ def test_a_manifest_in_use_or_of_another_kind_is_refused(
         assert "it exists already" not in told("run.jsonl", "--resume")
     assert "file exists (--resume goes on with it" in told("run.jsonl")
     assert "line 1 is not a record" in told("scans/a.ply", "--resume")
-    assert "no such file" in told("nowhere/run.jsonl")
+    assert "cannot create the folder: file exists" in told("scans/a.ply/run.jsonl")
     assert not list(Path().rglob("*.dmesh"))
 
 

@@ -8,6 +8,7 @@ workers have died of it as its setting `distributed.scheduler.allowed-failures` 
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -23,7 +24,7 @@ from deltamesh.version import __version__
 GROUP_BYTES: Final = 1 << 20
 GROUP_FILES: Final = 16
 
-# How long to wait for the first worker of a cluster, in seconds.
+# How long to wait for a scheduler and for its first worker, in seconds.
 PATIENCE: Final = 60
 
 
@@ -34,7 +35,8 @@ def dask_client(address: str | None, workers: int = 0) -> Iterator[Any]:
     Parameters
     ----------
     address : str or None
-        Such as "tcp://node1:8786"; None for a cluster of this machine.
+        Such as "tcp://node1:8786", or the name of the file that `dask scheduler --scheduler-file`
+        writes; None for a cluster of this machine.
     workers : int
         How many processes that has, of one thread each.
 
@@ -51,7 +53,7 @@ def dask_client(address: str | None, workers: int = 0) -> Iterator[Any]:
     except ImportError as error:
         raise WorkerError("distributed is missing: pip install 'deltamesh[cluster]'") from error
     if address is not None:
-        with Client(address, set_as_default=False) as client:
+        with Client(**_where(address), set_as_default=False) as client:
             _check_workers(client)
             yield client
         return
@@ -60,6 +62,18 @@ def dask_client(address: str | None, workers: int = 0) -> Iterator[Any]:
         Client(cluster, set_as_default=False) as client,
     ):
         yield client
+
+
+def _where(address: str) -> dict[str, str]:
+    """Return the scheduler as `Client` takes it, which would wait for a file for ever."""
+    if "://" in address:
+        return {"address": address}
+    deadline = time.monotonic() + PATIENCE
+    while not os.path.exists(address):
+        if time.monotonic() > deadline:
+            raise WorkerError(f"no scheduler has written this file in {PATIENCE} seconds")
+        time.sleep(0.1)
+    return {"scheduler_file": address}
 
 
 def _check_workers(client: Any) -> None:

@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from pathlib import Path
 
 from deltamesh_formats.errors import OptionError
 
@@ -98,6 +97,8 @@ def _expanded(
 
 def _glob(pattern: str) -> Iterator[str]:
     """Yield what matches; unlike glob.glob, `**` of pathlib follows no links, hence no loops."""
+    from pathlib import Path
+
     path = Path(pattern)
     top = Path(path.anchor)
     yield from map(str, top.glob(str(path.relative_to(path.anchor))))
