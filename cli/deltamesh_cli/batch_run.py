@@ -207,7 +207,6 @@ def _work_on(
     """Work on tasks; each is on record before it begins, and again when it is done."""
     _make_folders(todo)
     files.remove_temporaries(task.target for task in todo)
-    left = dict.fromkeys(todo)
 
     def begin(tasks: list[Task]) -> None:
         append(begun(task.source, task.target) for task in tasks)
@@ -223,11 +222,11 @@ def _work_on(
             for task, outcome in outcomes if todo else ():
                 record = _record(job, task, outcome)
                 append([record])
-                del left[task]
                 tell(record, False)
                 advance(record, task.size)
     finally:
-        files.remove_temporaries(task.target for task in left)
+        # Of files that are done too: a worker may have died of them at first.
+        files.remove_temporaries(task.target for task in todo)
 
 
 def _record(job: Job, task: Task, outcome: Record | Exception) -> Record:

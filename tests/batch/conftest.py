@@ -30,7 +30,8 @@ class Cluster:
 
     def workers(self) -> dict[str, int]:
         """The process of each worker, by address."""
-        return dict(self.client.run(os.getpid))
+        self.client.wait_for_workers(2, timeout=60)
+        return dict(self.client.run(os.getpid, on_error="ignore"))
 
 
 @pytest.fixture(scope="session")

@@ -78,16 +78,18 @@ def test_the_command_survives_the_death_of_a_worker(cluster: Any, tmp_path: Path
         lines = manifest.read_bytes().split(b"\n")[:-1] if manifest.exists() else []
         return [json.loads(one) for one in lines]
 
-    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE) as process:
+    with subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as process:
         deadline = time.monotonic() + 60
         while not any(record["status"] == "done" for record in records()):
-            assert process.poll() is None
+            assert process.poll() is None, process.stderr.read()
             assert time.monotonic() < deadline
             time.sleep(0.01)
         victim = next(iter(cluster.workers().values()))
         os.kill(victim, signal.SIGKILL)
-        process.communicate(timeout=60)
-    assert process.returncode == 0
+        _, said = process.communicate(timeout=60)
+    assert process.returncode == 0, said
     done = [record for record in records() if record["status"] == "done"]
     assert sorted(record["source"] for record in done) == names, "all, and none twice"
     line = "batch -q -r scans --output-dir-flat serial"

@@ -17,8 +17,10 @@ import meshes
 import pytest
 from commandline import PROGRAM, cli, damaged, posix
 
+from deltamesh.batch import Task
 from deltamesh.batch.manifest import begun, line, open_manifest
-from deltamesh_cli import files
+from deltamesh_cli import batch, files
+from deltamesh_cli.batch_work import Job, work
 from deltamesh_formats.meshfile import mesh_bytes, read_mesh
 
 SCANS = {
@@ -347,6 +349,20 @@ def test_what_was_begun_is_ours(scans: Path) -> None:
     Path("run.jsonl").write_bytes(line(begun(NAMES[0], str(target))))
     assert cli("batch -q -r scans --manifest run.jsonl --resume") == 0
     assert target.read_bytes() == encoded(NAMES[0])
+
+
+def test_nothing_is_left_of_a_worker_that_died_before_another_did_its_work(
+    scans: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def half_written(job: Job, tasks: list[Task], begin: Any) -> Any:
+        for one in tasks:
+            start = files._temporary(os.path.abspath(one.target))[1]
+            Path("scans", f"{start}0123abcd.tmp").write_bytes(b"half")
+            yield one, work(job, one)
+
+    monkeypatch.setattr(batch, "here", half_written)
+    assert cli("batch -q scans/a.ply scans/d.off") == 0
+    assert Path("scans/a.ply.dmesh").exists()
 
 
 def test_a_manifest_in_use_or_of_another_kind_is_refused(

@@ -81,11 +81,11 @@ def _check_workers(client: Any) -> None:
         client.wait_for_workers(1, timeout=PATIENCE)
     except TimeoutError:
         raise WorkerError(f"no worker of the cluster has come in {PATIENCE} seconds") from None
-    try:
-        versions = client.run(_version)
-    except Exception as error:
-        raise WorkerError(f"deltamesh does not run on the workers: {error}") from error
-    for worker, version in versions.items():
+    for worker, version in client.run(_version, on_error="return").items():
+        if isinstance(version, OSError):  # it has died meanwhile
+            continue
+        if isinstance(version, Exception):
+            raise WorkerError(f"deltamesh does not run on {worker}: {version}")
         if version != __version__:
             raise WorkerError(f"{worker} has deltamesh {version}, not {__version__}")
 
