@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import ExitStack, closing, contextmanager
@@ -96,6 +97,7 @@ def on_dask(address: str | None, workers: int) -> Engine:
     """Return the engine that works on a cluster, one that is there or one of this machine."""
 
     def engine(job: Job, tasks: list[Task], begin: Begin) -> Generator[Outcome]:
+        logging.disable()  # of Dask: what goes wrong is told here
         with attempt(address or "local cluster", "cannot go on"):
             from deltamesh.batch.cluster import dask_client, run_on_dask
 

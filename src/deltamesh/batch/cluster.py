@@ -7,7 +7,9 @@ workers have died of it as its setting `distributed.scheduler.allowed-failures` 
 
 from __future__ import annotations
 
+import logging
 import os
+import signal
 import time
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager
@@ -58,10 +60,18 @@ def dask_client(address: str | None, workers: int = 0) -> Iterator[Any]:
             yield client
         return
     with (
-        LocalCluster(workers, threads_per_worker=1, dashboard_address=None) as cluster,
+        LocalCluster(
+            workers, threads_per_worker=1, dashboard_address=None, silence_logs=logging.ERROR
+        ) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):
+        client.run(_ignore_ctrl_c)
         yield client
+
+
+def _ignore_ctrl_c() -> None:
+    """Leave Ctrl-C to who has started the cluster, and ends it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _where(address: str) -> dict[str, str]:
