@@ -32,8 +32,8 @@ _TETRAHEDRON: Final = b"""OFF
 3 0 3 2
 """
 
-# Options that change how fast an output is made, but not what is in it.
-_OF_NO_EFFECT: Final = ("threads",)
+# Options that change how fast an output is made, or whether, but not what is in it.
+_OF_NO_EFFECT: Final = ("threads", "memory", "max_vertices")
 
 
 @dataclass(frozen=True)
@@ -137,6 +137,6 @@ def prepare(job: Job) -> None:
     import deltamesh
     from deltamesh_formats.meshfile import read_mesh
 
-    mesh = read_mesh(io.BytesIO(_TETRAHEDRON), "off")
-    for method in [job.parameters["method"]] if not job.decode else METHODS:
-        deltamesh.decode(deltamesh.encode(mesh.vertices, mesh.faces, method=method))
+    mesh, method = read_mesh(io.BytesIO(_TETRAHEDRON), "off"), job.parameters.get("method")
+    for one in [method] if method in METHODS else METHODS:
+        deltamesh.decode(deltamesh.encode(mesh.vertices, mesh.faces, method=one, threads=1))

@@ -327,6 +327,8 @@ def test_resuming_does_what_is_left_and_nothing_else(scans: Path) -> None:
     assert len(sources()) == len(NAMES) + 3
     assert cli(line, "--bits", "5") == 0
     assert len(sources()) == 2 * (len(NAMES) + 1) + 2, "with other options all is to be done"
+    assert cli(line, "--bits", "5", "--threads", "2") == 0
+    assert len(sources()) == 2 * (len(NAMES) + 1) + 2, "unless the output does not depend on them"
     assert Path(f"out/{NAMES[0]}.dmesh").read_bytes() == encoded(NAMES[0], "--bits", "5")
 
 
