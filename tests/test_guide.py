@@ -54,7 +54,7 @@ def run(folder: Path, name: str, **environment: str) -> str:
             start_new_session=True,
         )
     try:
-        code = process.wait(120)
+        code = process.wait(300)
     finally:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)

@@ -30,7 +30,7 @@ class Cluster:
 
     def workers(self) -> dict[str, int]:
         """The process of each worker, by address."""
-        self.client.wait_for_workers(2, timeout=60)
+        self.client.wait_for_workers(2, timeout=240)
         return dict(self.client.run(os.getpid, on_error="ignore"))
 
 
@@ -44,7 +44,7 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
     common = ["--no-dashboard", "--scheduler-file", str(file)]
     dask = [sys.executable, "-m", "distributed.cli"]
     commands = [["dask_scheduler", "--host", "127.0.0.1", "--port", "0", *common]]
-    commands += [["dask_worker", "--nthreads", "1", "--death-timeout", "60", *common]] * 2
+    commands += [["dask_worker", "--nthreads", "1", "--death-timeout", "240", *common]] * 2
     processes = []
     try:
         for module, *arguments in commands:
@@ -54,13 +54,13 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
                 processes.append(
                     subprocess.Popen(command, env=environment, cwd=folder, stdout=log, stderr=log)
                 )
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 240
         while not file.exists() or not file.read_text().endswith("}"):
             assert time.monotonic() < deadline, (folder / "log").read_text()
             time.sleep(0.05)
         address = json.loads(file.read_text())["address"]
         with distributed.Client(address, set_as_default=False) as client:
-            client.wait_for_workers(2, timeout=60)
+            client.wait_for_workers(2, timeout=240)
             yield Cluster(address, client)
     finally:
         # Killed, since a nanny takes seconds to say goodbye; a worker ends with its nanny.

@@ -50,12 +50,10 @@ def test_a_file_that_kills_workers_is_given_up_and_not_its_neighbours(cluster: A
     from deltamesh.batch.cluster import run_on_dask
 
     tasks = [task("x-1"), task("die-2"), task("x-3"), task("raise-4"), task("x-5")]
-    start = time.monotonic()
     done = {
         one.source: outcome
         for one, outcome in run_on_dask(cluster.client, tasks, works.obey, count=3)
     }
-    assert time.monotonic() - start < 60
     assert sorted(done) == sorted(t.source for t in tasks)
     assert isinstance(done["die-2"], WorkerError)
     assert str(done["die-2"]) == "the workers that tried it died"
@@ -81,14 +79,14 @@ def test_the_command_survives_the_death_of_a_worker(cluster: Any, tmp_path: Path
     with subprocess.Popen(
         command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     ) as process:
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 240
         while not any(record["status"] == "done" for record in records()):
             assert process.poll() is None, process.stderr.read()
             assert time.monotonic() < deadline
             time.sleep(0.01)
         victim = next(iter(cluster.workers().values()))
         os.kill(victim, signal.SIGKILL)
-        _, said = process.communicate(timeout=60)
+        _, said = process.communicate(timeout=240)
     assert process.returncode == 0, said
     done = [record for record in records() if record["status"] == "done"]
     assert sorted(record["source"] for record in done) == names, "all, and none twice"

@@ -42,7 +42,7 @@ def test_every_fate_at_once(tmp_path: Path) -> None:
         tasks, works.obey, jobs=3, timeout=2, begin=lambda ts: begun.extend(t.source for t in ts)
     )
     done = {one.source: outcome for one, outcome in run}
-    assert time.monotonic() - start < 20
+    assert time.monotonic() - start < 55
     assert sorted(done) == sorted(names)
     assert isinstance(done["hang-b"], TimeoutError)
     assert str(done["hang-b"]) == "it took more than 2 seconds"
@@ -129,7 +129,7 @@ def test_workers_end_when_their_parent_is_killed(tmp_path: Path) -> None:
     assert stopped(beats)
 
 
-def wait_for(condition: Callable[[], bool], seconds: float = 20) -> None:
+def wait_for(condition: Callable[[], bool], seconds: float = 120) -> None:
     deadline = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < deadline
