@@ -161,7 +161,7 @@ def command(
 
 
 def check_parameters(parameters: dict[str, Any]) -> None:
-    """Refuse options that do not go together."""
+    """Refuse options that do not go together; what is left are keywords of `deltamesh.encode`."""
     if parameters["method"] == "cartesian":
         _refuse_high_pass_options(parameters)
     _refuse_two_rates(parameters)
