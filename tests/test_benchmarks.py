@@ -19,7 +19,17 @@ sys.path.append(str(BENCHMARKS))
 corpus, measurement, processes, results, run = map(
     importlib.import_module, ("corpus", "measurement", "processes", "results", "run")
 )
-SCRIPTS = ("run", "speed", "draco", "lossless", "valences", "order", "memory")
+SCRIPTS = (
+    "run",
+    "speed",
+    "draco",
+    "lossless",
+    "valences",
+    "order",
+    "memory",
+    "make_folder",
+    "batch",
+)
 TORUS = corpus.GENERATED
 Rows = list[dict[str, str]]
 
@@ -154,6 +164,25 @@ def test_the_entropy_of_valences() -> None:
     assert entropy(np.array([6, 6, 6])) == 0
     assert entropy(np.array([4, 5, 6, 7])) == 2
     assert entropy(np.array([6, 6, 5, 7])) == 1.5
+
+
+def test_a_folder_of_many_meshes_from_few(tmp_path: Path) -> None:
+    make_folder = importlib.import_module("make_folder")
+    options = ["--count", "12", "--faces", "1500", "--least", "100"]
+    for name in ("one", "two"):
+        arguments = [str(tmp_path / name), str(corpus.path(TORUS)), *options]
+        assert CliRunner().invoke(make_folder.command, arguments).exit_code == 0
+    made = sorted((tmp_path / "one").rglob("*.*"))
+    assert len(made) == 12
+    for path in made:
+        assert path.read_bytes() == Path(str(path).replace("/one/", "/two/")).read_bytes()
+    sizes = [len(corpus.read(path).faces) for path in made]
+    assert all(100 <= size <= 1500 for size in sizes)
+    parts = list(make_folder.pieces(corpus.load(TORUS), 1500, 1))
+    assert sum(len(part.faces) for part in parts) == 5184, "cutting loses no face"
+    assert sizes[:4] == sizes[4:8], "copies"
+    first, copy = (corpus.read(made[i]).vertices for i in (0, 4))
+    assert 0 < abs(first - copy).max() < 0.01
 
 
 @pytest.mark.skipif(not hasattr(os, "wait4"), reason="POSIX only")

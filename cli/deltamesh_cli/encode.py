@@ -136,7 +136,6 @@ def command(
     quiet: bool,
     verbose: bool,
     show_progress: bool | None,
-    lossless: bool,
     **parameters: Any,
 ) -> None:
     """Compress a mesh file into a .dmesh file.
@@ -158,11 +157,7 @@ def command(
     target = files.chosen_output(target, output)
     if target is None:
         target = source if source == files.STDIO else source + files.SUFFIX
-    if lossless:
-        _choose_lossless(parameters)
-    if parameters["method"] in ("cartesian", "lossless"):
-        _refuse_high_pass_options(parameters)
-    _refuse_two_rates(parameters)
+    check_parameters(parameters)
     if source == files.STDIO and input_format is None:
         raise click.UsageError("Reading from standard input needs --input-format.")
     files.check_usage(target, as_json)
@@ -170,17 +165,21 @@ def command(
     def encode(source: str) -> None:
         files.check_input(source)
         files.check_output(source, target, force=force)
-        original = files.read_input(source)
         with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
-            mesh = parsed(source, original, input_format, stage)
-            with attempt(source, "cannot encode"):
-                data = interruptible(lambda: _encoded(mesh, stage, parameters))
-        with files.open_output(target) as stream:
-            stream.write(data)
+            size, data = encode_file(source, target, input_format, stage, parameters)
         if as_json or not (quiet or target == files.STDIO):
-            _print_summary((source, len(original)), target, data, as_json)
+            _print_summary((source, size), target, data, as_json)
 
     each([source], encode, as_json=as_json)
+
+
+def check_parameters(parameters: dict[str, Any]) -> None:
+    """Refuse options that do not go together; what is left are keywords of `deltamesh.encode`."""
+    if parameters.pop("lossless"):
+        _choose_lossless(parameters)
+    if parameters["method"] in ("cartesian", "lossless"):
+        _refuse_high_pass_options(parameters)
+    _refuse_two_rates(parameters)
 
 
 def _choose_lossless(parameters: dict[str, Any]) -> None:
@@ -189,6 +188,24 @@ def _choose_lossless(parameters: dict[str, Any]) -> None:
     if source is not click.core.ParameterSource.DEFAULT and method != "lossless":
         raise click.UsageError(f"--lossless and --method {method} exclude each other.")
     parameters["method"] = "lossless"
+
+
+def encode_file(
+    source: str, target: str, input_format: str | None, stage: Stage, parameters: dict[str, Any]
+) -> tuple[int, bytes]:
+    """Compress one file into another; return the size of the first and the bytes of the second.
+
+    Raises
+    ------
+    Failure
+    """
+    original = files.read_input(source)
+    mesh = parsed(source, original, input_format, stage)
+    with attempt(source, "cannot encode"):
+        data = interruptible(lambda: _encoded(mesh, stage, parameters))
+    with files.open_output(target) as stream:
+        stream.write(data)
+    return len(original), data
 
 
 def _refuse_two_rates(parameters: dict[str, Any]) -> None:

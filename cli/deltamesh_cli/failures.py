@@ -142,7 +142,8 @@ def report(failure: Failure) -> None:
     click.echo(f"deltamesh: {failure}", err=True)
 
 
-def _as_object(failure: Failure) -> dict[str, object]:
+def as_object(failure: Failure) -> dict[str, object]:
+    """Return a failure for `--json`."""
     return {
         "file": failure.file,
         "error": {
@@ -167,6 +168,6 @@ def each(files: Iterable[str], action: Callable[[str], object], *, as_json: bool
         except Failure as failure:
             report(failure)
             if as_json:
-                print_json(_as_object(failure))
+                print_json(as_object(failure))
             worst = max(worst, failure.code)
     click.get_current_context().exit(worst)

@@ -56,6 +56,17 @@ def read_container(data: Buffer) -> Container:
     )
 
 
+def read_counts(data: Buffer) -> tuple[int, int]:
+    """Return how many vertices and faces a file has, by its header; the rest is not looked at.
+
+    Raises
+    ------
+    FormatError
+    """
+    header, _ = _read_header(memoryview(data).cast("B").toreadonly())
+    return header["vertices"], header["faces"]
+
+
 def read_varint(view: Buffer, position: int) -> tuple[int, int]:
     """Read an unsigned LEB128 number in its shortest form; return it and the position after it."""
     value = 0
