@@ -9,6 +9,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, Final
 
 import click
+from click.core import ParameterSource
 
 from deltamesh.options import RATES, Options
 from deltamesh_cli import files, measuring, options
@@ -27,10 +28,10 @@ _OWN: Final = ("solver", "threads", "source_format", "drop_isolated")
 
 _COLUMNS: Final = """\
 Columns:
-  bytes, bits/vertex    of the whole file
-  RMS, max              distances of vertices    | fractions of the diagonal
-  Hausdorff             distance of surfaces     | of the bounding box
-  visual                position and smoothness  | (see deltamesh compare -h)
+  bytes, bits/vertex    of the whole file (which names no source format)
+  RMS, max              distances of vertices    | fractions of the
+  Hausdorff             distance of surfaces     | diagonal of the
+  visual                position and smoothness  | bounding box
   normals, dihedral     mean deviations in degrees
   enc s, dec s          seconds to encode and to decode"""
 _EXAMPLES: Final = """\
@@ -132,7 +133,6 @@ def command(
     codecs = _codecs({**encoding, "solver": solver, "threads": threads})
     codecs += measuring.peers(peers or (), peer_bits)
     found = measuring.mesh_files(sources, recursive)
-    asked = bool(peers) or any(value not in (None, ()) for value in encoding.values())
     old: list[Row] = []
     new: list[Measurement] = []
     codes = [DONE]
@@ -141,7 +141,7 @@ def command(
         codes.append(tried(items, action, as_json=as_json))
 
     def plan(name: str) -> list[Codec]:
-        labels = [] if asked else measuring.labels_of(name, old)
+        labels = [] if peers or _given(encoding) else measuring.labels_of(name, old)
         return measuring.codecs(labels, solver, threads) if labels else codecs
 
     def measure(name: str) -> None:
@@ -168,11 +168,11 @@ def command(
         if save:
             over([save], lambda path: measuring.save(path, new))
         if check:
-            kept = measuring.of_these(old, found, all_of_them=any(map(os.path.isdir, sources)))
+            folders = any(map(os.path.isdir, sources))
+            kept = [row for row in old if folders or row["mesh"] in found]
             changed = measuring.changes(kept, new, tolerance, error_tolerance)
-            codes.append(
-                measuring.tell(check, changed, len(new), as_json=as_json, quiet=quiet or as_csv)
-            )
+            silent = quiet or as_csv
+            codes.append(measuring.tell(check, changed, len(new), as_json=as_json, quiet=silent))
     click.get_current_context().exit(max(codes))
 
 
@@ -180,7 +180,7 @@ def _codecs(given: dict[str, Any]) -> list[Codec]:
     """Return our codec under each method with each rate."""
     from deltamesh.bench import deltamesh_codec
 
-    lists = {name: [one for part in given.pop(name, ()) for one in part] for name in _LISTS}
+    lists = {name: _flat(given.pop(name, ())) for name in _LISTS}
     methods = [{"method": method} for method in lists.pop("method")] or [{}]
     rates = [{name: value} for name, values in lists.items() for value in values] or [{}]
     common = options.given(given)
@@ -193,11 +193,24 @@ def _codecs(given: dict[str, Any]) -> list[Codec]:
         raise click.UsageError(f"{error}.") from error
 
 
+def _flat(value: Any) -> list[Any]:
+    """Return the values of an option that may be a list and be repeated; or is a flag."""
+    if isinstance(value, tuple):
+        return [one for part in value for one in part]
+    return [value] if value else []
+
+
+def _given(names: Iterable[str]) -> bool:
+    """Tell whether one of these parameters is on the command line."""
+    source = click.get_current_context().get_parameter_source
+    return any(source(name) is ParameterSource.COMMANDLINE for name in names)
+
+
 def _encoding_options() -> list[click.Parameter]:
     """Return the options of encode that say how to encode, some of them as lists."""
     names = {field.name for field in fields(Options)}.difference(_OWN)
     found = [one for one in encode.params if isinstance(one, click.Option) and one.name in names]
-    return [_as_list(one) if one.name in _LISTS else one for one in found]
+    return [_as_list(one) if one.name in _LISTS and not one.is_flag else one for one in found]
 
 
 def _as_list(option: click.Option) -> click.Option:

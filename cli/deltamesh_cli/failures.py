@@ -41,7 +41,7 @@ Exit codes:
   1    a file failed: unreadable, not a mesh, exists already, no solution
   2    usage: an unknown option, a bad value, a missing argument
   3    the input is corrupt, or refused for needing more than the limits
-  4    the quality that was asked for cannot be met; bench --check found growth
+  4    the quality asked for cannot be met; bench --check found growth
   130  interrupted by Ctrl-C (143: by SIGTERM)"""
 
 _CODES: Final[dict[type[BaseException], int]] = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import math
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
@@ -208,11 +208,6 @@ def print_objects(measurements: Iterable[Measurement]) -> None:
     """Print one JSON object a measurement; lengths are fractions of the diagonal."""
     for one in measurements:
         print_json({**vars(one), "sections": dict(one.sections), "bits_per_vertex": one.bpv})
-
-
-def of_these(rows: Iterable[Row], names: Mapping[str, str], *, all_of_them: bool) -> list[Row]:
-    """Return the rows to compare with: all, or those of the meshes that are measured."""
-    return [row for row in rows if all_of_them or row["mesh"] in names]
 
 
 def changes(

@@ -98,14 +98,20 @@ def from_text(text: str) -> list[Row]:
     DeltameshError
         If it is no such table: a column is missing, or a number is none.
     """
+    reader = csv.DictReader(io.StringIO(text))
+    _check_columns(dict.fromkeys(reader.fieldnames or (), ""))
     rows = []
-    for row in csv.DictReader(io.StringIO(text)):
-        if missing := [column for column in COLUMNS if row.get(column) is None]:
-            raise DeltameshError(f"this is no table of rates: no {', '.join(missing)}")
+    for row in reader:
+        _check_columns(row)
         for column in (*COUNTS, "bytes", *ERRORS):
             _check_number(row, column)
         rows.append(row)
     return rows
+
+
+def _check_columns(row: Row) -> None:
+    if missing := [column for column in COLUMNS if row.get(column) is None]:
+        raise DeltameshError(f"this is no table of rates: no {', '.join(missing)}")
 
 
 def _check_number(row: Row, column: str) -> None:
