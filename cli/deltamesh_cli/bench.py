@@ -19,7 +19,7 @@ from deltamesh_cli.progress import progress
 from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
-    from deltamesh.bench import Codec, Measurement
+    from deltamesh.bench import Measurement
     from deltamesh.rates import Row
 
 # Of the options that say how to encode: those that may be lists, and those that are not encode's.
@@ -130,8 +130,7 @@ def command(
     """
     if as_csv and as_json:
         raise click.UsageError("--csv and --json exclude each other.")
-    codecs = _codecs({**encoding, "solver": solver, "threads": threads})
-    codecs += measuring.peers(peers or (), peer_bits)
+    labels = [*_labels(dict(encoding)), *measuring.peer_labels(peers or (), peer_bits)]
     found = measuring.mesh_files(sources, recursive)
     old: list[Row] = []
     new: list[Measurement] = []
@@ -140,18 +139,17 @@ def command(
     def over(items: Iterable[Any], action: Callable[[Any], object]) -> None:
         codes.append(tried(items, action, as_json=as_json))
 
-    def plan(name: str) -> list[Codec]:
-        labels = [] if peers or _given(encoding) else measuring.labels_of(name, old)
-        return measuring.codecs(labels, solver, threads) if labels else codecs
+    def wanted(name: str) -> list[str]:
+        repeated = [] if peers or _given(encoding) else measuring.labels_of(name, old)
+        return repeated or labels
 
     def measure(name: str) -> None:
         before, path = len(new), found[name]
+        codecs = measuring.codecs(wanted(name), skipped, solver=solver, threads=threads)
+        bare = drop_isolated or measuring.any_peer(wanted(name))
         with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
-            mesh = measuring.read(path, stage, bare=bool(peers) or drop_isolated)
-            over(
-                plan(name),
-                lambda codec: new.append(measuring.measured(name, path, mesh, codec, stage)),
-            )
+            mesh = measuring.read(path, stage, bare=bare)
+            over(codecs, lambda one: new.append(measuring.measured(name, path, mesh, one, stage)))
         if as_json:
             measuring.print_objects(new[before:])
         elif not (quiet or as_csv):
@@ -162,6 +160,7 @@ def command(
     if save:
         over([save], lambda path: files.check_output(files.STDIO, path, force=force, text=True))
     if not any(codes):
+        skipped = measuring.skipped(label for name in found for label in wanted(name))
         over(found, measure)
         if as_csv:
             measuring.print_csv(new)
@@ -176,9 +175,9 @@ def command(
     click.get_current_context().exit(max(codes))
 
 
-def _codecs(given: dict[str, Any]) -> list[Codec]:
-    """Return our codec under each method with each rate."""
-    from deltamesh.bench import deltamesh_codec
+def _labels(given: dict[str, Any]) -> list[str]:
+    """Return the label of each method with each rate."""
+    from deltamesh.bench import label
 
     lists = {name: _flat(given.pop(name, ())) for name in _LISTS}
     methods = [{"method": method} for method in lists.pop("method")] or [{}]
@@ -186,8 +185,7 @@ def _codecs(given: dict[str, Any]) -> list[Codec]:
     common = options.given(given)
     try:
         return [
-            deltamesh_codec(Options(**method, **rate, **common))
-            for method, rate in product(methods, rates)
+            label(Options(**method, **rate, **common)) for method, rate in product(methods, rates)
         ]
     except OptionError as error:
         raise click.UsageError(f"{error}.") from error

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import math
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
@@ -117,38 +117,48 @@ def _warm_up(method: str) -> None:
         bench.warm_up(bench.codec_of(method))
 
 
-def codecs(labels: Iterable[str], solver: str, threads: int | None) -> list[Codec]:
-    """Return the codecs of labels; those that need what is not installed are named and skipped.
+def peer_labels(names: Iterable[str], bits: Sequence[int]) -> list[str]:
+    """Return the labels of other codecs at each number of bits."""
+    from deltamesh.peers import labels
+
+    return [label for name in names for label in labels(name, bits)]
+
+
+def any_peer(labels: Iterable[str]) -> bool:
+    """Tell whether one of these is another codec than ours."""
+    return any(label.partition(" ")[0] in PEERS for label in labels)
+
+
+def skipped(labels: Iterable[str]) -> set[str]:
+    """Return the labels whose packages are not installed, and name them on standard error."""
+    from deltamesh.peers import missing
+
+    absent = {label: missing(label) for label in dict.fromkeys(labels)}
+    for label, packages in absent.items():
+        if packages:
+            text = f"skipped: {label}: not installed: {', '.join(packages)}"
+            click.echo(f"deltamesh: {text} (pip install 'deltamesh[bench]')", err=True)
+    return {label for label, packages in absent.items() if packages}
+
+
+def codecs(
+    labels: Iterable[str], without: Collection[str], *, solver: str, threads: int | None
+) -> list[Codec]:
+    """Return the codecs of labels, but for some.
 
     Raises
     ------
     Failure
         A label names none.
     """
-    from deltamesh import bench, peers
+    from deltamesh import bench
 
     found = []
     for label in labels:
-        if absent := peers.missing(label):
-            _tell_skipped(label, absent)
-            continue
-        with attempt(label, "no codec of this name"):
-            found.append(bench.codec_of(label, solver=solver, threads=threads))
+        if label not in without:
+            with attempt(label, "no codec of this name"):
+                found.append(bench.codec_of(label, solver=solver, threads=threads))
     return found
-
-
-def peers(names: Iterable[str], bits: Sequence[int]) -> list[Codec]:
-    """Return the codecs of others at each number of bits, those that are installed."""
-    if not names:
-        return []
-    from deltamesh.peers import labels
-
-    return codecs([label for name in names for label in labels(name, bits)], "auto", None)
-
-
-def _tell_skipped(label: str, absent: tuple[str, ...]) -> None:
-    text = f"skipped: {label}: not installed: {', '.join(absent)}"
-    click.echo(f"deltamesh: {text} (pip install 'deltamesh[bench]')", err=True)
 
 
 def saved(path: str) -> list[Row]:
