@@ -1,8 +1,10 @@
 """How large our file is at a given error: what a comparison with another codec has to ask.
 
-A codec with one free setting, its knob, is a curve of sizes over errors. The size at an error is
+A codec with one free setting, its knob, is a curve of errors and sizes. The size at an error is
 that of a file, found by coding until the error is met within 1 %, or is interpolated between coded
-points.
+points. Errors need not grow all along: a surface so coarse that it is smooth again can have the
+dihedral angles of a much finer one. So the curve is walked from its fine end, and it is its first
+crossing of the error that counts.
 """
 
 from __future__ import annotations
@@ -21,9 +23,11 @@ from deltamesh.options import DEFAULT_HIGHPASS_STEP
 # How far below the error that is asked for a size still counts as one at that error.
 CLOSE = 0.99
 MOST_TRIES = 12
-# Neighbouring points of a curve: knobs in this ratio.
-SPACING = math.sqrt(2)
-WIDEST = 40
+# Where a curve begins, over the default step; the ratio of neighbouring settings, in a search and
+# for interpolation; and how many there are at most.
+FINE_END = 1 / 16
+SPACING, CLOSE_SPACING = 2.0, math.sqrt(2)
+MOST_STEPS = 64
 
 
 class Point(NamedTuple):
@@ -74,72 +78,62 @@ class Coder:
         return self.points[setting]
 
 
-def coded_at(coder: Coder, error: str, target: float) -> Point:
-    """Return a point whose error is the target or up to 1 % less, where the curve has one.
-
-    Curves jump here and there; then it is the smallest of the files that are no worse.
+def crossing(coder: Coder, error: str, target: float, spacing: float) -> tuple[float, float]:
+    """Return neighbouring settings, the error of the finer within the target, of the other beyond.
 
     Parameters
     ----------
     coder : Coder
     error : {"rms", "normals", "dihedral"}
     target : float
+    spacing : float
+        The ratio of the settings.
 
     Raises
     ------
     LookupError
-        If all files were worse.
+        If the error is never so large.
     DeltameshError
         If the codec cannot go so far.
     """
-    setting = coder.start if not coder.points else _nearest(coder, error, target)
+    setting = coder.start * FINE_END
+    while getattr(coder(setting), error) > target:
+        setting /= spacing
+    for _ in range(MOST_STEPS):
+        if getattr(coder(setting * spacing), error) > target:
+            return setting, setting * spacing
+        setting *= spacing
+    raise LookupError(f"{coder.label}: no {error} error of {target:g}")
+
+
+def coded_at(coder: Coder, error: str, target: float) -> Point:
+    """Return a point whose error is the target or up to 1 % less; less where the curve jumps.
+
+    The arguments and what is raised are those of `crossing`.
+    """
+    below, above = crossing(coder, error, target, SPACING)
+    aim = math.sqrt(CLOSE) * target
     for _ in range(MOST_TRIES):
-        here = coder(setting)
-        if CLOSE * target <= getattr(here, error) <= target:
-            return here
-        setting = _next(coder, error, math.sqrt(CLOSE) * target, setting)
-    good = [one for one in coder.points.values() if getattr(one, error) <= target]
-    if not good:
-        raise LookupError(f"{coder.label}: no {error} error of {target:g}")
-    return min(good)
-
-
-def _nearest(coder: Coder, error: str, target: float) -> float:
-    return min(coder.points, key=lambda x: abs(math.log(getattr(coder.points[x], error) / target)))
-
-
-def _next(coder: Coder, error: str, target: float, setting: float) -> float:
-    """Return a setting between the closest on both sides, or beyond all of them."""
-    errors = {x: getattr(p, error) for x, p in coder.points.items()}
-    below = max((x for x, e in errors.items() if e <= target), default=None)
-    above = min((x for x, e in errors.items() if e > target), default=None)
-    if below is None or above is None or above <= below:
-        return setting * min(max(target / errors[setting], 1 / 8), 8)
-    share = math.log(target / errors[below]) / math.log(errors[above] / errors[below])
-    return float(below * (above / below) ** min(max(share, 0.05), 0.95))
+        low, high = getattr(coder(below), error), getattr(coder(above), error)
+        if low >= CLOSE * target:
+            break
+        share = math.log(aim / low) / math.log(high / low) if low > 0 else 0.5
+        setting = below * (above / below) ** min(max(share, 0.1), 0.9)
+        if getattr(coder(setting), error) <= target:
+            below = setting
+        else:
+            above = setting
+    return coder(below)
 
 
 def interpolated_at(coder: Coder, error: str, target: float) -> Point:
-    """Return the point at an error, on straight lines between the logarithms of coded points.
+    """Return the point at an error, on a straight line between the logarithms of two coded points.
 
-    Raises
-    ------
-    LookupError
-        If the curve does not reach so far.
-    DeltameshError
-        If the codec cannot go so far.
+    The arguments and what is raised are those of `crossing`.
     """
-    for direction, beyond in ((SPACING, max), (1 / SPACING, min)):
-        setting = beyond(coder.points, default=coder.start)
-        for _ in range(WIDEST):
-            reached = getattr(coder(setting), error)
-            if (reached >= target) if beyond is max else (reached <= target):
-                break
-            setting *= direction
-        else:
-            raise LookupError(f"{coder.label}: no {error} error of {target:g}")
-    order = sorted(coder.points.values(), key=lambda p: getattr(p, error))
-    logs = np.log(np.maximum(np.array(order, dtype=np.float64), 1e-30))
-    where = logs[:, Point._fields.index(error)]
-    size, *errors = (math.exp(np.interp(math.log(target), where, one)) for one in logs.T)
-    return Point(round(size), *errors)
+    ends = np.array([coder(one) for one in crossing(coder, error, target, CLOSE_SPACING)])
+    logs = np.log(np.maximum(ends, 1e-30))
+    low, high = logs[:, Point._fields.index(error)]
+    share = (math.log(target) - low) / (high - low)
+    size, *errors = np.exp(logs[0] + share * (logs[1] - logs[0]))
+    return Point(round(size), *map(float, errors))

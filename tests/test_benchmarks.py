@@ -111,7 +111,7 @@ def coder() -> Any:
     return equal.Coder("highpass", Mesh(*meshes.torus(40, 30)))
 
 
-@pytest.mark.parametrize("error", ["normals", "dihedral", "rms"])
+@pytest.mark.parametrize("error", headline.ERRORS)
 @pytest.mark.parametrize("setting", [0.003, 0.02])
 def test_a_file_at_an_error_is_found(coder: Any, error: str, setting: float) -> None:
     target = getattr(equal.Coder(coder.label, coder.mesh)(setting), error)
@@ -125,26 +125,37 @@ def test_a_file_at_an_error_is_found(coder: Any, error: str, setting: float) -> 
 
 def test_an_error_out_of_reach_is_no_size() -> None:
     coder = equal.Coder("refined", Mesh(*meshes.torus(8, 6)))
-    assert equal.coded_at(coder, "normals", 1000.0).normals < 180  # no worse
-    with pytest.raises(LookupError, match="no normals error of 1000"):
-        equal.interpolated_at(coder, "normals", 1000.0)
     for find in (equal.coded_at, equal.interpolated_at):
+        with pytest.raises(LookupError, match="no normals error of 1000"):
+            find(coder, "normals", 1000.0)
         with pytest.raises(MeshError, match="too small for this mesh"):
             find(coder, "normals", 1e-40)
 
 
-def test_a_curve_of_a_power_law_is_met_exactly() -> None:
-    class Law(equal.Coder):
-        def __call__(self, setting: float) -> Any:
-            made = equal.Point(round(1e6 * setting**-0.5), setting / 9, 3 * setting, setting**2)
-            return self.points.setdefault(setting, made)
+class Law(equal.Coder):
+    """A curve by formulas: sizes fall with the setting; beyond 0.3 dihedral angles recover."""
 
+    def __call__(self, setting: float) -> Any:
+        dihedral = setting if setting < 0.3 else 0.1 / setting
+        made = equal.Point(round(1e6 * setting**-0.5), setting / 9, 3 * setting, dihedral)
+        return self.points.setdefault(setting, made)
+
+
+def test_a_curve_of_a_power_law_is_met_exactly() -> None:
     for error, of_setting in (("rms", 9), ("normals", 1 / 3)):
         coder = Law("highpass", Mesh(*meshes.tetrahedron()))
         size = equal.interpolated_at(coder, error, 0.1).size
         assert size == pytest.approx(1e6 * (0.1 * of_setting) ** -0.5, rel=1e-4)
         found = equal.coded_at(coder, error, 0.1)
         assert 0.099 <= getattr(found, error) <= 0.1
+
+
+def test_a_curve_that_comes_back_counts_where_it_leaves() -> None:
+    coder = Law("highpass", Mesh(*meshes.tetrahedron()))
+    for setting in (4.0, 1.0):
+        assert coder(setting).dihedral <= 0.1  # there already, and not to be taken
+    for find in (equal.coded_at, equal.interpolated_at):
+        assert find(coder, "dihedral", 0.1).size == pytest.approx(1e6 * 0.1**-0.5, rel=0.01)
 
 
 @pytest.mark.parametrize("way", ["exact", "curve"])
