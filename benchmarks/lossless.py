@@ -13,11 +13,10 @@ from pathlib import Path
 import click
 import corpus
 import numpy as np
-from draco import draco
-from numpy.typing import NDArray
 
 import deltamesh
-from deltamesh.topology import weld
+from deltamesh.peers import draco_file, zstd_bytes
+from deltamesh.welding import welded, without_isolated
 from deltamesh_cli.output import table
 from deltamesh_formats.errors import MeshError
 
@@ -26,7 +25,6 @@ python benchmarks/lossless.py
 python benchmarks/lossless.py --quick
 python benchmarks/lossless.py --mesh bunny --mesh horse"""
 
-_ZSTD_LEVEL = 19
 _HEADING = ("mesh", "type", "vertices", "bytes", "bits/vertex", "/zstd", "/xz", "/Draco")
 # Headers, parameters and checksums take 200 bytes: what a mesh so small compresses to means little.
 _FEW = 100
@@ -61,7 +59,8 @@ def command(names: tuple[str, ...], quick: bool) -> None:
 def measured(file: Path) -> tuple[str, ...] | None:
     """Return a row for a mesh file; None for what is no manifold."""
     try:
-        V, F = _welded(file)
+        mesh = without_isolated(welded(corpus.read(file), exact=True))
+        V, F = mesh.vertices, mesh.faces
         ours = deltamesh.encode(V, F, method="lossless")
     except MeshError as error:
         click.echo(f"skipped, {file.name}: {str(error).removeprefix(str(file))}", err=True)
@@ -71,27 +70,11 @@ def measured(file: Path) -> tuple[str, ...] | None:
     with np.errstate(over="ignore"):
         single = bool((V.astype(np.float32) == V).all())
     raw = (V.astype(np.float32) if single else V).tobytes() + F.astype(np.int32).tobytes()
-    others = len(_zstd(raw)), len(lzma.compress(raw)), len(draco(V, F, 0))
+    others = len(zstd_bytes(raw)), len(lzma.compress(raw)), len(draco_file(mesh, 0))
     rate = f"{8 * len(ours) / len(V):.2f}"
     ratios = (f"{len(ours) / other:.3f}" for other in others)
     kind = "float32" if single else "float64"
     return file.name, kind, str(len(V)), str(len(ours)), rate, *ratios
-
-
-def _welded(file: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Read a mesh, with each position once, and without isolated vertices."""
-    mesh = corpus.read(file)
-    keep, to = weld(mesh.vertices, exact=True)
-    used, faces = np.unique(to[mesh.faces], return_inverse=True)
-    return mesh.vertices[keep][used], faces.reshape(-1, 3)
-
-
-def _zstd(data: bytes) -> bytes:
-    try:
-        import zstandard
-    except ImportError as error:
-        raise click.ClickException("zstandard is missing: pip install '.[bench]'") from error
-    return zstandard.ZstdCompressor(level=_ZSTD_LEVEL).compress(data)
 
 
 if __name__ == "__main__":

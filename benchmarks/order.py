@@ -12,12 +12,12 @@ from pathlib import Path
 
 import click
 import corpus
-import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh import MeshError
 from deltamesh.codec import encode_mesh
+from deltamesh.mesh import Mesh
 from deltamesh.options import Options
+from deltamesh.peers import draco_file
 from deltamesh_cli.output import table
 from deltamesh_formats.reader import read_container
 
@@ -29,7 +29,6 @@ _HEADING = (
     *("file", "vertices", "faces", "ORDR", "bits/element", "any order", "share"),
     *("file", "kept", "ratio", "Draco", "kept", "ratio", "Draco kept / ours"),
 )
-_LEVEL = 10
 
 
 @click.command(epilog=corpus.epilog(_EXAMPLES))
@@ -67,8 +66,8 @@ def compared(file: Path, bits: int) -> tuple[str, ...]:
     bound = any_order(n, m)
     ours = len(free.data), len(kept.data)
     # Draco writes the same vertices and faces: welded, in the order of the file.
-    places = mesh.vertices[kept.order]
-    draco = [_draco(places, kept.mesh.faces, bits, order) for order in (False, True)]
+    same = Mesh(mesh.vertices[kept.order], kept.mesh.faces)
+    draco = [len(draco_file(same, bits, order)) for order in (False, True)]
     return (
         *(
             str(n),
@@ -87,21 +86,6 @@ def any_order(n: int, m: int) -> int:
     """Return the bytes of log2(n! m! 3^m) bits."""
     nats = math.lgamma(n + 1) + math.lgamma(m + 1) + m * math.log(3)
     return math.ceil(nats / math.log(256))
-
-
-def _draco(vertices: NDArray[np.float64], faces: NDArray[np.int64], bits: int, order: bool) -> int:
-    try:
-        import DracoPy
-    except ImportError as error:
-        raise click.ClickException("DracoPy is missing: pip install '.[bench]'") from error
-    data: bytes = DracoPy.encode(
-        vertices.astype(np.float32),
-        faces.astype(np.uint32),
-        quantization_bits=bits,
-        compression_level=_LEVEL,
-        preserve_order=order,
-    )
-    return len(data)
 
 
 if __name__ == "__main__":
