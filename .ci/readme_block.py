@@ -12,8 +12,8 @@ from pathlib import Path
 README = Path(__file__).parents[1] / "README.md"
 
 
-def block(name: str) -> str:
-    """Return the code of the one block of that name.
+def block(name: str, document: Path = README) -> str:
+    """Return the code of the one block of that name in a document.
 
     Raises
     ------
@@ -21,9 +21,9 @@ def block(name: str) -> str:
         If there is none, or more than one.
     """
     pattern = rf"^<!-- run: {re.escape(name)} -->\n+```\w+\n(.*?)^```$"
-    found = re.findall(pattern, README.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    found = re.findall(pattern, document.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
     if len(found) != 1:
-        raise LookupError(f"README.md has {len(found)} blocks marked 'run: {name}'")
+        raise LookupError(f"{document.name} has {len(found)} blocks marked 'run: {name}'")
     return str(found[0])
 
 

@@ -16,24 +16,31 @@ from typing import Any
 import click
 
 from deltamesh.mesh import Mesh, checked_mesh
+from deltamesh.welding import welded, without_isolated
 from deltamesh_formats.meshfile import FORMATS, read_mesh
 
 GENERATED = "torus"
 _GENERATED_PATH = Path(__file__).parent / "meshes" / "torus.ply"
 
 # Scans, organic shapes and CAD, closed and with boundaries, the papers' models among them.
-_PLACES = {
+_ORGANIC = {
     "bunny": "unstated/bun_zipper.ply",
     "horse": "unstated/horse.ply",
-    "camelhead": "unstated/camelhead.off",
     "armadillo": "unstated/armadillo.obj",
+    "camelhead": "unstated/camelhead.off",
     "skull": "clean/skull.obj",
     "turbineblade": "clean/turbineblade.ply",
-    "mountain": "clean/mountain.obj",
-    "fandisk": "unstated/fandisk.obj",
     "screwdriver": "unstated/screwdriver.ply",
     "sphere": "unstated/sphere.off",
 }
+_CAD = {
+    "fandisk": "unstated/fandisk.obj",
+    "tray": "clean/1002_tray_bottom.STL",
+    "mountain": "clean/mountain.obj",
+    "plane_holes": "clean/plane_holes.obj",
+}
+_PLACES = {**_ORGANIC, **_CAD}
+GROUPS = {"organic": tuple(_ORGANIC), "CAD": tuple(_CAD)}
 NAMES = (GENERATED, *_PLACES)
 
 # Half a million vertices in many components: too slow for the tables, what memory is measured on.
@@ -82,6 +89,11 @@ def files() -> list[Path]:
 def load(name: str) -> Mesh:
     """Read a mesh; the last one is kept."""
     return read(path(name))
+
+
+def bare(name: str) -> Mesh:
+    """Read a mesh, each position once and without isolated vertices, which not all codecs keep."""
+    return without_isolated(welded(load(name)))
 
 
 def read(file: Path) -> Mesh:

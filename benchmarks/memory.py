@@ -21,7 +21,7 @@ python benchmarks/memory.py
 python benchmarks/memory.py --mesh turbineblade
 python benchmarks/memory.py --solver scipy --quick"""
 
-_METHODS = ("highpass", "refined", "cartesian")
+_METHODS = ("highpass", "refined", "cartesian", "lossless")
 _HEADING = ("mesh", "method", "vertices", "faces", "MiB", "B/vertex", "B/face", "estimate", "ratio")
 
 

@@ -1,19 +1,23 @@
-"""Sizes and errors of every mesh under every configuration: write or check `results.csv`."""
+"""Sizes and errors of every mesh under every configuration: write or check `results.csv`.
+
+The rows are those of `deltamesh bench`; the file is committed, so that a change is a diff.
+"""
 
 from __future__ import annotations
 
-import multiprocessing
 import time
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Iterable, Iterator
 from itertools import groupby, product
 from pathlib import Path
 
 import click
 import corpus
-import results
-from measurement import CONFIGURATIONS, ERRORS, KEYS, Configuration, Row, measure
+import pool
 
+from deltamesh import rates
+from deltamesh.bench import codec_of, measure
+from deltamesh.rates import Change, Row
+from deltamesh_cli.measuring import change_table
 from deltamesh_cli.output import table
 
 _EXAMPLES = """\
@@ -22,8 +26,17 @@ python benchmarks/run.py --check          compare with results.csv instead
 python benchmarks/run.py --quick --check
 python benchmarks/run.py --mesh bunny --mesh horse"""
 
+RESULTS = Path(__file__).parent / "results.csv"
+
+# The papers' bit depths, as they round and as we do, and what quantizing x, y, z costs instead.
+CODECS = (
+    *(f"highpass bits={b}{how}" for b in (4, 5, 6, 7, 8) for how in ("", " diffusion=False")),
+    *(f"refined bits={b}" for b in (4, 5, 6, 7, 8)),
+    *(f"cartesian bits={b}" for b in (8, 9, 10, 11, 12)),
+)
+
 # What is printed of a row; the file has all of it.
-_SHOWN = (*KEYS[1:], "bytes", "bpv", "CONN", *ERRORS)
+_SHOWN = ("codec", "bytes", "bpv", *rates.ERRORS)
 
 
 @click.command(epilog=corpus.epilog(_EXAMPLES))
@@ -38,27 +51,20 @@ _SHOWN = (*KEYS[1:], "bytes", "bpv", "CONN", *ERRORS)
     "--results",
     "file",
     type=click.Path(dir_okay=False, path_type=Path),
-    default=results.RESULTS,
+    default=RESULTS,
     help="Another file than benchmarks/results.csv.",
 )
-@click.option(
-    "-j",
-    "--jobs",
-    type=click.IntRange(1),
-    default=2,
-    show_default=True,
-    help="Measure so many rows at a time.",
-)
+@pool.jobs
 def command(names: tuple[str, ...], quick: bool, check: bool, file: Path, jobs: int) -> None:
     """Measure sizes and errors of each mesh at the papers' bit depths.
 
-    High-pass at 4 to 8 bits, with and without diffusion, and Cartesian at 8 to 12 bits, without
-    isolated vertices. Rows of meshes that are not measured stay in results.csv as they are.
+    High-pass at 4 to 8 bits, with and without diffusion, refined, and Cartesian at 8 to 12 bits,
+    without isolated vertices. Rows of meshes that are not measured stay in results.csv as they are.
     Lengths are fractions of the bounding box diagonal.
     """
     start = time.perf_counter()
     chosen = corpus.chosen(names, quick)
-    old = results.read(file)
+    old = read(file)
     if check and not old:
         raise click.ClickException(f"there is nothing to compare with in {file}")
     rows = []
@@ -67,28 +73,41 @@ def command(names: tuple[str, ...], quick: bool, check: bool, file: Path, jobs: 
         _print_mesh(name, of_mesh)
     click.echo(f"{len(rows)} rows in {time.perf_counter() - start:.0f} s", err=True)
     if check:
-        _report(file, results.changes(old, rows), len(rows))
+        _report(file, changes(old, rows), len(rows))
     else:
-        results.write(file, results.merged(old, rows, corpus.NAMES))
+        file.write_bytes(rates.as_text(merged(old, rows)).encode())
 
 
-def measured(names: tuple[str, ...], jobs: int) -> Iterator[Row]:
+def read(file: Path) -> list[Row]:
+    """Return the rows of a file, none where there is no file."""
+    return rates.from_text(file.read_text(encoding="utf-8")) if file.exists() else []
+
+
+def measured(names: Iterable[str], jobs: int) -> Iterator[Row]:
     """Yield the rows of the meshes, in order."""
-    tasks = list(product(names, CONFIGURATIONS))
-    if jobs == 1:
-        yield from (measure(*task) for task in tasks)
-        return
-    # spawn is what every platform has; a forked child could inherit a lock of the solver's threads.
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, mp_context=context) as pool:
-        try:
-            yield from pool.map(_measure, tasks)
-        finally:
-            pool.shutdown(cancel_futures=True)
+    return pool.each(row, product(names, CODECS), jobs)
 
 
-def _measure(task: tuple[str, Configuration]) -> Row:
-    return measure(*task)
+def row(task: tuple[str, str]) -> Row:
+    """Measure a mesh under a codec; in the table the mesh has the name of its file."""
+    name, label = task
+    return rates.row_of(measure(corpus.path(name).name, corpus.bare(name), codec_of(label)))
+
+
+def merged(old: Iterable[Row], new: Iterable[Row]) -> list[Row]:
+    """Return all rows, of measured meshes the new ones, by our order of the meshes."""
+    order = [corpus.path(name).name for name in corpus.NAMES]
+    rows = list(new)
+    fresh = {row["mesh"] for row in rows}
+    rows += [row for row in old if row["mesh"] not in fresh and row["mesh"] in order]
+    return sorted(rows, key=lambda row: order.index(row["mesh"]))
+
+
+def changes(old: Iterable[Row], new: Iterable[Row]) -> list[Change]:
+    """Return what differs for the meshes of the new rows; sizes must be met exactly."""
+    rows = list(new)
+    names = {row["mesh"] for row in rows}
+    return rates.changes((row for row in old if row["mesh"] in names), rows, tolerance=0)
 
 
 def _print_mesh(name: str, rows: list[Row]) -> None:
@@ -96,13 +115,12 @@ def _print_mesh(name: str, rows: list[Row]) -> None:
     click.echo(table([_SHOWN, *([row[column] for column in _SHOWN] for row in rows)]))
 
 
-def _report(file: Path, changes: list[results.Change], count: int) -> None:
+def _report(file: Path, found: list[Change], count: int) -> None:
     """Print the changes; exit with 1 where there are any."""
-    if not changes:
+    if not found:
         click.echo(f"\n{count} rows are as in {file}")
         return
-    heading = (*KEYS, "column", "before", "now")
-    click.echo(f"\nnot as in {file}:\n{table([heading, *changes])}")
+    click.echo(f"\nnot as in {file}:\n{change_table(found)}")
     raise SystemExit(1)
 
 

@@ -8,7 +8,9 @@ import zlib
 
 from deltamesh import codec
 from deltamesh.connectivity import decode_connectivity
-from deltamesh.geometry import digest, surface_of
+from deltamesh.geometry import digest, payload_of, surface_of
+from deltamesh.order import decode_order
+from deltamesh.reordering import arrays
 from deltamesh_formats import layout
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.writer import write_container, write_varint
@@ -42,7 +44,11 @@ def consistent(data):
     faces = decode_connectivity(payload, n, container.faces)
     surface = surface_of(faces, n, p.isolated)
     integers = codec._METHODS[p.method].read(surface, p, container.sections)
-    return forged(data, checksum=digest(faces, integers))
+    order = None
+    if "ORDR" in container.sections:
+        with payload_of(container.sections["ORDR"]) as payload:
+            order = decode_order(payload, faces, container.vertices)
+    return forged(data, checksum=digest(faces, integers, arrays(order)))
 
 
 def section(name, payload):

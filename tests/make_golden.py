@@ -19,13 +19,16 @@ import numpy as np
 import oracle
 import strategies
 
-from deltamesh import codec, highpass
+from deltamesh import codec, highpass, lossless
 from deltamesh.codec import decode, encode_mesh
+from deltamesh.forms import Spelling
 from deltamesh.geometry import Integers, digest
 from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
 from deltamesh.options import Options
+from deltamesh.order import encode_order
 from deltamesh.quantize import from_grid
+from deltamesh.reordering import Order
 from deltamesh_formats.errors import FormatError, LimitError
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.writer import write_varint
@@ -120,7 +123,45 @@ def golden():
         ("cartesian-everything", surface_with_everything(), {}),
         ("cartesian-machine-part", machine_part(), {"step": 0.01}),
         ("cartesian-valence-300", fan(300), {"bits": 9}),
+        ("highpass-order", shuffled(surface_with_everything()), {"bits": 8, "keep_order": True}),
+        ("cartesian-order", torus, {"keep_order": True}),
+        (
+            "cartesian-order-isolated",
+            shuffled(isolated),
+            {"keep_order": True},
+        ),
+        ("lossless-double", torus, {}),
+        ("lossless-single", as_single(torus), {}),
+        ("lossless-decimals", rounded(far), {}),
+        ("lossless-single-decimals", as_single(rounded(sphere)), {}),
+        ("lossless-whole-or-not", half_rounded(torus), {}),
+        ("lossless-wild", meshes.wild(torus), {}),
+        ("lossless-triangle", (np.eye(3), np.array([[0, 1, 2]])), {}),
+        ("lossless-everything", surface_with_everything(), {}),
     ]
+
+
+def shuffled(mesh):
+    """In an order without any pattern, but for a part of the faces that goes by the vertices."""
+    mesh = meshes.shuffled(*mesh, 1968)[0]
+    first = mesh.faces.min(axis=1)
+    first[::3] = -1
+    return mesh.vertices, mesh.faces[np.argsort(first, kind="stable")]
+
+
+def as_single(mesh):
+    return mesh[0].astype(np.float32).astype(np.float64), mesh[1]
+
+
+def rounded(mesh):
+    return mesh[0].round(3), mesh[1]
+
+
+def half_rounded(mesh):
+    """Two forms: two coordinates of each vertex are whole, as marching cubes make them."""
+    V = np.floor(4096 * mesh[0]) / 64
+    whole = np.arange(3) != np.arange(len(V))[:, None] % 3
+    return np.where(whole, np.floor(V), V), mesh[1]
 
 
 def assert_right(encoded, V, F):
@@ -128,12 +169,20 @@ def assert_right(encoded, V, F):
     decoded = decode(encoded.data)
     assert strategies.canonical(encoded.order[decoded.faces]) == strategies.canonical(F)
     container = read_container(encoded.data)
-    surface, integers = codec._read(container, 10**9, 2**40, codec.silent)
+    surface, integers, kept = codec._read(container, 10**9, 2**40, codec.silent)
     p, n = container.parameters, surface.vertex_count
     origin = np.array(p.origin)
+    if p.method == "lossless":
+        assert decoded.vertices.tobytes() == V[encoded.order].tobytes()
+        return decoded
+    if kept is not None:
+        np.testing.assert_array_equal(decoded.faces, F)
+        assert strategies.canonical(kept.vertices[F]) == strategies.canonical(surface.faces)
+    # Where the vertices of the codec's own order are in the decoded mesh.
+    places = np.arange(len(V)) if kept is None else np.argsort(kept.vertices)
     if p.method == "cartesian":
         expected = from_grid(integers.values, origin, p.step)
-        assert np.abs(expected - V[encoded.order]).max() <= 0.500001 * p.step
+        assert np.abs(expected - V[encoded.order[places]]).max() <= 0.500001 * p.step
     else:
         anchored = from_grid(integers.positions, origin, p.anchor_step)
         L = oracle.laplacian(surface.faces, n)
@@ -149,7 +198,7 @@ def assert_right(encoded, V, F):
             solution += p.step * integers.corrections
         isolated = from_grid(integers.isolated, origin, p.anchor_step)
         expected = np.concatenate((solution + centre, isolated))
-    assert np.abs(decoded.vertices - expected).max() <= 1e-9 * diagonal(V)
+    assert np.abs(decoded.vertices[places] - expected).max() <= 1e-9 * diagonal(V)
     return decoded
 
 
@@ -210,7 +259,7 @@ def one_sided_anchors():
     """Two components, both anchors in the first, and the digest right."""
     data = encoded(meshes.two_components(), bits=6, anchors=2, anchor_method="greedy")
     container = read_container(data)
-    surface, integers = codec._read(container, 10**9, 2**40, codec.silent)
+    surface, integers, _ = codec._read(container, 10**9, 2**40, codec.silent)
     anchors = np.array([0, 1])
     wrong = Integers(integers.values, anchors, integers.positions, integers.isolated)
     payload = highpass.write(surface, container.parameters, wrong)["ANCH"]
@@ -233,12 +282,27 @@ def long_varint(data):
     return raw + zlib.crc32(raw).to_bytes(4, "little") + data[start:]
 
 
+def infinite(data):
+    """A file of raw coordinates, one of which is infinite, and the digest right."""
+    container = read_container(data)
+    surface, integers, _ = codec._read(container, 10**9, 2**40, codec.silent)
+    values = integers.values.copy()
+    values[7, 1] = np.float64("inf").view(np.int64)
+    raw = Spelling((), (), 0, raw=True, zeros=False)
+    wrong = lossless.exactly(values, lossless.packed(lossless.DOUBLE, [raw] * 3))
+    payloads = lossless.write(surface, container.parameters, wrong)
+    return forging.forged(data, **payloads, checksum=digest(surface.faces, wrong))
+
+
 def refused():
     """Name and bytes of each file that must be refused."""
     h = encoded(meshes.icosphere(1), bits=8, anchors=3)
     c = encoded(meshes.icosphere(1), method="cartesian", bits=9)
     f = corrected_file()
     zero = encoded(meshes.icosphere(1), bits=0, anchors=3)
+    x = encoded(meshes.icosphere(1), method="lossless")
+    exact = payload_of(x, "EXAC")
+    stream = lossless.unpacked(memoryview(exact))[2]
     sections = read_container(h).sections
     connectivity, check = sections["CONN"], sections["CHEK"]
     another = encoded(meshes.torus(7, 6), bits=8, anchors=3)  # 42 vertices, too
@@ -315,8 +379,36 @@ def refused():
         "corrections-of-0-bits": forging.forged(zero, FIXS=b""),
         "cartesian-noise": forging.forged(c, CART=bytes(range(1, 200))),
         "cartesian-and-more": forging.forged(c, CART=payload_of(c, "CART") + b"\1"),
+        "lossless-width": forging.forged(x, EXAC=b"\x18" + exact[1:]),
+        "lossless-reserved-flag": forging.forged(x, EXAC=exact[:1] + b"\x11" + exact[2:]),
+        "lossless-base": forging.forged(x, EXAC=exact[:4] + b"\3" + exact[5:]),
+        "lossless-cut-in-forms": forging.forged(x, EXAC=exact[:20]),
+        "lossless-noise": forging.forged(x, EXAC=exact[:stream] + bytes(range(1, 200))),
+        "lossless-and-more": forging.forged(x, EXAC=exact + b"\1"),
+        "lossless-step": with_parameter_bytes(x, 4, np.float64(0.5).tobytes()),
+        "lossless-bits": with_parameter_bytes(x, 3, b"\10"),
+        "lossless-infinite": infinite(x),
     }
-    return damage | header | frames | payloads
+    kept = encoded(meshes.icosphere(1), method="cartesian", bits=9, keep_order=True)
+    order = payload_of(kept, "ORDR")
+    orders = {
+        "order-empty": forging.forged(kept, ORDR=b""),
+        "order-of-another-plan": forging.forged(kept, ORDR=b"\3" + order[1:]),
+        "order-too-long": forging.forged(kept, ORDR=order[:1] + b"\x7f" + order[2:]),
+        "order-noise": forging.forged(kept, ORDR=b"\5\x14" + bytes(range(1, 90))),
+        "order-of-all-near": forging.forged(kept, ORDR=b"\2\2\1\1" + bytes([1] * 40)),
+        "order-and-more": forging.forged(kept, ORDR=order + b"\1"),
+        "order-of-another": forging.forged(kept, ORDR=backwards(c)),
+        "order-misplaced": exchanged(kept, "CART", "ORDR"),
+    }
+    return damage | header | frames | payloads | orders
+
+
+def backwards(data):
+    """The payload of an order that is right, but for the digest of the file."""
+    mesh = decode(data)
+    n, m = len(mesh.vertices), len(mesh.faces)
+    return encode_order(mesh.faces, Order(np.arange(n)[::-1].copy(), np.arange(m), np.ones(m, int)))
 
 
 def write_refused():

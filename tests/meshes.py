@@ -115,6 +115,18 @@ def with_isolated() -> Arrays:
     return np.insert(V, places, extra, axis=0), number[F]
 
 
+def wild(mesh: Arrays) -> Arrays:
+    """The mesh with random bits and extremes among its positions, of which no two are equal."""
+    V, F = mesh
+    rng = np.random.default_rng(1985)
+    bits = rng.integers(-(2**63), 2**63 - 1, V.shape).view(np.float64)
+    random = np.where(np.isfinite(bits) & (np.abs(bits) < 1e150), bits, V)
+    extremes = rng.choice([0.0, -0.0, 5e-324, -2.2e-308, 1e150, -1e150], V.shape)
+    share = rng.random(V.shape)
+    share[:, 0] /= 2  # x stays as it is, or is random
+    return np.where(share < 0.2, random, np.where(share > 0.8, extremes, V)), F
+
+
 def three_pages() -> Arrays:
     """Three triangles on one edge."""
     vertices = np.array([[0.0, 0, 0], [0, 0, 1], [1, 0, 0], [0, 1, 0], [-1, -1, 0]])

@@ -582,3 +582,36 @@ def normals(V, F, step):
             area[v] += np.linalg.norm(cross)
     length = np.linalg.norm(s, axis=1) + 1e-6 * (area + step**2)
     return s / length[:, None]
+
+
+# ---- Orders -------------------------------------------------------------------------------------
+
+
+class Left:
+    """The twin of kernels.remaining.Remaining: a sorted list."""
+
+    def __init__(self, n):
+        self.indices = list(range(n))
+
+    def remove(self, index):
+        self.indices.remove(index)
+
+    def next_left(self, index):
+        return min((i for i in self.indices if i >= index), default=self.indices[0])
+
+    def count_below(self, index):
+        return sum(i < index for i in self.indices)
+
+    def select(self, rank):
+        return self.indices[rank]
+
+
+def rings(groups, count):
+    """The twin of kernels.remaining.rings_of: a list of elements a group."""
+    return [[e for e, g in enumerate(groups) if g == group] for group in range(count)]
+
+
+def leave_ring(ring, element):
+    """The ring without an element, from the one after it on."""
+    at = ring.index(element)
+    return ring[at + 1 :] + ring[:at]

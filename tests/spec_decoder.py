@@ -11,11 +11,12 @@ import hashlib
 import math
 import struct
 import zlib
+from fractions import Fraction
 from itertools import chain, count
 
 import numpy as np
 
-HIGHPASS, CARTESIAN, REFINED = 0, 1, 2
+HIGHPASS, CARTESIAN, REFINED, LOSSLESS = 0, 1, 2, 3
 
 
 class RefusedError(ValueError):
@@ -74,10 +75,10 @@ def container(data):
         (sections[name],) = file.unpack(f"{min(file.varint(), len(data))}s")
         file.crc(start)
     method, meta = sections.get("PARM", b"")[:1], ["meta"] if "meta" in sections else []
-    geometry = {b"\1": ["CART"], b"\2": ["ANCH", "DELT", "NORM"]}.get(method, ["ANCH", "DELT"])
-    if "FIXS" in sections and method != b"\1":
-        geometry = [*geometry, "FIXS"]
-    order = ["PARM", "CONN", *geometry, *meta]
+    geometries = {b"\1": ["CART"], b"\2": ["ANCH", "DELT", "NORM"], b"\3": ["EXAC"]}
+    geometry = geometries.get(method, ["ANCH", "DELT"])
+    further = ["ORDR"] if method in (b"\1", b"\3") else ["FIXS", "ORDR"]
+    order = ["PARM", "CONN", *geometry, *[name for name in further if name in sections], *meta]
     names = list(sections)
     check(names[: len(order)] == order and names[-1] == "CHEK", "order of the sections")
     check(all(name[0].islower() for name in names[len(order) : -1]), "an unknown section")
@@ -92,15 +93,18 @@ def parameters(payload, vertices):
     table.unpack("BB")  # the dead zones: for information
     p["anchor_count"], p["isolated"] = table.varint(), table.varint()
     check(table.at == len(payload), "PARM is too long")
-    cartesian, steps = p["method"] == CARTESIAN, (p["step"], p["anchor_step"])
-    check(p["method"] <= REFINED, "method")
-    check(p["anchor_method"] in ((255,) if cartesian else (0, 1, 2)), "anchor method")
+    free, steps = p["method"] in (CARTESIAN, LOSSLESS), (p["step"], p["anchor_step"])
+    lossless = p["method"] == LOSSLESS
+    check(p["method"] <= LOSSLESS, "method")
+    check(p["anchor_method"] in ((255,) if free else (0, 1, 2)), "anchor method")
     check(p["bits"] in (*range(63), 255), "bits")
     reals = *steps, p["x"], p["y"], p["z"], p["coarse"]
     check(all(map(math.isfinite, reals)) and min(steps) >= 0, "steps and origin")
     check(p["coarse"] == 1 or (p["method"] == REFINED and p["coarse"] > 1), "coarse")
-    check((p["step"] == 0) == (p["method"] == HIGHPASS and p["bits"] == 0), "step")
-    check(not cartesian or p["anchor_step"] == p["anchor_count"] == 0, "anchors")
+    none = lossless or (p["method"] == HIGHPASS and p["bits"] == 0)
+    check((p["step"] == 0) == none, "step")
+    check(not free or p["anchor_step"] == p["anchor_count"] == 0, "anchors")
+    check(not lossless or (p["bits"] == 255 and p["x"] == p["y"] == p["z"] == 0), "lossless")
     check(max(p["isolated"], p["anchor_count"]) <= vertices, "counts of PARM")
     return p
 
@@ -160,6 +164,13 @@ class Stream:
         for _ in range(n):
             value = 2 * value + self.bit(32768)
         return value
+
+    def below(self, n):
+        """The index of a target, among n."""
+        b = n.bit_length() - 1
+        u = (1 << b + 1) - n
+        i = self.raw(b)
+        return i if i < u else 2 * i + self.raw(1) - u
 
     def predicted(self, mixer, keys, limit, first=(1 << 21, 0)):
         """A bit, read with a mixer and a slot for each of its inputs; all of them learn."""
@@ -359,10 +370,7 @@ class Region:
             for _ in range((z >> 1) + 1):
                 node = node.before if z & 1 else node.next
             return node
-        b = len(self.live).bit_length() - 1
-        u = (1 << b + 1) - len(self.live)
-        i = self.stream.raw(b)
-        return self.live[i if i < u else 2 * i + self.stream.raw(1) - u]
+        return self.live[self.stream.below(len(self.live))]
 
     def split(self, r):
         if r >= 8:
@@ -636,7 +644,378 @@ def grid_points(payload, faces, near):
         vectors.next(below, min(m, 3), level(sum(hints)) // 2, hints, choose=grid.choose)
         grid.points.append(tuple(grid.point))
     vectors.stream.end()
-    return grid.points
+    return grid.points, []
+
+
+# ---- §5.10: exact coordinates ---------------------------------------------------------------
+
+
+class Form:
+    """A form and what follows from it: x is the places of the grid less its own."""
+
+    def __init__(self, key, grid, base, places, digits, usual):
+        self.key, self.base, self.places, self.digits, self.usual = key, base, places, digits, usual
+        self.x, self.w, self.top = grid - places, max(usual - 8, 0), base ** max(digits - 1, 0)
+        check(usual <= 60, "usual length")
+        if base == 2:
+            check(-971 <= places <= 1074 and 1 <= digits <= 53, "a binary form")
+            check(self.x >= 58 - (1 << 61 - digits), "a binary form far off the grid")
+        else:
+            check(base == 10 and 0 <= places <= 22 and 1 <= digits <= 17, "a decimal form")
+            check(0 <= self.x <= 18, "a decimal form far off the grid")
+
+    def next_to(self, p):
+        """The index next to a place, and y."""
+        n = 0
+        while self.base**n <= abs(p):
+            n += 1
+        e = max(n - self.x - self.digits, 0)
+        y = e + self.x
+        m = self.scaled(abs(p) + (self.base**y // 2 if y > 0 else 0), -y)
+        index = m + e * (self.base - 1) * self.top
+        return (-index if p < 0 else index), y
+
+    def parts(self, index):
+        e = max((abs(index) - self.top) // ((self.base - 1) * self.top), 0)
+        return abs(index) - e * (self.base - 1) * self.top, e
+
+    def scaled(self, z, y):
+        return z * self.base**y if y >= 0 else z // self.base**-y
+
+    def place(self, index):
+        m, e = self.parts(index)
+        size = min(self.scaled(m, min(e + self.x, 99)), 1 << 56)
+        return -size if index < 0 else size
+
+    def number(self, index, width):
+        m, e = self.parts(index)
+        check(e < 4096, "a coordinate that is too large")
+        check(self.base == 2 or m * 10**e < 1 << 53, "a decimal that is too long")
+        number = float(Fraction(m * self.base**e) / Fraction(self.base) ** self.places)
+        if width == 32 and self.base == 10:
+            (number,) = struct.unpack("<f", struct.pack("<f", number))
+        return -number if index < 0 else number
+
+    def units(self, z, y):
+        return z // self.base**y if y >= 0 else min(z, 1 << 29) << min(-y, 32)
+
+
+class Axis:
+    """The forms of an axis, what was read of it, and what is known of the next vertex."""
+
+    def __init__(self, table, number):
+        self.number, (flags, grid) = number, table.unpack("Bh")
+        count, self.raw, self.zeros = flags & 3, flags >> 2 & 1, flags >> 3
+        check(flags < 16 and count < 3 and count + self.raw, "flags of an axis")
+        keys = ((number, i) for i in range(count))
+        self.forms = [Form(key, grid, *table.unpack("BhBB")) for key in keys]
+        check(len({form.base for form in self.forms}) < 2, "forms of two bases")
+        self.kinds = [*range(count), *[2] * self.raw]
+        self.f, self.places, self.errors, self.numbers = [], [], [], []
+
+    def read(self, stream, i, known, guesses, width, E, N):
+        """Read the coordinate of vertex i; return f, and N for the next axis."""
+        c, r = len(known), sum(self.f[v] in (1, 2) for v in known)
+        T, before = (self.f[-1], self.errors[-1]) if i else (0, 0)
+        p, H = self.predicted(known, guesses)
+        kinds = list(self.kinds)
+        for bit in range(len(kinds) - 1):
+            keys = (4 * r // max(c, 1), E), (r, c), (T, E)
+            if not self.bit(stream, ("choice", bit), keys):
+                break
+            kinds.pop(0)
+        f = kinds[0]
+        if f == 2:
+            code = "<f" if width == 32 else "<d"
+            bits = stream.raw(width).to_bytes(width // 8, "little")
+            self.add(2, p, 0, struct.unpack(code, bits)[0])
+            return f, N
+        form = self.forms[f]
+        index, y = form.next_to(p)
+        M, w = sum(abs(self.errors[v]) for v in known), form.w
+        here = level(form.units(4 * M // max(c, 1), y) >> w)
+        hint, last = (level(form.units(z, y) >> w) for z in (H, abs(before)))
+        K = min(len(guesses), 3)
+        lengths = (here, K), (here, N), (here, last), (hint, here)
+        lengths += (hint // 2, N // 2, K), (here // 2, N // 2, K)
+        slope = sum((self.errors[v] > 0) - (self.errors[v] < 0) for v in known)
+        signs = side(slope), slope, (side(before), side(slope))
+        v = self.distance(stream, form, lengths, here, signs)
+        index += v
+        place, negative = form.place(index), False
+        if index == 0 and f == 0 and self.zeros:
+            alike = sum(self.f[v] == 3 for v in known)
+            negative = self.bit(stream, ("zero",), (None, alike, T))
+        number = -0.0 if negative else form.number(index, width)
+        self.add(3 if negative else f, place, clamp(place - p, -(1 << 56), 1 << 56), number)
+        size = level(abs(v) >> w)
+        return f, (N + size + 1) // 2 if self.number else size
+
+    def add(self, f, place, error, number):
+        check(abs(number) <= 1e150, "a coordinate that is too large")
+        self.f.append(f)
+        self.places.append(place)
+        self.errors.append(error)
+        self.numbers.append(number)
+
+    def predicted(self, known, guesses):
+        g = self.places
+        found = [g[a] + g[b] - g[o] for a, b, o in guesses[:8]]
+        if found:
+            p = (2 * sum(found) + len(found)) // (2 * len(found))
+            return clamp(p, -(1 << 56), 1 << 56), max(found) - min(found)
+        if known:
+            return sum(g[v] for v in known) // len(known), 0
+        return (g[-1] if g else 0), 0
+
+    def bit(self, stream, what, contexts, mixer=None, key=None):
+        name = (self.number, key, *what)
+        keys = [(*name, i, context) for i, context in enumerate(contexts)]
+        return stream.predicted((self.number, key, *(mixer or what)), keys, 255)
+
+    def distance(self, stream, form, lengths, here, signs):
+        def longer(k):
+            return self.bit(stream, ("length", k), lengths, None, form.key)
+
+        k = form.usual
+        if longer(k):
+            k += 1
+            while k <= 61 and longer(k):
+                k += 1
+        else:
+            while k and not longer(k - 1):
+                k -= 1
+        size = min(k, 1)
+        for _ in range(min(k - 1, 3)):
+            below = "below", k, size
+            size = 2 * size + self.bit(stream, below, (None, here), ("below",), form.key)
+        size = size << max(k - 4, 0) | stream.raw(max(k - 4, 0))
+        return -size if k and self.bit(stream, ("sign",), signs, None, form.key) else size
+
+
+def coordinates(payload, faces, near):
+    """§5.10: the coordinates as integers of 64 bits, and the bytes before the stream."""
+    table, guesses = Bytes(payload), parallelograms(faces)
+    (width,) = table.unpack("B")
+    check(width in (32, 64), "width")
+    axes = [Axis(table, a) for a in range(3)]
+    forms, stream = payload[: table.at], Stream(payload[table.at :])
+    for i, neighbours in enumerate(near):
+        known, E, N = [v for v in neighbours if v < i][:8], 0, 0
+        for axis in axes:
+            f, N = axis.read(stream, i, known, guesses.get(i, []), width, E, N)
+            E = 3 * E + f
+    stream.end()
+    rows = zip(*(axis.numbers for axis in axes), strict=True)
+    return [struct.unpack("<3q", struct.pack("<3d", *row)) for row in rows], [tuple(forms)]
+
+
+# ---- §5.9: order ----------------------------------------------------------------------------
+
+FIRST, OLDEST, NEWEST = 0, 1, 2
+NEXT, NEAR, ANY = 0, 1, 2
+
+
+def near_class(x, y):
+    return clamp(x - y, -2, 3) + 2
+
+
+class Steps:
+    """What both streams of an order have in common."""
+
+    def __init__(self, payload, count, rings):
+        self.stream = Stream(payload)
+        self.distances = Vectors(b"", 1)
+        self.distances.stream = self.stream
+        self.left, self.last, self.ways = list(range(count)), -1, [0] * 4
+        self.trails, self.trail, self.rings = [(0, 0, 0)] * 32, 0, rings
+
+    def next(self):
+        return next((e for e in self.left if e > self.last), self.left[0])
+
+    def way(self, follows, any_anchor):
+        h, f = tuple(self.ways), level(abs(self.trails[0][1])) // 2
+        way = ANY
+        for k in (NEXT, NEAR) if any_anchor else (NEXT,):
+            keys = [("way", k, h), ("way 2", k, h[-2:], follows), ("way 3", k, h[-1], f)]
+            if self.stream.predicted(("way", k), keys, 255):
+                way = k
+                break
+        self.ways = [*self.ways[1:], way]
+        return way
+
+    def any(self):
+        return self.left[self.stream.below(len(self.left))]
+
+    def anchor(self):
+        before, node = tuple(self.ways[-3:-1]), 1
+        for _ in range(5):
+            keys = ("trail", self.trail, node), ("trail 2", before, node)
+            node = 2 * node + self.stream.predicted("trail", keys, 255)
+        self.trail = t = node - 32
+        a, d1, d2 = self.trails[t]
+        self.distances.read = [(d2,), (d1,)]  # as if of two neighbours, the second one just before
+        return a + self.distances.next((0, 1), min(t, 3), 0, [abs(d2)])[0]
+
+    def candidates(self, anchor, fits):
+        found = [e for e in self.rings[anchor][:64] if fits(e)][:16]
+        check(found, "no candidate at an anchor")
+        return found
+
+    def leave(self, vertex, element):
+        ring = self.rings[vertex]
+        at = ring.index(element)
+        self.rings[vertex] = ring[at + 1 :] + ring[:at]
+
+    def follow(self, x):
+        trails = self.trails
+        t = next((t for t in range(31) if abs(x - trails[t][0]) <= 12), 31)
+        a, d1, _ = trails.pop(t)
+        trails.insert(0, (x, x - a, d1) if abs(x - a) <= 12 else (x, 0, 0))
+
+    def placed(self, element):
+        self.left.remove(element)
+        self.last = element
+
+
+def order_of_vertices(payload, near, newest):
+    """The vertex at each place."""
+    steps = Steps(payload, len(near), [list(ring) for ring in near])
+    places, order, before, chosen = {}, [], (0, 0), (0, 0)
+
+    def around(v):
+        return [places[w] for w in near[v] if w in places]
+
+    def ends(v):
+        return (min(around(v)), max(around(v))) if around(v) else (-1, -1)
+
+    while steps.left:
+        i = len(order)
+        follows = around(steps.next()) and 1 + (ends(steps.next())[1] == i - 1)
+        way = steps.way(follows or 0, i > 0)
+        if way == NEXT:
+            v = steps.next()
+        elif way == ANY:
+            v = steps.any()
+        else:
+            place = steps.anchor()
+            check(0 <= place < i, "an anchor without a place")
+            found = steps.candidates(order[place], lambda w: ends(w)[newest] == place)  # noqa: B023
+            for k, v in enumerate(found):
+                (p, q), n = ends(v), min(len(around(v)), 3)
+                w = near_class(p, before[0]), int(q == i - 1)
+                third = n, min(k, 3), near_class(q, before[1])
+                keys = ("v", w, n), ("v 2", w, chosen), ("v 3", *third)
+                if v == found[-1] or steps.stream.predicted("candidate", keys, 255):
+                    break
+            chosen = w
+        before = ends(v)
+        steps.follow(before[newest] if around(v) else i)
+        for w in near[v]:
+            steps.leave(w, v)
+        places[v] = i
+        order.append(v)
+        steps.placed(v)
+    steps.stream.end()
+    return order
+
+
+def order_of_faces(payload, faces, places, kind):
+    """The face at each place and the corner at which it begins; `places` gets the rest of them."""
+    none = 1 << 60
+    corners = [[] for _ in range(1 + max(chain(*faces)))]
+    for e, v in enumerate(chain(*faces)):
+        corners[v].append(e)
+    steps = Steps(payload, len(faces), corners)
+    order, begins, recent = [], [], [(None,) * 3] * 2
+    m_before, u_before, straight = 0, 0, (False, False)
+
+    def place(v):
+        return places.get(v, none)
+
+    def corner(face, kind):
+        """The corner of the oldest or newest vertex."""
+        at = [places.get(v, none if kind == OLDEST else -1) for v in faces[face]]
+        return at.index(min(at) if kind == OLDEST else max(at))
+
+    def alike(others, here):
+        if others[0] is None:
+            return False
+        turns = [[place(others[(i + j) % 3]) for j in range(3)] for i in range(3)]
+        return any(len({x - y for x, y in zip(turn, here, strict=True)}) == 1 for turn in turns)
+
+    while steps.left:
+        way = steps.way(sum(v in recent[0] for v in faces[steps.next()]), places)
+        begin = None
+        if way == NEXT:
+            f = steps.next()
+        elif way == ANY:
+            f = steps.any()
+        else:
+            anchor = steps.anchor()
+            hub = [v for v in places if places[v] == anchor]
+            check(hub, "an anchor without a place")
+            fits = lambda e: kind == FIRST or corner(e // 3, kind) == e % 3  # noqa: E731
+            found = steps.candidates(hub[0], fits)
+            for k, e in enumerate(found):
+                f, j = divmod(e, 3)
+                s, s2 = (sum(v in others for v in faces[f]) for others in recent)
+                here = [place(faces[f][(j + i) % 3]) for i in range(3)]
+                m = min(here[1:]) if kind == NEWEST else max(here[1:])
+                lead = near_class(m, m_before) if m < 1 << 50 else 6
+                z, y = here.count(none), tuple(alike(others, here) for others in recent)
+                keys = ("f", s, s2, z), ("f 2", lead, s, z), ("f 3", lead, y, min(k, 3))
+                if e == found[-1] or steps.stream.predicted("candidate", keys, 255):
+                    break
+            m_before = min(m, 1 << 50)
+            begin = j if kind == FIRST else None
+        if begin is None:
+            r = corner(f, kind or OLDEST)
+            turned = [faces[f][(r + i) % 3] for i in range(3)]
+            where = tuple(recent[0].index(v) if v in recent[0] else 3 for v in turned)
+            b1, b2 = place(turned[1]), place(turned[2])
+            b = 0 if b1 < b2 else 1 if b1 > b2 else 2
+            mask, v = tuple(x < 3 for x in where), -r % 3
+            u = 2
+            for x in (0, 1):
+                second = mask, b, u_before
+                keys = ("u", x, where, u_before), ("u 2", x, *second), ("u 3", x, v, straight)
+                if steps.stream.predicted(("u", x), keys, 255):
+                    u = x
+                    break
+            u_before, straight = u, (straight[1], u == v)
+            begin = (r + u) % 3
+        order.append(f)
+        begins.append(begin)
+        for j, v in enumerate(faces[f]):
+            steps.leave(v, 3 * f + j)
+        recent = [tuple(faces[f][(begin + j) % 3] for j in range(3)), recent[0]]
+        for v in recent[0]:
+            places.setdefault(v, len(places))
+        steps.follow(place(faces[f][begin if kind == FIRST else corner(f, kind)]))
+        steps.placed(f)
+    steps.stream.end()
+    return order, begins
+
+
+def read_order(payload, faces, near):
+    """The vertex and the face at each place, and where the faces begin."""
+    table = Bytes(payload)
+    (plan,), size = table.unpack("B"), table.varint()
+    check(plan < 16 and plan & 3 < 3 and table.at + size <= len(payload), "plan or size of ORDR")
+    of_vertices, of_faces = payload[table.at :][:size], payload[table.at + size :]
+    if not plan & 8:
+        order = order_of_vertices(of_vertices, near, plan >> 2 & 1)
+        places = {v: i for i, v in enumerate(order)}
+        return order, *order_of_faces(of_faces, faces, places, plan & 3)
+    names = {}
+    face_order = order_of_faces(of_faces, faces, names, plan & 3)
+    for v in range(len(near)):
+        names.setdefault(v, len(names))
+    vertex = sorted(names, key=names.get)
+    renamed = [sorted(names[w] for w in near[v]) for v in vertex]
+    order = order_of_vertices(of_vertices, renamed, plan >> 2 & 1)
+    return [vertex[v] for v in order], *face_order
 
 
 # ---- Positions ------------------------------------------------------------------------------
@@ -676,6 +1055,8 @@ def positions(p, faces, near, exact):
     vectors, points, isolated = (np.array(exact[name], float).reshape(-1, 3) for name in names)
     if p["method"] == CARTESIAN:
         return origin + vectors * step
+    if p["method"] == LOSSLESS:
+        return np.array(exact["vectors"], np.int64).view(np.float64)
     system = near, [index for (index,) in exact["anchors"]], origin + points * steps[1]
     delta = vectors * steps[0]
     x = least_squares(delta, *system)
@@ -692,7 +1073,7 @@ def positions(p, faces, near, exact):
 # ---- All of it ------------------------------------------------------------------------------
 
 # §5.7, in the order of the digest
-EXACT = "faces", "vectors", "anchors", "points", "isolated", "refinements", "corrections"
+EXACT = "faces", "vectors", "anchors", "points", "isolated", "refinements", "corrections", "forms"
 
 
 def decode(data):
@@ -701,19 +1082,22 @@ def decode(data):
     p = parameters(sections["PARM"], vertex_count)
     if "meta" in sections:
         check_meta(sections["meta"])
-    n, payload = vertex_count - p["isolated"], sections.get("CART", sections.get("ANCH", b""))
+    n = vertex_count - p["isolated"]
+    payload = sections[{CARTESIAN: "CART", LOSSLESS: "EXAC"}.get(p["method"], "ANCH")]
     # A predicted bit takes log2(65536 / 65512) bits or more, a vertex at least one such bit.
-    check(p["isolated"] <= 15200 * (len(payload) + 4), "more vertices than fit into the file")
+    bits = p["isolated"] * (3 if p["method"] == LOSSLESS else 1)
+    check(bits <= 15200 * (len(payload) + 4), "more vertices than fit into the file")
     faces = Region(sections["CONN"], n, face_count).faces
     graph = [set() for _ in range(n)]
     for face in faces:
         for v in face:
             graph[v] |= {w for w in face if w != v}
     near = [sorted(neighbours) for neighbours in graph]
+    everywhere = near + [[] for _ in range(p["isolated"])]
     exact = {name: [] for name in EXACT} | {"faces": faces}
-    if p["method"] == CARTESIAN:
-        isolated = [[] for _ in range(p["isolated"])]
-        exact["vectors"] = grid_points(sections["CART"], faces, near + isolated)
+    if p["method"] in (CARTESIAN, LOSSLESS):
+        read = grid_points if p["method"] == CARTESIAN else coordinates
+        exact["vectors"], exact["forms"] = read(payload, faces, everywhere)
     else:
         exact |= read_anchors(sections["ANCH"], p, near)
         exact["vectors"] = deltas(sections["DELT"], p["step"], near)
@@ -722,7 +1106,17 @@ def decode(data):
     if "FIXS" in sections:
         check(p["step"] > 0, "corrections without a step")
         exact["corrections"] = vectors_of(sections["FIXS"], near)
+    kept = []
+    if "ORDR" in sections:
+        kept = read_order(sections["ORDR"], faces, everywhere)
     words = [struct.pack("<q", x) for name in EXACT for row in exact[name] for x in row]
+    words += [struct.pack("<q", x) for x in chain(*kept)]
     digest = hashlib.blake2b(b"".join(words), digest_size=8).digest()
     check(digest == sections["CHEK"], "digest")
-    return positions(p, faces, near, exact), np.array(faces), exact
+    x, result = positions(p, faces, near, exact), np.array(faces)
+    if kept:
+        order, face_order, begins = map(np.array, kept)
+        corners = (begins[:, None] + np.arange(3)) % 3
+        turned = np.take_along_axis(result[face_order], corners, axis=1)
+        x, result = x[order], np.argsort(order)[turned]
+    return x, result, exact

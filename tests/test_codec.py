@@ -142,7 +142,9 @@ def test_positions_are_the_dense_least_squares_solution(
         *MANIFOLDS[name], method="highpass", bits=bits, anchors=6, anchor_method=anchor_method
     )
     container = read_container(data)
-    surface, integers = codec._read(container, DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, codec.silent)
+    surface, integers, _ = codec._read(
+        container, DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, codec.silent
+    )
     p, n = container.parameters, surface.vertex_count
     origin = np.array(p.origin)
     expected = oracle.least_squares(

@@ -29,6 +29,7 @@ META = Meta(0.5, 1.25, 2.0, 4.0, 8.0, "deltamesh 0.1.0", "ply")
 PAYLOADS = {
     "highpass": {"CONN": b"connectivity", "ANCH": b"", "DELT": bytes(range(200))},
     "cartesian": {"CONN": b"c", "CART": b"integers"},
+    "lossless": {"CONN": b"c", "EXAC": b"forms"},
 }
 DIGEST = b"01234567"
 
@@ -123,15 +124,16 @@ def containers(draw):
     vertices, faces = draw(st.integers(0, 2**40)), draw(st.integers(0, 2**40))
     method, counts = draw(st.sampled_from(list(layout.METHODS))), st.integers(0, vertices)
     bits = draw(st.none() | st.integers(0, layout.MAX_BITS))
-    anchored = method != "cartesian"
+    anchored, lossless = method in ("highpass", "refined"), method == "lossless"
+    bits = None if lossless else bits
     hundredths = st.integers(0, 255).map(lambda n: n / 100)
     parameters = Parameters(
         method,
         draw(st.booleans()),
         draw(st.sampled_from(["farthest", "random", "greedy"])) if anchored else None,
         bits,
-        0.0 if method == "highpass" and bits == 0 else draw(positive),
-        draw(origins),
+        0.0 if lossless or (method == "highpass" and bits == 0) else draw(positive),
+        (0.0, 0.0, 0.0) if lossless else draw(origins),
         draw(not_negative) if anchored else 0.0,
         draw(seeds),
         draw(counts) if anchored else 0,
@@ -141,6 +143,7 @@ def containers(draw):
         draw(hundredths),
     )
     required = layout.REQUIRED[method][1:]
+    required += (layout.ORDER,) if draw(st.booleans()) else ()
     payloads = {name: draw(st.binary(max_size=300)) for name in required}
     ids = st.from_regex(r"[a-z][A-Za-z]{3}", fullmatch=True).filter(lambda i: i != "meta")
     payloads |= draw(st.dictionaries(ids, st.binary(max_size=20), max_size=3))
@@ -394,7 +397,10 @@ def with_parameters(**changes):
 @pytest.mark.parametrize(
     ("changes", "field", "message"),
     [
-        ({"method": 3}, "method", "method 3 is unknown"),
+        ({"method": 4}, "method", "method 4 is unknown"),
+        ({"method": 3}, "anchor_method", "method lossless with anchor method farthest"),
+        ({"method": 3, "bits": 8, "anchor_method": 255}, "bits", "8 bits in a lossless file"),
+        ({"method": 3, "bits": 255, "anchor_method": 255}, "step", "step of 0.001"),
         ({"method": 1}, "anchor_method", "method cartesian with anchor method farthest"),
         ({"anchor_method": 3}, "anchor_method", "anchor method 3 is unknown"),
         ({"anchor_method": 255}, "anchor_method", "method highpass with anchor method none"),
@@ -561,7 +567,7 @@ def test_spec_header_values():
 
 def test_spec_section_order():
     rows = spec_table("3.2", "`id`")
-    for column, method in ((2, "highpass"), (3, "cartesian"), (4, "refined")):
+    for column, method in ((2, "highpass"), (3, "cartesian"), (4, "refined"), (5, "lossless")):
         numbered = sorted((int(row[column]), row[0]) for row in rows if row[column].isdigit())
         assert [name for _, name in numbered] == list(layout.REQUIRED[method])
     assert {row[0] for row in rows} == layout.KNOWN

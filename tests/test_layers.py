@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-HEAVY = ("numba", "scipy", "trimesh", "rslab", "rich", "pypardiso")
+HEAVY = ("numba", "scipy", "trimesh", "rslab", "rich", "pypardiso", "distributed")
 
 
 def modules_after(code: str) -> set[str]:
@@ -19,7 +19,9 @@ def modules_after(code: str) -> set[str]:
     return set(done.stdout.splitlines()[-1].split())
 
 
-@pytest.mark.parametrize("package", ["deltamesh_formats", "deltamesh", "deltamesh_cli"])
+@pytest.mark.parametrize(
+    "package", ["deltamesh_formats", "deltamesh", "deltamesh_cli", "deltamesh.batch"]
+)
 def test_importing_a_package_is_cheap(package: str) -> None:
     assert not modules_after(f"import {package}") & {*HEAVY, "numpy"}
 

@@ -83,7 +83,7 @@ def test_solvers_agree_where_the_coarse_surface_collapses(step):
 def test_the_positions_are_those_of_two_dense_least_squares_problems():
     V, _ = TORUS
     one = refined(TORUS, anchors=3, coarse=5.0)
-    surface, integers = codec._read(info(one.data), 10**9, 2**40, codec.silent)
+    surface, integers, _ = codec._read(info(one.data), 10**9, 2**40, codec.silent)
     p = info(one.data).parameters
     L = oracle.laplacian(surface.faces, len(V))
     anchored = np.array(p.origin) + integers.positions * p.anchor_step

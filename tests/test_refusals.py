@@ -30,9 +30,13 @@ FILES = {
     "zero bits": encode(*SPHERE, anchors=4, bits=0, method="highpass"),
     "cartesian": encode(*SPHERE, method="cartesian"),
     "corrected": encode(*meshes.torus(9, 7), method="refined", quality=3, max_error_rel=0.002),
+    "lossless": encode(*SPHERE, method="lossless"),
+    "lossless, raw": encode(*meshes.wild(meshes.tetrahedron()), method="lossless"),
     "isolated": encode(*meshes.with_isolated(), method="highpass"),
     "isolated cartesian": encode(*meshes.with_isolated(), method="cartesian"),
+    "isolated lossless": encode(*meshes.with_isolated(), method="lossless"),
     "boundary": encode(*meshes.grid(5, 6), method="highpass"),
+    "order": encode(*meshes.grid(5, 6), keep_order=True, method="highpass"),
     "genus 2 of two": encode(
         *meshes.union(meshes.double_torus(), meshes.tetrahedron()), method="highpass"
     ),
@@ -183,16 +187,23 @@ def test_no_faces(name: str) -> None:
         parameters |= {"anchor_count": min(n, read_container(data).parameters.anchor_count)}
         empty = forging.forged(data, vertices=n, faces=0, parameters=parameters, **nothing)
         refusal(empty)
-        payloads = {"CART": b""} if "cartesian" in name else {"ANCH": bytes(3), "DELT": b""}
-        refusal(
-            forging.forged(empty, **payloads, checksum=digest_of_points(n, "cartesian" in name))
-        )
+        method = read_container(data).parameters.method
+        payloads = {"cartesian": {"CART": b""}, "lossless": {"EXAC": EMPTY_FORMS}}
+        payload = payloads.get(method, {"ANCH": bytes(3), "DELT": b""})
+        forms = EMPTY_FORMS if method == "lossless" else b""
+        checksum = digest_of_points(n, method in payloads, forms)
+        refusal(forging.forged(empty, **payload, checksum=checksum))
 
 
-def digest_of_points(n, cartesian):
+# Of width 64, and on each axis one form, in which all is 0.
+EMPTY_FORMS = b"@" + 3 * b"\1\0\0\2\0\0\1\0"
+
+
+def digest_of_points(n, cartesian, forms):
     zeros, none = np.zeros((n, 3), dtype=np.int64), np.zeros(0, dtype=np.int64)
     values, isolated = (zeros, zeros[:0]) if cartesian else (zeros[:0], zeros)
-    return digest(zeros[:0], Integers(values, none, zeros[:0], isolated))
+    told = np.array(list(forms), dtype=np.int64)
+    return digest(zeros[:0], Integers(values, none, zeros[:0], isolated, forms=told))
 
 
 # ---- Limits ------------------------------------------------------------------------------------
@@ -313,7 +324,7 @@ def test_sections_of_another_mesh() -> None:
 def test_component_without_an_anchor() -> None:
     mesh = meshes.union(SPHERE, (SPHERE[0] + 9, SPHERE[1]))
     data = encode(*mesh, anchors=2, anchor_method="greedy", method="highpass")
-    surface, integers = _read(read_container(data), 10**9, 10**12, silent)
+    surface, integers, _ = _read(read_container(data), 10**9, 10**12, silent)
     parameters = read_container(data).parameters
     for anchors in ([0, 1], [42, 83], [80, 81]):
         one_sided = Integers(
@@ -331,7 +342,7 @@ def test_component_without_an_anchor() -> None:
 
 def test_anchors_that_are_no_vertices() -> None:
     data = FILES["greedy"]
-    surface, integers = _read(read_container(data), 10**9, 10**12, silent)
+    surface, integers, _ = _read(read_container(data), 10**9, 10**12, silent)
     parameters = read_container(data).parameters
     outside = Integers(
         integers.values, np.array([0, 1, 2, 42]), integers.positions, integers.isolated
@@ -346,7 +357,7 @@ def lengths():
         (name, field)
         for name, data in FILES.items()
         for field in ("step", "anchor_step", "origin")
-        if getattr(read_container(data).parameters, field)
+        if getattr(read_container(data).parameters, field) and "lossless" not in name
     ]
 
 

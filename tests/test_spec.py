@@ -10,8 +10,11 @@ import pytest
 import spec_decoder
 import strategies
 
-from deltamesh import decode, encode, info
+from deltamesh import decode, encode, info, order
+from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
+from deltamesh.reordering import Order
+from deltamesh_formats.writer import write_varint
 
 HERE = Path(__file__).parent
 GOLDEN = sorted((HERE / "golden").glob("*.dmesh"))
@@ -51,6 +54,17 @@ FRESH = {
         meshes.union(meshes.grid(4, 4), meshes.grid(5, 3)),
         {"method": "cartesian", "step": 0.02},
     ),
+    "lossless": (meshes.torus(9, 5), {"method": "lossless"}),
+    "lossless, isolated": (meshes.with_isolated(), {"method": "lossless"}),
+}
+
+
+KEPT = {
+    "closed": meshes.icosphere(1),
+    "boundary": meshes.grid(6, 7),
+    "handles": meshes.double_torus(),
+    "components": meshes.union(meshes.torus(5, 4), meshes.grid(4, 4)),
+    "isolated": meshes.with_isolated(),
 }
 
 # Few anchors, and a bound on the largest error that is kept best by corrections.
@@ -65,6 +79,9 @@ def assert_same(data: bytes) -> None:
     vertices, faces, _ = spec_decoder.decode(data)
     mesh = decode(data)
     np.testing.assert_array_equal(faces, mesh.faces)
+    if info(data).parameters.method == "lossless":
+        assert vertices.tobytes() == mesh.vertices.tobytes()
+        return
     atol = 1e-9 * diagonal(mesh.vertices)
     np.testing.assert_allclose(vertices, mesh.vertices, rtol=0, atol=atol)
 
@@ -98,6 +115,37 @@ def test_lattice(size: int) -> None:
     turned = np.argsort(np.random.default_rng(1).random(len(vertices)))
     data = encode(places[turned] + 0.0, np.argsort(turned)[faces], method="cartesian", step=0.01)
     assert_same(data)
+
+
+@pytest.mark.parametrize("seed", [None, 8])
+@pytest.mark.parametrize("name", KEPT)
+def test_kept_order(name: str, seed: int | None) -> None:
+    V, F = KEPT[name]
+    mesh = Mesh(V, F) if seed is None else meshes.shuffled(V, F, seed)[0]
+    data = encode(mesh.vertices, mesh.faces, method="cartesian", keep_order=True)
+    assert_same(data)
+    np.testing.assert_array_equal(spec_decoder.decode(data)[1], mesh.faces)
+
+
+@pytest.mark.parametrize("plan", [0, 1, 2, 4, 8, 9, 10, 13])
+def test_each_plan_of_an_order(plan: int) -> None:
+    """As the encoder would write it if the plan were the best."""
+    V, F = meshes.union(meshes.torus(7, 5), meshes.grid(4, 5))
+    mesh = meshes.shuffled(V, F, plan)[0]
+    # A part in an order of its own, so that all ways to tell a step come up.
+    own = np.argsort(np.where(np.arange(len(F)) % 7, mesh.faces.min(axis=1), -1), kind="stable")
+    kept = Order(np.argsort(mesh.vertices[:, 0], kind="stable"), own, np.arange(len(F)) % 3)
+    coded = [order._vertex_stream, order._face_stream]
+    first, second = (code(mesh.faces, kept, plan, 0, None) for code in coded)
+    payload = bytes([plan]) + write_varint(len(first)) + first + second
+    near = [sorted({int(w) for f in mesh.faces if v in f for w in f} - {v}) for v in range(len(V))]
+    faces = [tuple(map(int, face)) for face in mesh.faces]
+    for expected, found in zip(
+        (kept.vertices, kept.faces, kept.turns),
+        spec_decoder.read_order(payload, faces, near),
+        strict=True,
+    ):
+        np.testing.assert_array_equal(found, expected)
 
 
 def test_large_valences() -> None:

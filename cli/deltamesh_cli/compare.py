@@ -105,27 +105,14 @@ def _as_read_and_as_encoded(a: Loaded, b: Loaded) -> Iterator[tuple[Mesh, Mesh]]
 
     What has been decoded is not welded: coarse steps may put two of its vertices into one place.
     """
+    from deltamesh.welding import welded, without_isolated
+
     yield a.mesh, b.mesh
-    first, second = (one.mesh if one.container else _welded(one.mesh) for one in (a, b))
+    containers = [one.container for one in (a, b) if one.container]
+    exact = any(container.parameters.method == "lossless" for container in containers)
+    first, second = (one.mesh if one.container else welded(one.mesh, exact) for one in (a, b))
     yield first, second
-    yield _without_isolated(first), _without_isolated(second)
-
-
-def _welded(mesh: Mesh) -> Mesh:
-    from deltamesh.mesh import Mesh
-    from deltamesh.topology import weld
-
-    keep, welded = weld(mesh.vertices)
-    return Mesh(mesh.vertices[keep], welded[mesh.faces])
-
-
-def _without_isolated(mesh: Mesh) -> Mesh:
-    import numpy as np
-
-    from deltamesh.mesh import Mesh
-
-    used, faces = np.unique(mesh.faces, return_inverse=True)
-    return Mesh(mesh.vertices[used], faces.reshape(mesh.faces.shape))
+    yield without_isolated(first), without_isolated(second)
 
 
 def _described(name: str, loaded: Loaded) -> dict[str, object]:

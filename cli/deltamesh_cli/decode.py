@@ -10,11 +10,10 @@ from deltamesh_cli import files, options
 from deltamesh_cli.failures import each
 from deltamesh_cli.meshes import container_of, decoded, write_mesh_file
 from deltamesh_cli.output import print_json, shown
-from deltamesh_cli.progress import progress
+from deltamesh_cli.progress import Stage, progress
 
 if TYPE_CHECKING:
     from deltamesh.mesh import Mesh
-    from deltamesh_formats.layout import Container
 
 # What a file that names no format of its own is written as: binary, exact, read by everything.
 _FALLBACK_FORMAT = "ply"
@@ -79,24 +78,42 @@ def command(
     def decode(source: str) -> None:
         data = files.read_input(source)
         container = container_of(source, data, "cannot decode")
-        name, file_format = _destination(source, target, output_format, container)
+        stored = container.meta.source if container.meta is not None else ""
+        name, file_format = destination(source, target, output_format, stored)
         text = file_format in options.TEXT_FORMATS
         files.check_output(source, name, force=force, text=text)
         with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
-            mesh = decoded(source, data, stage, **parameters)
-            stage("writing")
-            write_mesh_file(name, mesh, file_format)
+            mesh = decode_into(name, file_format, source, data, stage, parameters)
         if as_json or not (quiet or name == files.STDIO):
             _print_summary(source, name, mesh, file_format, as_json)
 
     each([source], decode, as_json=as_json)
 
 
-def _destination(
-    source: str, target: str | None, output_format: str | None, container: Container
+def decode_into(
+    target: str,
+    file_format: str,
+    source: str,
+    data: bytes,
+    stage: Stage,
+    parameters: dict[str, Any],
+) -> Mesh:
+    """Write the mesh of a `.dmesh` file, whose bytes are `data`, and return it.
+
+    Raises
+    ------
+    Failure
+    """
+    mesh = decoded(source, data, stage, **parameters)
+    stage("writing")
+    write_mesh_file(target, mesh, file_format)
+    return mesh
+
+
+def destination(
+    source: str, target: str | None, output_format: str | None, stored: str
 ) -> tuple[str, str]:
-    """Return the name and the format of the output."""
-    stored = container.meta.source if container.meta is not None else ""
+    """Return the name and the format of the output; `stored` is the format that was encoded."""
     original = stored if stored in options.MESH_FORMATS else _FALLBACK_FORMAT
     name = source[: -len(files.SUFFIX)] if target is None else target
     named = files.extension(name) if files.extension(name) in options.MESH_FORMATS else None

@@ -33,6 +33,7 @@ deltamesh encode scan.obj --normal-error 0.5 --max-error-rel 1e-3
 deltamesh encode part.stl --max-error 0.05      within that of each vertex
 deltamesh encode scan.obj --method highpass --bits 6
 deltamesh encode scan.obj --step 0.01 --anchors 500
+deltamesh encode part.obj --lossless
 cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 """
 
@@ -84,8 +85,13 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
     default="auto",
     show_default=True,
     help="What is quantized: differential coordinates, coarsely along the surface and finely across"
-    " it (refined; scans, organic shapes); alike (highpass); or x, y, z (cartesian; CAD). auto is"
-    " refined or cartesian, whichever takes fewer bytes.",
+    " it (refined; scans, organic shapes); alike (highpass); x, y, z (cartesian; CAD); or nothing"
+    " (lossless). auto is refined or cartesian, whichever takes fewer bytes.",
+)
+@click.option(
+    "--lossless",
+    is_flag=True,
+    help="Keep positions to the last bit, -0.0 and all: short for --method lossless.",
 )
 @click.option(
     "-b",
@@ -139,6 +145,12 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
     default=None,
     help="Leave out the vertices that belong to no face.",
 )
+@click.option(
+    "--keep-order",
+    is_flag=True,
+    default=None,
+    help="Vertices and faces come back in the order of IN, each face from its first corner on.",
+)
 @options.input_format
 @options.solver
 @options.threads
@@ -161,11 +173,12 @@ def command(
 
     IN is an obj, ply, off, stl or glb file.
 
-    Connectivity is kept exactly; vertices at one position become one, and vertices and faces may
-    come back in another order. Positions come back with a small, smooth error: --quality or bounds
-    in units set it, any of them together. The encoder decodes what it has coded, and takes the
-    smallest file within all bounds that it finds; what became of the errors is printed and stored
-    in the file. A bound that cannot be met is an error (exit code 4) that says what could be had.
+    Connectivity is kept exactly; vertices at one position become one, and without --keep-order
+    vertices and faces come back in another order. Positions come back with a small, smooth error:
+    --quality or bounds in units set it, any of them together. The encoder decodes what it has
+    coded, and takes the smallest file within all bounds that it finds; what became of the errors is
+    printed and stored in the file. A bound that cannot be met is an error (exit code 4) that says
+    what could be had. With --lossless, positions come back as they were.
 
     What has no oriented manifold surface (an edge with three faces, faces of opposite winding,
     degenerate faces) is refused, and the first place is named.
@@ -177,9 +190,7 @@ def command(
     target = files.chosen_output(target, output)
     if target is None:
         target = source if source == files.STDIO else source + files.SUFFIX
-    if parameters["method"] == "cartesian":
-        _refuse_high_pass_options(parameters)
-    _refuse_two_rates(parameters)
+    check_parameters(parameters)
     if source == files.STDIO and input_format is None:
         raise click.UsageError("Reading from standard input needs --input-format.")
     files.check_usage(target, as_json)
@@ -187,17 +198,47 @@ def command(
     def encode(source: str) -> None:
         files.check_input(source)
         files.check_output(source, target, force=force)
-        original = files.read_input(source)
         with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
-            mesh = parsed(source, original, input_format, stage)
-            with attempt(source, "cannot encode"):
-                data = interruptible(lambda: _encoded(mesh, stage, parameters))
-        with files.open_output(target) as stream:
-            stream.write(data)
+            size, data = encode_file(source, target, input_format, stage, parameters)
         if as_json or not (quiet or target == files.STDIO):
-            _print_summary((source, len(original)), target, data, as_json)
+            _print_summary((source, size), target, data, as_json)
 
     each([source], encode, as_json=as_json)
+
+
+def check_parameters(parameters: dict[str, Any]) -> None:
+    """Refuse options that do not go together; what is left are keywords of `deltamesh.encode`."""
+    if parameters.pop("lossless"):
+        _choose_lossless(parameters)
+    if parameters["method"] in ("cartesian", "lossless"):
+        _refuse_high_pass_options(parameters)
+    _refuse_two_rates(parameters)
+
+
+def _choose_lossless(parameters: dict[str, Any]) -> None:
+    source = click.get_current_context().get_parameter_source("method")
+    method = parameters["method"]
+    if source is not click.core.ParameterSource.DEFAULT and method != "lossless":
+        raise click.UsageError(f"--lossless and --method {method} exclude each other.")
+    parameters["method"] = "lossless"
+
+
+def encode_file(
+    source: str, target: str, input_format: str | None, stage: Stage, parameters: dict[str, Any]
+) -> tuple[int, bytes]:
+    """Compress one file into another; return the size of the first and the bytes of the second.
+
+    Raises
+    ------
+    Failure
+    """
+    original = files.read_input(source)
+    mesh = parsed(source, original, input_format, stage)
+    with attempt(source, "cannot encode"):
+        data = interruptible(lambda: _encoded(mesh, stage, parameters))
+    with files.open_output(target) as stream:
+        stream.write(data)
+    return len(original), data
 
 
 def _refuse_two_rates(parameters: dict[str, Any]) -> None:
@@ -206,13 +247,16 @@ def _refuse_two_rates(parameters: dict[str, Any]) -> None:
     given = [f"--{name.replace('_', '-')}" for name in rates + bounds]
     if rates and len(given) > 1:
         raise click.UsageError(f"{' and '.join(given)} exclude each other.")
+    if given and parameters["method"] == "lossless":
+        raise click.UsageError(f"{given[0]} means nothing with --method lossless.")
 
 
 def _refuse_high_pass_options(parameters: dict[str, Any]) -> None:
     for name in ("anchors", "anchor_method", "diffusion", "seed"):
         if parameters[name] is not None:
             option = name.replace("_", "-")
-            raise click.UsageError(f"--{option} means nothing with --method cartesian.")
+            method = parameters["method"]
+            raise click.UsageError(f"--{option} means nothing with --method {method}.")
 
 
 def _encoded(mesh: MeshData, stage: Stage, parameters: dict[str, Any]) -> bytes:

@@ -11,7 +11,7 @@ import traceback
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeVar
 
 import click
 
@@ -24,6 +24,8 @@ from deltamesh_formats.errors import (
     SolveError,
     TargetError,
 )
+
+_Item = TypeVar("_Item")
 
 DONE: Final = 0
 FAILED: Final = 1
@@ -39,7 +41,7 @@ Exit codes:
   1    a file failed: unreadable, not a mesh, exists already, no solution
   2    usage: an unknown option, a bad value, a missing argument
   3    the input is corrupt, or refused for needing more than the limits
-  4    the quality that was asked for cannot be met
+  4    the quality asked for cannot be met; bench --check found growth
   130  interrupted by Ctrl-C (143: by SIGTERM)"""
 
 _CODES: Final[dict[type[BaseException], int]] = {
@@ -142,7 +144,8 @@ def report(failure: Failure) -> None:
     click.echo(f"deltamesh: {failure}", err=True)
 
 
-def _as_object(failure: Failure) -> dict[str, object]:
+def as_object(failure: Failure) -> dict[str, object]:
+    """Return a failure for `--json`."""
     return {
         "file": failure.file,
         "error": {
@@ -154,19 +157,24 @@ def _as_object(failure: Failure) -> dict[str, object]:
     }
 
 
-def each(files: Iterable[str], action: Callable[[str], object], *, as_json: bool) -> None:
-    """Run `action` on every file, whatever happens to the others, and exit with the worst code.
+def tried(items: Iterable[_Item], action: Callable[[_Item], object], *, as_json: bool) -> int:
+    """Run `action` on every item, whatever happens to the others, and return the worst exit code.
 
-    With `as_json` a failed file has its own object on standard output, so that whoever reads
-    that finds one object for each file.
+    With `as_json` what failed has its own object on standard output, so that whoever reads that
+    finds one object for each item.
     """
     worst = DONE
-    for file in files:
+    for item in items:
         try:
-            action(file)
+            action(item)
         except Failure as failure:
             report(failure)
             if as_json:
-                print_json(_as_object(failure))
+                print_json(as_object(failure))
             worst = max(worst, failure.code)
-    click.get_current_context().exit(worst)
+    return worst
+
+
+def each(files: Iterable[str], action: Callable[[str], object], *, as_json: bool) -> None:
+    """Run `action` on every file as `tried` does, and exit with the worst code."""
+    click.get_current_context().exit(tried(files, action, as_json=as_json))

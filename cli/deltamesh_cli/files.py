@@ -12,7 +12,7 @@ import secrets
 import shutil
 import stat
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from typing import BinaryIO, Final
 
@@ -168,14 +168,17 @@ def _in_place(path: str) -> Iterator[BinaryIO]:
 def _replacing(path: str) -> Iterator[BinaryIO]:
     """Open a temporary file that becomes `path` at the end, with the permissions `path` had.
 
-    A new file has the permissions that the umask leaves. The temporary name is short, because a
-    long one might exceed what the file system takes.
+    A new file has the permissions that the umask leaves. Its bytes are on the disk before it has
+    its name: not even a power failure leaves half a file.
     """
-    temporary = os.path.join(os.path.dirname(path), f".deltamesh-{secrets.token_hex(6)}.tmp")
+    folder, start = _temporary(path)
+    temporary = os.path.join(folder, f"{start}{secrets.token_hex(4)}.tmp")
     with stopping_cleanly():
         try:
             with open(temporary, "xb") as stream:
                 yield stream
+                stream.flush()
+                os.fsync(stream.fileno())
             with suppress(FileNotFoundError):
                 shutil.copymode(path, temporary)
             os.replace(temporary, path)
@@ -183,3 +186,30 @@ def _replacing(path: str) -> Iterator[BinaryIO]:
             with suppress(FileNotFoundError):
                 os.unlink(temporary)
             raise
+
+
+def _temporary(path: str) -> tuple[str, str]:
+    """Return the folder of temporary files that become `path`, and how their names begin.
+
+    The name is short, because a long one might exceed what the file system takes, and tells what
+    the file was to become, so that one that was left behind can be found.
+    """
+    import hashlib
+
+    folder, name = os.path.split(path)
+    digest = hashlib.sha256(os.fsencode(name)).hexdigest()
+    return folder, f".deltamesh-{digest[:12]}-"
+
+
+def remove_temporaries(targets: Iterable[str]) -> None:
+    """Remove what killed processes have left of these outputs, which nobody may be writing now."""
+    starts: dict[str, set[str]] = {}
+    for target in targets:
+        folder, start = _temporary(os.path.realpath(target))
+        starts.setdefault(folder, set()).add(start)
+    for folder, own in starts.items():
+        with suppress(OSError), os.scandir(folder) as entries:
+            for entry in entries:
+                if entry.name.rpartition("-")[0] + "-" in own:
+                    with suppress(FileNotFoundError):
+                        os.unlink(entry.path)

@@ -74,6 +74,24 @@ def whole(low: int, high: float = math.inf) -> Callable[[str], int]:
     return read
 
 
+def share(text: str) -> float:
+    """Read a share of something: 0.5% or 0.005."""
+    number, percent, rest = text.strip().partition("%")
+    value = _real(number) / (100 if percent else 1)
+    if rest or not 0 <= value < math.inf:
+        raise click.BadParameter(f"{text!r} is not a share, such as 0.5% or 0.005.")
+    return value
+
+
+def several(one: Callable[[str], Any]) -> Callable[[str], tuple[Any, ...]]:
+    """Return a reader of one or more values with commas between them."""
+
+    def read(text: str) -> tuple[Any, ...]:
+        return tuple(one(part.strip()) for part in text.split(","))
+
+    return read
+
+
 def epilog(examples: str, *more: str) -> str:
     """Return what a help page ends with: examples, explanations, exit codes, line by line."""
     blocks = [*more, f"Examples:\n{textwrap.indent(textwrap.dedent(examples).strip(), '  ')}"]

@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from deltamesh_cli.output import number, shown, table
-from deltamesh_formats.layout import Container, Meta, Parameters
+from deltamesh_formats.layout import ORDER, Container, Meta, Parameters
 
-METHODS = {"highpass": "high-pass", "refined": "refined high-pass", "cartesian": "Cartesian"}
+METHODS = {
+    "highpass": "high-pass",
+    "refined": "refined high-pass",
+    "cartesian": "Cartesian",
+    "lossless": "lossless",
+}
 
 
 def bits_per_vertex(size: int, vertices: int) -> float:
@@ -36,6 +41,7 @@ def as_object(name: str, container: Container) -> dict[str, object]:
         "bits_per_vertex": bits_per_vertex(container.size, n),
         "parameters": _parameters(parameters),
         "header": {"bytes": _header_bytes(container)},
+        "order_kept": ORDER in container.sections,
         "sections": [
             {"id": s.id, "offset": s.offset, "bytes": s.size} for s in container.sections.values()
         ],
@@ -101,6 +107,8 @@ def _lines(name: str, container: Container) -> Iterator[str]:
     meta = container.meta
     yield f"{shown(name)}: {container.size} bytes, {counts(container)}"
     yield from (f"  {line}" for line in _described(container.parameters))
+    if ORDER in container.sections:
+        yield "  order of vertices and faces: that of the source"
     if meta is not None:
         source = f", from {meta.source}" if meta.source else ""
         yield f"  errors: {achieved(meta)}"
@@ -117,7 +125,7 @@ def _described(parameters: Parameters) -> Iterator[str]:
             words.append(f"deltas {number(parameters.coarse)} times as coarse")
         if parameters.method != "cartesian":
             words.append("error diffusion" if parameters.diffusion else "plain rounding")
-    yield f"{METHODS[parameters.method]}: {', '.join(words)}"
+    yield ": ".join(filter(None, (METHODS[parameters.method], ", ".join(words))))
     if parameters.anchor_method is not None:
         seed = f", seed {parameters.seed}" if parameters.anchor_method == "random" else ""
         yield f"anchors: {parameters.anchor_count}, {parameters.anchor_method}{seed}"

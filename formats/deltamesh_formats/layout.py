@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -68,6 +68,8 @@ ANCHORS: Final = "ANCH"
 DELTAS: Final = "DELT"
 NORMALS: Final = "NORM"
 CARTESIAN: Final = "CART"
+ORDER: Final = "ORDR"
+EXACT: Final = "EXAC"
 CORRECTIONS: Final = "FIXS"
 META: Final = "meta"
 CHECK: Final = "CHEK"
@@ -76,12 +78,14 @@ REQUIRED: Final[Mapping[str, tuple[str, ...]]] = {
     "highpass": (PARAMETERS, CONNECTIVITY, ANCHORS, DELTAS),
     "cartesian": (PARAMETERS, CONNECTIVITY, CARTESIAN),
     "refined": (PARAMETERS, CONNECTIVITY, ANCHORS, DELTAS, NORMALS),
+    "lossless": (PARAMETERS, CONNECTIVITY, EXACT),
 }
 # What may come next, in this order.
 FURTHER: Final[Mapping[str, tuple[str, ...]]] = {
-    "highpass": (CORRECTIONS,),
-    "cartesian": (),
-    "refined": (CORRECTIONS,),
+    "highpass": (CORRECTIONS, ORDER),
+    "cartesian": (ORDER,),
+    "refined": (CORRECTIONS, ORDER),
+    "lossless": (ORDER,),
 }
 KNOWN: Final = frozenset(
     {META, CHECK}.union(*map(set, REQUIRED.values()), *map(set, FURTHER.values()))
@@ -106,7 +110,7 @@ PARAMETER_FIELDS: Final = (
     Field("anchor_count", "varint"),
     Field("isolated", "varint"),
 )
-METHODS: Final[Mapping[str, int]] = {"highpass": 0, "cartesian": 1, "refined": 2}
+METHODS: Final[Mapping[str, int]] = {"highpass": 0, "cartesian": 1, "refined": 2, "lossless": 3}
 FLAG_DIFFUSION: Final = 1
 ANCHOR_METHODS: Final[Mapping[str | None, int]] = {
     "farthest": 0,
@@ -137,6 +141,11 @@ CHECK_FIELDS: Final = (Field("digest", "bytes8"),)
 DIGEST_SIZE: Final = 8
 
 
+def required(method: str, present: Collection[str]) -> tuple[str, ...]:
+    """Return the sections that a file of a method begins with, where those `present` are."""
+    return (*REQUIRED[method], *(name for name in FURTHER[method] if name in present))
+
+
 @dataclass(frozen=True)
 class Parameters:
     """How the geometry was coded; the payload of `PARM`.
@@ -148,19 +157,21 @@ class Parameters:
     diffusion : bool
         Whether the encoder diffused the quantization error; the decoder has no use for it.
     anchor_method : str or None
-        A key of `ANCHOR_METHODS`; None exactly for the Cartesian method.
+        A key of `ANCHOR_METHODS`; None exactly for the methods without anchors, Cartesian and
+        lossless.
     bits : int or None
         What was asked for, bits per coordinate; None when it was a step.
     step : float
-        Quantization step, in the unit of the mesh; 0 exactly for a high-pass file of 0 bits.
+        Quantization step, in the unit of the mesh; 0 exactly for a high-pass file of 0 bits and a
+        lossless one.
     origin : (float, float, float)
         Origin of the grid of the anchors, or of the Cartesian coordinates.
     anchor_step : float
-        Step of that grid for the anchors; 0 for the Cartesian method.
+        Step of that grid for the anchors; 0 without any.
     seed : int
         Seed of the random choice of anchors.
     anchor_count : int
-        Number of anchors; 0 for the Cartesian method.
+        Number of anchors; 0 for the methods without.
     isolated : int
         Number of vertices without a face.
     coarse : float
@@ -239,15 +250,18 @@ class Container:
 def parameter_faults(parameters: Parameters, vertices: int) -> Iterator[tuple[str, str]]:
     """Yield (field, what is wrong with it) by the rules of SPEC.md 4.1, for reader and writer."""
     p = parameters
-    cartesian, least_squares = p.method == "cartesian", p.method == "highpass" and p.bits == 0
-    if cartesian != (p.anchor_method is None):
+    anchored, lossless = p.method in ("highpass", "refined"), p.method == "lossless"
+    stepless = lossless or (p.method == "highpass" and p.bits == 0)
+    if anchored == (p.anchor_method is None):
         yield "anchor_method", f"method {p.method} with anchor method {p.anchor_method or 'none'}"
     if p.bits is not None and not 0 <= p.bits <= MAX_BITS:
         yield "bits", f"{p.bits} bits, outside 0..{MAX_BITS}"
-    if not (math.isfinite(p.step) and p.step >= 0 and (p.step == 0) == least_squares):
+    if p.bits is not None and lossless:
+        yield "bits", f"{p.bits} bits in a lossless file"
+    if not (math.isfinite(p.step) and p.step >= 0 and (p.step == 0) == stepless):
         yield "step", f"a quantization step of {p.step}"
     for axis, value in zip("xyz", p.origin, strict=True):
-        if not math.isfinite(value):
+        if not math.isfinite(value) or (lossless and value):
             yield f"origin_{axis}", f"an origin of {value}"
     if not (math.isfinite(p.anchor_step) and p.anchor_step >= 0):
         yield "anchor_step", f"an anchor step of {p.anchor_step}"
@@ -259,8 +273,9 @@ def parameter_faults(parameters: Parameters, vertices: int) -> Iterator[tuple[st
     for name in ("dead_zone", "normal_dead_zone"):
         if not 0 <= getattr(p, name) * ZONE_UNIT < 256:
             yield name, f"a dead zone of {getattr(p, name)}"
-    if cartesian and (p.anchor_step or p.anchor_count):
-        yield "anchor_count", "anchors in a Cartesian file"
+    if not anchored and (p.anchor_step or p.anchor_count):
+        name = p.method.replace("cartesian", "Cartesian")
+        yield "anchor_count", f"anchors in a {name} file"
 
 
 def meta_faults(meta: Meta) -> Iterator[tuple[str, str]]:

@@ -56,6 +56,17 @@ def read_container(data: Buffer) -> Container:
     )
 
 
+def read_counts(data: Buffer) -> tuple[int, int]:
+    """Return how many vertices and faces a file has, by its header; the rest is not looked at.
+
+    Raises
+    ------
+    FormatError
+    """
+    header, _ = _read_header(memoryview(data).cast("B").toreadonly())
+    return header["vertices"], header["faces"]
+
+
 def read_varint(view: Buffer, position: int) -> tuple[int, int]:
     """Read an unsigned LEB128 number in its shortest form; return it and the position after it."""
     value = 0
@@ -202,8 +213,7 @@ def _first(sections: dict[str, Section]) -> Section:
 
 def _check_order(sections: dict[str, Section], method: str) -> None:
     """Refuse a section that is missing or not in its place; SPEC.md 3.2 has the order."""
-    ids = list(sections)
-    required = (*layout.REQUIRED[method], *(i for i in layout.FURTHER[method] if i in sections))
+    ids, required = list(sections), layout.required(method, sections)
     # `CHEK` ends the ids and is not among the required, so a shorter list meets it here.
     for wanted, found in zip(required, ids, strict=False):
         if found != wanted:

@@ -29,7 +29,8 @@ def write_container(
     parameters : Parameters
     payloads : mapping of section id to bytes
         The sections that are the codec's own: `CONN`, then `ANCH` and `DELT`, or `CART`, by the
-        method. Ids unknown to this version must be optional ones; they come last, in their order.
+        method, then `ORDR` if the order is kept. Ids unknown to this version must be optional
+        ones; they come last, in their order.
     meta : Meta or None
     digest : bytes, 8
         Of the decoded integers.
@@ -43,9 +44,7 @@ def write_container(
         size.
     """
     _check_counts(vertices, faces)
-    method = parameters.method
-    further = [name for name in layout.FURTHER[method] if name in payloads]
-    required = [*layout.REQUIRED[method][1:], *further]
+    required = layout.required(parameters.method, payloads)[1:]
     others = [name for name in payloads if name not in required]
     if not set(required) <= set(payloads):
         raise ValueError(f"the payloads are {list(payloads)}, not {required}")

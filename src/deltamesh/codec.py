@@ -14,13 +14,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from deltamesh import cartesian, highpass, refined
+from deltamesh import cartesian, highpass, lossless, refined
 from deltamesh.connectivity import decode_connectivity, encode_connectivity
 from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
 from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_limits
 from deltamesh.mesh import LARGEST, Mesh, checked_mesh
 from deltamesh.metrics import VertexErrors, diagonal, errors_from, mean_edge
 from deltamesh.options import DEFAULT_EFFORT, Options, Settings
+from deltamesh.order import decode_order, encode_order
+from deltamesh.reordering import Order, arrays, order_of, reordered
 from deltamesh.search import Trial, smallest
 from deltamesh.solve import factorization
 from deltamesh.targets import bounds_of
@@ -33,7 +35,12 @@ from deltamesh_formats.writer import write_container
 
 Progress = Callable[[str], None]
 
-_METHODS: Final = {"highpass": highpass, "refined": refined, "cartesian": cartesian}
+_METHODS: Final = {
+    "highpass": highpass,
+    "refined": refined,
+    "cartesian": cartesian,
+    "lossless": lossless,
+}
 
 
 def silent(stage: str) -> None:
@@ -80,13 +87,14 @@ def encode(
     solver: str = "auto",
     threads: int | None = None,
     drop_isolated: bool = False,
+    keep_order: bool = False,
     source_format: str = "",
     progress: Progress | None = None,
 ) -> bytes:
     """Compress a triangle mesh.
 
-    Connectivity is kept exactly; vertices at one position become one; vertices and faces come
-    back in an order of the codec's own.
+    Connectivity is kept exactly; vertices at one position become one, the first; vertices and
+    faces come back in an order of the codec's own unless `keep_order` says otherwise.
 
     Parameters
     ----------
@@ -94,10 +102,11 @@ def encode(
         Finite real numbers.
     faces : array_like (m, 3)
         Vertex indices from 0, of an oriented manifold, with or without boundary.
-    method : {"auto", "refined", "highpass", "cartesian"}
+    method : {"auto", "refined", "highpass", "cartesian", "lossless"}
         What is quantized: differential coordinates, coarsely, and their component along the normal
-        finely; these coordinates alike; or x, y and z. "auto" is refined or cartesian, whichever
-        takes fewer bytes for the same errors.
+        finely; these coordinates alike; x, y and z; or nothing: positions come back bit for bit,
+        -0.0 and all. "auto" is refined or cartesian, whichever takes fewer bytes for the same
+        errors.
     bits : int, optional
         The step is the range of what is quantized over 2^bits. 0 is a least-squares mesh:
         connectivity and anchors alone. Default for "cartesian": 11.
@@ -133,6 +142,8 @@ def encode(
         For the solver. Default: all cores. The bytes do not depend on it.
     drop_isolated : bool
         Leave out the vertices that belong to no face.
+    keep_order : bool
+        Vertices and faces come back in the order of the input, each face from its first corner on.
     source_format : str
         Stored; what `deltamesh decode` writes by default.
     progress : callable, optional
@@ -174,6 +185,7 @@ def encode(
         solver=solver,
         threads=threads,
         drop_isolated=drop_isolated,
+        keep_order=keep_order,
         source_format=source_format,
     )
     return encode_mesh(checked_mesh(vertices, faces), options, progress or silent).data
@@ -184,7 +196,7 @@ def encode_mesh(mesh: Mesh, options: Options, progress: Progress = silent) -> En
     if len(mesh.faces) == 0:
         raise MeshError("the mesh has no faces")
     progress("topology")
-    keep, welded = weld(mesh.vertices)
+    keep, welded = weld(mesh.vertices, exact=options.method == "lossless")
     topology = build_topology(welded[mesh.faces], len(keep), keep)
     progress("connectivity")
     payload, connectivity = encode_connectivity(topology)
@@ -206,16 +218,18 @@ def encode_mesh(mesh: Mesh, options: Options, progress: Progress = silent) -> En
         return Trial(settings, parameters, integers, write, decoded, errors_of(decoded))
 
     trial = smallest(options, bounds, mean_edge(V[used], surface.faces), attempt)
+    payloads = {"CONN": payload, **trial.payloads}
     meta = _meta(trial.errors, diagonal(V[order]), options.source_format)
-    data = write_container(
-        len(order),
-        len(surface.faces),
-        trial.parameters,
-        {"CONN": payload, **trial.payloads},
-        meta,
-        digest(surface.faces, trial.integers),
-    )
-    return Encoded(data, order, Mesh(trial.vertices, surface.faces))
+    result, kept = Mesh(trial.vertices, surface.faces), None
+    if options.keep_order:
+        progress("order")
+        kept = order_of(order, surface.faces, keep[welded[mesh.faces]])
+        payloads["ORDR"] = encode_order(surface.faces, kept)
+        result, order = reordered(result, kept), order[kept.vertices]
+    checksum = digest(surface.faces, trial.integers, arrays(kept))
+    n, m = len(order), len(surface.faces)
+    data = write_container(n, m, trial.parameters, payloads, meta, checksum)
+    return Encoded(data, order, result)
 
 
 def decode(
@@ -244,7 +258,7 @@ def decode(
     -------
     Mesh
         Faces and stored integers exactly; positions to within 1e-9 of the bounding box diagonal,
-        whatever the machine and the solver.
+        whatever the machine and the solver, of a lossless file bit for bit.
 
     Raises
     ------
@@ -260,18 +274,19 @@ def decode(
     """
     progress = progress or silent
     container = read_container(data)
-    surface, integers = _read(container, max_vertices, memory, progress)
+    surface, integers, order = _read(container, max_vertices, memory, progress)
     progress("positions")
     coder = _METHODS[container.parameters.method]
     _check_scale(container, integers)
     factor = factorization(surface.laplacian, solver, threads)
     vertices = coder.reconstruct(surface, container.parameters, integers, factor)
-    return Mesh(vertices, surface.faces)
+    mesh = Mesh(vertices, surface.faces)
+    return mesh if order is None else reordered(mesh, order)
 
 
 def _read(
     container: Container, max_vertices: int, memory: int, progress: Progress
-) -> tuple[Surface, Integers]:
+) -> tuple[Surface, Integers, Order | None]:
     """Return everything exact in a file, checked."""
     check_limits(container, max_vertices, memory)
     parameters, sections = container.parameters, container.sections
@@ -282,9 +297,14 @@ def _read(
     progress("geometry")
     surface = surface_of(faces, count, parameters.isolated)
     integers = _METHODS[parameters.method].read(surface, parameters, sections)
-    if digest(faces, integers) != container.digest:
+    order = None
+    if "ORDR" in sections:
+        progress("order")
+        with payload_of(sections["ORDR"]) as payload:
+            order = decode_order(payload, faces, container.vertices)
+    if digest(faces, integers, arrays(order)) != container.digest:
         raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)
-    return surface, integers
+    return surface, integers, order
 
 
 def _check_scale(container: Container, integers: Integers) -> None:

@@ -68,11 +68,11 @@ def same_faces(faces: _Ints, others: _Ints) -> bool:
     """Tell whether two face arrays (m, 3) are equal up to the order and the rotation of faces."""
     if faces.shape != others.shape:
         return False
-    faces, others = _canonical(faces), _canonical(others)
+    faces, others = canonical(faces), canonical(others)
     return np.array_equal(faces[np.lexsort(faces.T)], others[np.lexsort(others.T)])
 
 
-def _canonical(F: _Ints) -> _Ints:
+def canonical(F: _Ints) -> _Ints:
     """Return each face in the lexicographically least of its rotations."""
     best = F
     for turned in (np.roll(F, -1, axis=1), np.roll(F, -2, axis=1)):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -62,7 +62,8 @@ class Integers:
     Attributes
     ----------
     values : int64 (n, 3)
-        Quantized delta coordinates, or grid points with the isolated vertices last.
+        Quantized delta coordinates; or grid points, or bit patterns of binary64, with the isolated
+        vertices last.
     anchors : int64 (k,)
     positions : int64 (k, 3)
         Grid points of the anchors.
@@ -72,6 +73,8 @@ class Integers:
         Of the deltas along the normals; empty where there are none.
     corrections : int64 (n, 3)
         Of the positions, in steps; empty where there are none.
+    forms : int64 (k,)
+        Bytes that tell how bit patterns are spelled; empty where there are none.
     """
 
     values: NDArray[np.int64]
@@ -80,6 +83,7 @@ class Integers:
     isolated: NDArray[np.int64]
     refinements: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 1), np.int64))
     corrections: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 3), np.int64))
+    forms: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
 
 
 # What quantizing returns: what goes into the file, and what a decoder will make of it.
@@ -89,10 +93,15 @@ NONE = np.zeros(0, dtype=np.int64)
 NO_POINTS = np.zeros((0, 3), dtype=np.int64)
 
 
-def digest(faces: NDArray[np.int64], integers: Integers) -> bytes:
+def digest(
+    faces: NDArray[np.int64], integers: Integers, order: Iterable[NDArray[np.int64]] = ()
+) -> bytes:
     """Return the checksum of everything exact that a decoder makes (SPEC.md 5.7)."""
     i = integers
-    arrays = (faces, i.values, i.anchors, i.positions, i.isolated, i.refinements, i.corrections)
+    arrays = (
+        *(faces, i.values, i.anchors, i.positions, i.isolated, i.refinements, i.corrections),
+        *(i.forms, *order),
+    )
     result = hashlib.blake2b(digest_size=8)
     for array in arrays:
         result.update(np.ascontiguousarray(array, dtype="<i8").data)

@@ -11,9 +11,14 @@ DEFAULT_MEMORY = 16 << 30
 
 # Bytes, measured as peak memory of whole processes over the counts (`benchmarks/memory.py`), and
 # rounded up: faces, half-edges and fronts; coder tables; factorization and its solves.
-BASE = {"cartesian": 192 << 20, "highpass": 256 << 20, "refined": 256 << 20}
+BASE = {
+    "cartesian": 192 << 20,
+    "lossless": 256 << 20,
+    "highpass": 256 << 20,
+    "refined": 256 << 20,
+}
 PER_FACE = 320
-PER_VERTEX = {"cartesian": 400, "highpass": 4000, "refined": 4000}
+PER_VERTEX = {"cartesian": 400, "lossless": 600, "highpass": 4000, "refined": 4000}
 
 # The range coder spends at least log2(65536 / (65536 - P_MIN)) bits on a bit, and at least one
 # bit on each vertex or face: a file of b bytes cannot hold more of them than that.
@@ -52,7 +57,9 @@ def check_limits(container: Container, max_vertices: int, memory: int) -> None:
 
 
 def _check_isolated(container: Container) -> None:
-    name = "CART" if container.parameters.method == "cartesian" else "ANCH"
+    method = container.parameters.method
+    name = {"cartesian": "CART", "lossless": "EXAC"}.get(method, "ANCH")
     section, count = container.sections[name], container.parameters.isolated
-    if count > PER_BYTE * (len(section.payload) + 4):
+    bits = 3 * count if method == "lossless" else count  # one a coordinate
+    if bits > PER_BYTE * (len(section.payload) + 4):
         raise FormatError(f"{count} isolated vertices do not fit into this file", section.offset)

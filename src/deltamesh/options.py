@@ -8,7 +8,7 @@ from numbers import Integral
 
 from deltamesh_formats.errors import OptionError
 
-METHODS = ("auto", "refined", "highpass", "cartesian")
+METHODS = ("auto", "refined", "highpass", "cartesian", "lossless")
 ANCHOR_METHODS = ("farthest", "greedy", "random")
 # What is asked for by default: bits a coordinate, and a step in diagonals of the bounding box. The
 # range of the deltas is no scale to go by: one vertex of high valence makes it a thousand times
@@ -58,6 +58,7 @@ class Options:
     threads: int | None = None
     coarse: float | None = None
     drop_isolated: bool = False
+    keep_order: bool = False
     source_format: str = ""
 
     def __post_init__(self) -> None:
@@ -82,6 +83,8 @@ class Options:
         bounds = [name for name in BOUNDS if getattr(self, name) is not None]
         if rates:
             _require(len(rates + bounds) == 1, f"{' and '.join(rates + bounds)} exclude each other")
+        meaningless = self.method == "lossless" and rates + bounds
+        _require(not meaningless, f"{' and '.join(rates + bounds)} mean nothing with lossless")
         for name in ("step", *BOUNDS[1:]):
             value = getattr(self, name)
             fits = value is None or (math.isfinite(value) and value > 0)

@@ -48,12 +48,16 @@ class Topology:
         return len(self.faces) - self.face_count
 
 
-def weld(vertices: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def weld(
+    vertices: NDArray[np.float64], *, exact: bool = False
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Find the vertices at exactly equal positions.
 
     Parameters
     ----------
     vertices : float64 (n, 3)
+    exact : bool
+        Tell -0.0 from 0.0: positions are equal only bit for bit.
 
     Returns
     -------
@@ -62,9 +66,10 @@ def weld(vertices: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.i
     welded : int64 (n,)
         For each vertex, its index among `keep`.
     """
-    order = np.lexsort(vertices.T)  # -0.0 and 0.0 are equal here, as they are below
+    keys = vertices.view(np.int64) if exact else vertices
+    order = np.lexsort(keys.T)  # unless exact, -0.0 and 0.0 are equal here, as they are below
     new = np.ones(len(vertices), dtype=bool)
-    new[1:] = (vertices[order[1:]] != vertices[order[:-1]]).any(axis=1)
+    new[1:] = (keys[order[1:]] != keys[order[:-1]]).any(axis=1)
     group = np.cumsum(new) - 1
     # lexsort is stable: the first of a group is its lowest index.
     first = order[new]

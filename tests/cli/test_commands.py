@@ -216,3 +216,18 @@ def test_a_target_is_met_and_told(folder: Path, capsys) -> None:
 def test_two_rates_are_a_usage_error(folder: Path, capsys) -> None:
     assert cli("encode torus.ply out.dmesh --bits 8 --normal-error 1") == 2
     assert "exclude each other" in capsys.readouterr().err
+
+
+def test_encode_keeps_the_order(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    mesh = meshfile.read_mesh("torus.ply")
+    rng = np.random.default_rng(12)
+    faces = mesh.faces[rng.permutation(len(mesh.faces))]
+    meshfile.write_mesh("mixed.off", mesh.vertices, faces)
+    assert cli("encode -q mixed.off --keep-order --method cartesian") == 0
+    assert cli("decode -q mixed.off.dmesh back.off") == 0
+    np.testing.assert_array_equal(meshfile.read_mesh("back.off").faces, faces)
+    assert cli("info mixed.off.dmesh") == 0
+    assert "order of vertices and faces: that of the source" in capsys.readouterr().out
+    for name, kept in (("mixed.off.dmesh", True), ("torus.dmesh", False)):
+        assert cli("info --json", name) == 0
+        assert json.loads(capsys.readouterr().out)["order_kept"] is kept

@@ -1,0 +1,111 @@
+"""Who starts when, and what goes together: pure functions of sizes."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from typing import Final, TypeVar
+
+from deltamesh.batch.plan import Task
+from deltamesh.limits import BASE, PER_FACE, PER_VERTEX
+from deltamesh_formats.errors import OptionError
+
+_Item = TypeVar("_Item")
+
+# The least bytes of a file that a vertex and its two triangles take: 32-bit numbers in PLY, STL
+# and GLB (with 16-bit indices), short decimal numbers in OBJ and OFF.
+_PER_VERTEX: Final = {"ply": 38, "stl": 100, "glb": 24, "obj": 50, "off": 50}
+
+
+def memory_for_counts(vertices: int, faces: int) -> int:
+    """Estimate the memory that encoding or decoding takes, in bytes, by the dearest method."""
+    return max(BASE.values()) + max(PER_VERTEX.values()) * vertices + PER_FACE * faces
+
+
+def memory_for_mesh_file(size: int, file_format: str) -> int:
+    """Estimate the memory that encoding a mesh file takes, in bytes, from its size in bytes.
+
+    Rather too much than too little: normals, colours and long decimal numbers make a file larger
+    than its mesh.
+    """
+    vertices = size // _PER_VERTEX.get(file_format, min(_PER_VERTEX.values()))
+    return memory_for_counts(vertices, 2 * vertices)
+
+
+def physical_memory() -> int | None:
+    """Return the memory of this machine or container in bytes; None where it is not told."""
+    known = []
+    with suppress(AttributeError, ValueError, OSError):
+        known.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    # Not there, or not a number, outside containers and in those without a limit.
+    with suppress(OSError, ValueError), open("/sys/fs/cgroup/memory.max") as file:
+        known.append(int(file.read()))
+    return min(known, default=None)
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def startable(waiting: Sequence[float], running: Sequence[float], jobs: int, memory: float) -> int:
+    """Return how many of those that wait may start now.
+
+    They start in order and nobody overtakes: a large one is not put off again and again by small
+    ones that still fit. One that needs more than all memory, or infinitely much, runs alone.
+
+    Parameters
+    ----------
+    waiting, running : sequence of float
+        Memory that each needs, in bytes.
+    jobs : int
+        How many may run at once.
+    memory : float
+        How much all that run may need together, in bytes.
+    """
+    total, count = sum(running), len(running)
+    started = 0
+    for need in waiting:
+        together = total + need
+        fits = together <= memory and together < math.inf
+        if count == jobs or (count and not fits):
+            break
+        total, count, started = together, count + 1, started + 1
+    return started
+
+
+def groups(tasks: Iterable[Task], size: int, count: int) -> Iterator[list[Task]]:
+    """Put neighbours into groups of at most `count` files and `size` bytes; a larger one is alone.
+
+    Parameters
+    ----------
+    tasks : iterable of Task
+    size : int
+        In bytes of input.
+    count : int
+    """
+    group: list[Task] = []
+    for task in tasks:
+        if group and (len(group) == count or sum(t.size for t in group) + task.size > size):
+            yield group
+            group = []
+        group.append(task)
+    if group:
+        yield group
+
+
+def share(items: Sequence[_Item], rank: int, world_size: int) -> list[_Item]:
+    """Return every `world_size`-th item from number `rank` on: what one of many machines does.
+
+    Raises
+    ------
+    OptionError
+        If `rank` is not one of 0 to `world_size` - 1.
+    """
+    if not 0 <= rank < world_size:
+        raise OptionError(f"rank {rank} is not one of 0..{world_size - 1}")
+    return list(items[rank::world_size])

@@ -1,0 +1,133 @@
+"""Who starts when, and what goes together."""
+
+from __future__ import annotations
+
+import math
+from itertools import chain, pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from works import task
+
+from deltamesh.batch.schedule import (
+    cores,
+    groups,
+    memory_for_counts,
+    memory_for_mesh_file,
+    physical_memory,
+    share,
+    startable,
+)
+from deltamesh.limits import memory_needed
+from deltamesh_formats.errors import OptionError
+from deltamesh_formats.layout import Container
+
+GB = 1 << 30
+
+
+def test_as_many_as_there_are_jobs() -> None:
+    assert startable([1, 1, 1], [], 2, math.inf) == 2
+    assert startable([1, 1, 1], [1], 2, math.inf) == 1
+    assert startable([1, 1, 1], [1, 1], 2, math.inf) == 0
+    assert startable([], [1], 2, math.inf) == 0
+
+
+def test_large_ones_do_not_run_beside_each_other() -> None:
+    assert startable([3 * GB, 3 * GB], [], 4, 5 * GB) == 1
+    assert startable([3 * GB], [2 * GB], 4, 5 * GB) == 1
+    assert startable([3 * GB], [2 * GB + 1], 4, 5 * GB) == 0
+
+
+def test_nobody_overtakes() -> None:
+    assert startable([5 * GB, 1, 1], [1 * GB], 4, 5 * GB) == 0
+
+
+def test_what_needs_more_than_there_is_runs_alone() -> None:
+    assert startable([9 * GB, 1], [], 4, 5 * GB) == 1
+    assert startable([9 * GB, 1], [1], 4, 5 * GB) == 0
+    assert startable([1], [9 * GB], 4, 5 * GB) == 0
+    assert startable([math.inf, 1], [], 4, math.inf) == 1
+    assert startable([math.inf], [1], 4, math.inf) == 0
+    assert startable([1], [math.inf], 4, math.inf) == 0
+
+
+@given(
+    needs=st.lists(st.tuples(st.integers(0, 12), st.integers(1, 5)), max_size=30),
+    jobs=st.integers(1, 5),
+    memory=st.integers(1, 10),
+)
+def test_a_whole_run(needs: list[tuple[int, int]], jobs: int, memory: int) -> None:
+    """Simulate: everything runs, in order, within the limits unless alone; no core is idle."""
+    waiting, running, started = list(needs), [], []
+    while waiting or running:
+        count = startable([n for n, _ in waiting], [n for n, _ in running], jobs, memory)
+        assert count or running
+        running += waiting[:count]
+        started += waiting[:count]
+        waiting = waiting[count:]
+        total = sum(n for n, _ in running)
+        assert len(running) <= jobs
+        assert total <= memory or len(running) == 1
+        if waiting and len(running) < jobs:
+            assert total + waiting[0][0] > memory
+        running = [(n, left - 1) for n, left in running if left > 1]
+    assert started == needs
+
+
+def test_estimates_are_those_of_the_limits() -> None:
+    from deltamesh_formats.layout import Parameters
+
+    parameters = Parameters("highpass", True, None, 8, 0.5, (0.0, 0.0, 0.0), 0.0, 0, 0, 0)
+    container = Container(1, 1000, 2000, parameters, None, {}, b"", 0)
+    assert memory_for_counts(1000, 2000) == memory_needed(container)
+
+
+def test_a_file_is_not_taken_for_smaller_than_it_is() -> None:
+    from meshes import icosphere
+
+    from deltamesh_formats.meshfile import FORMATS, mesh_bytes
+
+    V, F = icosphere(4)
+    for file_format in FORMATS:
+        size = len(mesh_bytes(V.round(3), F, file_format))
+        estimate = memory_for_mesh_file(size, file_format)
+        assert memory_for_counts(len(V), len(F)) <= estimate * 1.02, file_format
+
+
+def test_groups() -> None:
+    tasks = [task(str(i), size=size) for i, size in enumerate([1, 1, 1, 9, 1, 20, 1])]
+    sizes = [[t.size for t in group] for group in groups(tasks, size=10, count=2)]
+    assert sizes == [[1, 1], [1, 9], [1], [20], [1]]
+    assert list(groups([], 10, 2)) == []
+
+
+@given(st.lists(st.integers(0, 20), max_size=40), st.integers(1, 30), st.integers(1, 5))
+def test_groups_are_all_tasks_in_order(sizes: list[int], size: int, count: int) -> None:
+    tasks = [task(str(i), size=n) for i, n in enumerate(sizes)]
+    made = list(groups(tasks, size, count))
+    assert [t for group in made for t in group] == tasks
+    for group in made:
+        assert len(group) == 1 or (len(group) <= count and sum(t.size for t in group) <= size)
+    for one, other in pairwise(made):
+        assert len(one) == count or sum(t.size for t in one) + other[0].size > size
+
+
+@given(st.integers(0, 50), st.integers(1, 12))
+def test_shares_are_all_and_equal(count: int, world: int) -> None:
+    items = list(range(count))
+    shares = [share(items, rank, world) for rank in range(world)]
+    assert sorted(chain.from_iterable(shares)) == items
+    assert max(map(len, shares)) - min(map(len, shares)) <= 1
+
+
+def test_a_rank_beyond_the_world_is_refused() -> None:
+    for rank in (-1, 4):
+        with pytest.raises(OptionError, match=r"is not one of 0..3"):
+            share([1, 2], rank, 4)
+
+
+def test_the_machine() -> None:
+    assert cores() >= 1
+    memory = physical_memory()
+    assert memory is None or memory > 1 << 26
