@@ -22,6 +22,7 @@ from deltamesh.geometry import surface_of
 from deltamesh.kernels.exact import NEGATIVE_ZERO, RAW
 from deltamesh.mesh import LARGEST, Mesh
 from deltamesh.options import Options
+from deltamesh.solve import factorization
 from deltamesh_cli.program import run
 from deltamesh_formats.errors import FormatError, MeshError, OptionError
 from deltamesh_formats.layout import Section
