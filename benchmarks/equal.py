@@ -4,7 +4,7 @@ A codec with one free setting, its knob, is a curve of errors and sizes. The siz
 that of a file, found by coding until the error is met within 1 %, or is interpolated between coded
 points. Errors need not grow all along: a surface so coarse that it is smooth again can have the
 dihedral angles of a much finer one. So the curve is walked from its fine end, and it is its first
-crossing of the error that counts.
+crossing of the error that counts; and where it never gets so bad, its worst point.
 """
 
 from __future__ import annotations
@@ -23,11 +23,10 @@ from deltamesh.options import DEFAULT_HIGHPASS_STEP
 # How far below the error that is asked for a size still counts as one at that error.
 CLOSE = 0.99
 MOST_TRIES = 12
-# Where a curve begins, over the default step; the ratio of neighbouring settings, in a search and
-# for interpolation; and how many there are at most.
-FINE_END = 1 / 16
+# Where a curve begins and ends, over the default step: that is a quarter of the diagonal; and the
+# ratio of neighbouring settings, in a search and for interpolation.
+FINE_END, COARSE_END = 1 / 16, 256
 SPACING, CLOSE_SPACING = 2.0, math.sqrt(2)
-MOST_STEPS = 64
 
 
 class Point(NamedTuple):
@@ -81,6 +80,8 @@ class Coder:
 def crossing(coder: Coder, error: str, target: float, spacing: float) -> tuple[float, float]:
     """Return neighbouring settings, the error of the finer within the target, of the other beyond.
 
+    Where the error is never so large, both are the setting at which it is largest.
+
     Parameters
     ----------
     coder : Coder
@@ -91,19 +92,19 @@ def crossing(coder: Coder, error: str, target: float, spacing: float) -> tuple[f
 
     Raises
     ------
-    LookupError
-        If the error is never so large.
     DeltameshError
         If the codec cannot go so far.
     """
-    setting = coder.start * FINE_END
+    setting = worst = coder.start * FINE_END
     while getattr(coder(setting), error) > target:
         setting /= spacing
-    for _ in range(MOST_STEPS):
-        if getattr(coder(setting * spacing), error) > target:
+    while setting < coder.start * COARSE_END:
+        here = getattr(coder(setting * spacing), error)
+        if here > target:
             return setting, setting * spacing
         setting *= spacing
-    raise LookupError(f"{coder.label}: no {error} error of {target:g}")
+        worst = setting if here > getattr(coder(worst), error) else worst
+    return worst, worst
 
 
 def coded_at(coder: Coder, error: str, target: float) -> Point:
@@ -115,7 +116,7 @@ def coded_at(coder: Coder, error: str, target: float) -> Point:
     aim = math.sqrt(CLOSE) * target
     for _ in range(MOST_TRIES):
         low, high = getattr(coder(below), error), getattr(coder(above), error)
-        if low >= CLOSE * target:
+        if low >= CLOSE * target or below == above:
             break
         share = math.log(aim / low) / math.log(high / low) if low > 0 else 0.5
         setting = below * (above / below) ** min(max(share, 0.1), 0.9)
@@ -131,8 +132,10 @@ def interpolated_at(coder: Coder, error: str, target: float) -> Point:
 
     The arguments and what is raised are those of `crossing`.
     """
-    ends = np.array([coder(one) for one in crossing(coder, error, target, CLOSE_SPACING)])
-    logs = np.log(np.maximum(ends, 1e-30))
+    below, above = crossing(coder, error, target, CLOSE_SPACING)
+    if below == above:
+        return coder(below)
+    logs = np.log(np.maximum([coder(below), coder(above)], 1e-30))
     low, high = logs[:, Point._fields.index(error)]
     share = (math.log(target) - low) / (high - low)
     size, *errors = np.exp(logs[0] + share * (logs[1] - logs[0]))

@@ -134,7 +134,7 @@ def _at(coder: Coder, error: str, target: float, way: str) -> Point | None:
         if error == "normals":
             return point(f"{coder.label} normal_error={target!r}", coder.mesh)
         return coded_at(coder, error, target)
-    except (DeltameshError, LookupError) as failure:
+    except DeltameshError as failure:
         print(f"no size at {error} {target:.4g}: {failure}", file=sys.stderr)
         return None
 
