@@ -2,36 +2,26 @@
 
 from __future__ import annotations
 
-import logging
 import os
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 import click
 
-from deltamesh.batch.manifest import (
-    Append,
-    Record,
-    begun,
-    open_manifest,
-    read_records,
-)
+from deltamesh.batch.manifest import Append, Record, begun, open_manifest, read_records
 from deltamesh.batch.manifest import key as key_of
 from deltamesh.batch.plan import Task
 from deltamesh_cli import files
 from deltamesh_cli.batch_plan import Item, settled
 from deltamesh_cli.batch_report import Tell, Totals, progress, tell_record
-from deltamesh_cli.batch_work import Job, failed, prepare, work
+from deltamesh_cli.batch_work import Job, failed
 from deltamesh_cli.failures import Failure, attempt
 from deltamesh_cli.output import print_json, shown
 
 if TYPE_CHECKING:
-    from deltamesh.batch.pool import Begin, Outcome
-
-    Engine: TypeAlias = Callable[[Job, list[Task], Begin], Generator[Outcome]]
+    from deltamesh_cli.batch_engines import Engine
 
 Records: TypeAlias = dict[tuple[str, str], Record]
 
@@ -64,47 +54,6 @@ class Telling:
     quiet: bool = False
     verbose: bool = False
     show_progress: bool | None = None
-
-
-def here(job: Job, tasks: list[Task], begin: Begin) -> Generator[Outcome]:
-    """Work in this process."""
-    from deltamesh.batch.pool import run_here
-
-    return run_here(tasks, partial(work, job), begin=begin)
-
-
-def in_processes(jobs: int, memory: float, timeout: float) -> Engine:
-    """Return the engine that works in processes of this machine."""
-
-    def engine(job: Job, tasks: list[Task], begin: Begin) -> Generator[Outcome]:
-        from deltamesh.batch.pool import run_in_processes
-
-        with attempt("worker processes", "cannot go on"):
-            yield from run_in_processes(
-                tasks,
-                partial(work, job),
-                jobs=jobs,
-                memory=memory,
-                timeout=timeout,
-                prepare=partial(prepare, job),
-                begin=begin,
-            )
-
-    return engine
-
-
-def on_dask(address: str | None, workers: int) -> Engine:
-    """Return the engine that works on a cluster, one that is there or one of this machine."""
-
-    def engine(job: Job, tasks: list[Task], begin: Begin) -> Generator[Outcome]:
-        logging.disable()  # of Dask: what goes wrong is told here
-        with attempt(address or "local cluster", "cannot go on"):
-            from deltamesh.batch.cluster import dask_client, run_on_dask
-
-            with dask_client(address, workers) as client:
-                yield from run_on_dask(client, tasks, partial(work, job), begin=begin)
-
-    return engine
 
 
 def run(items: list[Item], job: Job, engine: Engine, keeping: Keeping, telling: Telling) -> int:

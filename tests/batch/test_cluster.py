@@ -79,14 +79,17 @@ def test_the_command_survives_the_death_of_a_worker(cluster: Any, tmp_path: Path
     with subprocess.Popen(
         command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     ) as process:
-        deadline = time.monotonic() + 240
-        while not any(record["status"] == "done" for record in records()):
-            assert process.poll() is None, process.stderr.read()
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
-        victim = next(iter(cluster.workers().values()))
-        os.kill(victim, signal.SIGKILL)
-        _, said = process.communicate(timeout=240)
+        try:
+            deadline = time.monotonic() + 240
+            while not any(record["status"] == "done" for record in records()):
+                assert process.poll() is None, process.stderr.read()
+                assert time.monotonic() < deadline
+                time.sleep(0.01)
+            victim = next(iter(cluster.workers().values()))
+            os.kill(victim, signal.SIGKILL)
+            _, said = process.communicate(timeout=240)
+        finally:
+            process.kill()
     assert process.returncode == 0, said
     done = [record for record in records() if record["status"] == "done"]
     assert sorted(record["source"] for record in done) == names, "all, and none twice"

@@ -426,11 +426,14 @@ def interrupted(line: str, number: int, *, at: int) -> subprocess.CompletedProce
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
     ) as process:
-        wait_for(lambda: Path("run.jsonl").exists() and len(finished()) >= at)
-        send = process.send_signal if number == signal.SIGKILL else group_signal(process.pid)
-        send(number)
-        # To the end of its output, which the workers write to as well: none of them is left.
-        out, err = process.communicate(timeout=240)
+        try:
+            wait_for(lambda: Path("run.jsonl").exists() and len(finished()) >= at)
+            send = process.send_signal if number == signal.SIGKILL else group_signal(process.pid)
+            send(number)
+            # To the end of its output, which the workers write to too: none of them is left.
+            out, err = process.communicate(timeout=120)
+        finally:
+            process.kill()
     return subprocess.CompletedProcess(command, process.returncode, out, err)
 
 

@@ -16,20 +16,21 @@ if TYPE_CHECKING:
     from deltamesh.batch.finding import Selection, find
     from deltamesh.batch.manifest import open_manifest, still_done
     from deltamesh.batch.plan import Task, check_targets, flat, mirrored
-    from deltamesh.batch.pool import WorkerError, run_here, run_in_processes
+    from deltamesh.batch.pool import run_in_processes
     from deltamesh.batch.schedule import share
+    from deltamesh.batch.serial import WorkerError, run_here
 
 _HOME = {
     "Selection": "finding",
     "Task": "plan",
-    "WorkerError": "pool",
+    "WorkerError": "serial",
     "check_targets": "plan",
     "dask_client": "cluster",
     "find": "finding",
     "flat": "plan",
     "mirrored": "plan",
     "open_manifest": "manifest",
-    "run_here": "pool",
+    "run_here": "serial",
     "run_in_processes": "pool",
     "run_on_dask": "cluster",
     "share": "schedule",

@@ -18,8 +18,8 @@ from typing import Any, Final
 
 from deltamesh.batch.manifest import Record
 from deltamesh.batch.plan import Task
-from deltamesh.batch.pool import Begin, Outcome, Work, WorkerError, attempted, nobody
 from deltamesh.batch.schedule import groups
+from deltamesh.batch.serial import Begin, Outcome, Work, WorkerError, attempted, nobody
 from deltamesh.version import __version__
 
 # A message of the scheduler takes milliseconds, and a small file takes not many more.

@@ -1,4 +1,4 @@
-"""Tasks in this process, or in worker processes that may be killed.
+"""Tasks in worker processes of this machine, which may be killed.
 
 The pools of concurrent.futures and loky break when one worker dies, so does that of Pebble when
 the worker was idle, and only Pebble's can kill a task. Here each worker has a pipe of its own and
@@ -20,16 +20,11 @@ from dataclasses import dataclass, field
 from itertools import islice
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
-from typing import Final, TypeAlias
+from typing import Final
 
-from deltamesh.batch.manifest import Record
 from deltamesh.batch.plan import Task
 from deltamesh.batch.schedule import startable
-from deltamesh_formats.errors import DeltameshError
-
-Work: TypeAlias = Callable[[Task], Record]
-Begin: TypeAlias = Callable[[list[Task]], None]
-Outcome: TypeAlias = tuple[Task, Record | Exception]
+from deltamesh.batch.serial import Begin, Outcome, Work, WorkerError, attempted, nobody
 
 # A worker is one of many: none may start threads of its own for every core.
 ONE_THREAD: Final = {
@@ -43,42 +38,6 @@ ONE_THREAD: Final = {
 
 # How many workers may die before they are ready until that is taken for everybody's lot.
 _FALSE_STARTS: Final = 4
-
-
-class WorkerError(DeltameshError):
-    """A worker could not do its work: it was killed, it crashed, or it raised."""
-
-
-def nobody(tasks: list[Task]) -> None:
-    """Tell nobody that tasks begin."""
-
-
-def attempted(work: Work, task: Task) -> Record | Exception:
-    """Return what the work returns or, since no task may stop the others, what it raises."""
-    try:
-        return work(task)
-    except Exception as error:  # not itself: it may not survive the way to another process
-        return WorkerError(f"{type(error).__name__}: {error}")
-
-
-def run_here(tasks: Iterable[Task], work: Work, *, begin: Begin = nobody) -> Generator[Outcome]:
-    """Work on one task after the other, in this process.
-
-    Parameters
-    ----------
-    tasks : iterable of Task
-    work : callable
-        Called with each task; returns a record.
-    begin : callable
-        Called with a list of the task that comes next.
-
-    Yields
-    ------
-    task, outcome : Task, dict or Exception
-    """
-    for task in tasks:
-        begin([task])
-        yield task, attempted(work, task)
 
 
 def run_in_processes(

@@ -1,0 +1,58 @@
+"""Where the work of `deltamesh batch` is done: here, in processes, or on a cluster."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Generator
+from functools import partial
+from typing import TYPE_CHECKING, TypeAlias
+
+from deltamesh.batch.plan import Task
+from deltamesh_cli.batch_work import Job, prepare, work
+from deltamesh_cli.failures import attempt
+
+if TYPE_CHECKING:
+    from deltamesh.batch.serial import Begin, Outcome
+
+    Engine: TypeAlias = Callable[[Job, list[Task], Begin], Generator[Outcome]]
+
+
+def here(job: Job, tasks: list[Task], begin: Begin) -> Generator[Outcome]:
+    """Work in this process."""
+    from deltamesh.batch.serial import run_here
+
+    return run_here(tasks, partial(work, job), begin=begin)
+
+
+def in_processes(jobs: int, memory: float, timeout: float) -> Engine:
+    """Return the engine that works in processes of this machine."""
+
+    def engine(job: Job, tasks: list[Task], begin: Begin) -> Generator[Outcome]:
+        from deltamesh.batch.pool import run_in_processes
+
+        with attempt("worker processes", "cannot go on"):
+            yield from run_in_processes(
+                tasks,
+                partial(work, job),
+                jobs=jobs,
+                memory=memory,
+                timeout=timeout,
+                prepare=partial(prepare, job),
+                begin=begin,
+            )
+
+    return engine
+
+
+def on_dask(address: str | None, workers: int) -> Engine:
+    """Return the engine that works on a cluster, one that is there or one of this machine."""
+
+    def engine(job: Job, tasks: list[Task], begin: Begin) -> Generator[Outcome]:
+        logging.disable()  # of Dask: what goes wrong is told here
+        with attempt(address or "local cluster", "cannot go on"):
+            from deltamesh.batch.cluster import dask_client, run_on_dask
+
+            with dask_client(address, workers) as client:
+                yield from run_on_dask(client, tasks, partial(work, job), begin=begin)
+
+    return engine
