@@ -8,7 +8,7 @@ import click
 
 from deltamesh_cli import files, options
 from deltamesh_cli.failures import each
-from deltamesh_cli.meshes import container_of, decoded, write_mesh_file
+from deltamesh_cli.meshes import container_of, decoded, note_not_kept, write_mesh_file
 from deltamesh_cli.output import print_json, shown
 from deltamesh_cli.progress import progress
 
@@ -85,7 +85,8 @@ def command(
         with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
             mesh = decoded(source, data, stage, **parameters)
             stage("writing")
-            write_mesh_file(name, mesh, file_format)
+            lost = write_mesh_file(name, mesh, file_format)
+        note_not_kept(name, lost, quiet=quiet)
         if as_json or not (quiet or name == files.STDIO):
             _print_summary(source, name, mesh, file_format, as_json)
 

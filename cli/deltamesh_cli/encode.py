@@ -9,13 +9,13 @@ import click
 from deltamesh.options import ANCHOR_METHODS, MAX_BITS, METHODS, RATES
 from deltamesh_cli import files, options, summary
 from deltamesh_cli.failures import attempt, each
-from deltamesh_cli.meshes import parsed
+from deltamesh_cli.meshes import note_not_kept, parsed
 from deltamesh_cli.output import print_json, shown
 from deltamesh_cli.progress import Stage, progress
 from deltamesh_cli.signals import interruptible
 
 if TYPE_CHECKING:
-    from deltamesh_formats.meshfile import MeshData
+    from deltamesh_formats.polymesh import PolyMesh
 
 _EXAMPLES = """\
 deltamesh encode bunny.ply                      writes bunny.ply.dmesh
@@ -161,8 +161,10 @@ def command(
                 data = interruptible(lambda: _encoded(mesh, stage, parameters))
         with files.open_output(target) as stream:
             stream.write(data)
+        lost = _not_kept(mesh)
+        note_not_kept(source, lost, quiet=quiet)
         if as_json or not (quiet or target == files.STDIO):
-            _print_summary((source, len(original)), target, data, as_json)
+            _print_summary((source, len(original)), target, data, lost if as_json else None)
 
     each([source], encode, as_json=as_json)
 
@@ -180,7 +182,7 @@ def _refuse_high_pass_options(parameters: dict[str, Any]) -> None:
             raise click.UsageError(f"--{option} means nothing with --method cartesian.")
 
 
-def _encoded(mesh: MeshData, stage: Stage, parameters: dict[str, Any]) -> bytes:
+def _encoded(mesh: PolyMesh, stage: Stage, parameters: dict[str, Any]) -> bytes:
     import deltamesh
 
     return deltamesh.encode(
@@ -192,15 +194,24 @@ def _encoded(mesh: MeshData, stage: Stage, parameters: dict[str, Any]) -> bytes:
     )
 
 
-def _print_summary(source: tuple[str, int], target: str, data: bytes, as_json: bool) -> None:
-    """Print what became of `source`, a name and a size in bytes."""
+def _not_kept(mesh: PolyMesh) -> tuple[str, ...]:
+    """Return words for what is in the mesh that a `.dmesh` has no place for."""
+    from deltamesh_formats.contents import unkept
+
+    return unkept(mesh)
+
+
+def _print_summary(
+    source: tuple[str, int], target: str, data: bytes, not_kept: tuple[str, ...] | None
+) -> None:
+    """Print what became of `source`, a name and a size in bytes; as JSON with what is not kept."""
     from deltamesh_formats.reader import read_container
 
     container = read_container(data)
     name, size = source
-    if as_json:
+    if not_kept is not None:
         made = summary.as_object(target, container)
-        print_json({"source": name, "source_bytes": size, **made})
+        print_json({"source": name, "source_bytes": size, **made, "not_kept": list(not_kept)})
         return
     click.echo(f"{shown(name)}: {size} bytes")
     click.echo(f"{shown(target)}: {container.size} bytes, {summary.counts(container)}")

@@ -12,6 +12,7 @@ from commandline import TORUS, cli, damaged
 
 from deltamesh_cli import failures, options, output
 from deltamesh_formats import meshfile
+from deltamesh_formats.polymesh import from_triangles
 
 
 def test_round_trip(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -138,7 +139,7 @@ def test_compare_of_a_soup_with_isolated_vertices(
     mesh = meshfile.read_mesh("torus.ply")
     soup = np.concatenate([mesh.vertices[mesh.faces].reshape(-1, 3), [[0, 0, 0], [0, 0, 1]]])
     faces = np.arange(3 * len(mesh.faces)).reshape(-1, 3)
-    meshfile.write_mesh("soup.off", soup, faces)
+    meshfile.write_mesh("soup.off", from_triangles(soup, faces))
     assert cli("encode -q soup.off --drop-isolated") == 0
     for line in ("compare --json soup.off soup.off.dmesh", "compare --json soup.off torus.ply"):
         assert cli(line) == 0
