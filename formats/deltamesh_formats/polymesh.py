@@ -209,6 +209,7 @@ def checked(mesh: PolyMesh) -> PolyMesh:
     if not whole.all():
         lost = f"{np.count_nonzero(~whole)} faces of fewer than three corners"
         mesh = replace(keep_faces(mesh, whole), lost=(*mesh.lost, lost))
+        also = f" (and {', '.join(mesh.lost)})"
     if len(mesh.offsets) == 1:
         raise MeshError(f"it holds {n} vertices but no faces: a point cloud{also}")
     return mesh

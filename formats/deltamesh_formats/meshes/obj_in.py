@@ -146,7 +146,7 @@ def _faces(lines: Lines, where: Mapping[bytes, NDArray[np.bool_]], sizes: list[i
     if slashes.any():
         begins, _ = text.tokens_of(cut)
         corner = np.searchsorted(begins, at, side="right") - 1
-        before = np.cumsum(slashes)
+        before = np.cumsum(slashes) - slashes
         fields = before[at] - before[begins[corner]]
     _check_fields(lines, tokens, corner, fields)
     given = text.numbers(plain, lines, tokens[corner], int)

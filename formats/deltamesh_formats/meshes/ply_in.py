@@ -6,8 +6,9 @@ obj_info. Triangle strips become triangles. Named as lost: other elements, other
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,8 @@ from deltamesh_formats.meshes.ply_rows import Ascii, Binary, Column, read_rows
 from deltamesh_formats.meshes.strips import from_strips
 from deltamesh_formats.polymesh import Attribute, Domain, PolyMesh
 
-_KEPT = ("vertex", "face", "tristrips")
+_KEPT: Final = ("vertex", "face", "tristrips")
+_NO_END: Final = re.compile(rb"[^\n]+")
 
 
 def read(data: bytes) -> PolyMesh:
@@ -60,11 +62,11 @@ def read(data: bytes) -> PolyMesh:
 
 def _tables(data: bytes, header: Header) -> tuple[dict[str, dict[str, Column]], list[str]]:
     """Return the columns of each element, and words for those that are not kept."""
-    rest = data[header.body :]
-    body: Ascii | Binary = Binary(rest, header.order)
+    body: Ascii | Binary = Binary(data[header.body :], header.order)
     if not header.order:
-        lines_above = len(data[: header.body].splitlines())
-        body = Ascii(text.split(text.normal_ends(rest)), lines_above + 1)
+        plain = text.normal_ends(data)
+        above = text.blanked(_NO_END, plain[: header.body])
+        body = Ascii(text.split(above + plain[header.body :]))
     elements = header.elements if header.order else map(_as_written, header.elements)
     tables: dict[str, dict[str, Column]] = {}
     at, lost = 0, []

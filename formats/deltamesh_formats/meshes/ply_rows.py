@@ -73,7 +73,6 @@ class Ascii:
     """A body of text; a cell is a number. Integers of 64 bits are read from the text again."""
 
     lines: text.Lines
-    first_line: int
     unit: str = "numbers"
 
     @cached_property
@@ -117,7 +116,7 @@ class Ascii:
         """Return a refusal of a cell, with its line."""
         at = min(at, len(self.lines.token_starts) - 1)
         line = self.lines.number(int(self.lines.token_starts[at])) if at >= 0 else 1
-        return MeshError(f"line {self.first_line + line - 1}: {message}")
+        return MeshError(f"line {line}: {message}")
 
 
 def read_rows(body: Binary | Ascii, at: int, element: Element) -> tuple[dict[str, Column], int]:
