@@ -216,3 +216,35 @@ def test_a_target_is_met_and_told(folder: Path, capsys) -> None:
 def test_two_rates_are_a_usage_error(folder: Path, capsys) -> None:
     assert cli("encode torus.ply out.dmesh --bits 8 --normal-error 1") == 2
     assert "exclude each other" in capsys.readouterr().err
+
+
+TEXTURED = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nl 1 2\nusemtl red\nf 1/1 2/1 3/1\n"
+
+
+def test_what_is_not_kept_is_named_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("a.obj").write_text(TEXTURED)
+    words = ["lines", "texture coordinates", "materials", "material libraries"]
+    note = f"note: a.obj: {', '.join(words)} are not kept\n"
+    assert cli("encode a.obj") == 0
+    assert capsys.readouterr().err == note
+    assert cli("encode -f -q a.obj") == 0
+    assert capsys.readouterr().err == ""
+    assert cli("encode -f --json a.obj") == 0
+    printed = capsys.readouterr()
+    assert json.loads(printed.out)["not_kept"] == words
+    assert printed.err == note
+    assert cli("encode --json torus.ply second.dmesh") == 0
+    assert json.loads(capsys.readouterr().out)["not_kept"] == []
+
+
+def test_what_the_output_cannot_hold_is_named(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mesh = meshfile.read_mesh("torus.ply")
+    far = from_triangles(mesh.vertices + 1e9, mesh.faces)
+    meshfile.write_mesh("far.ply", far)
+    assert cli("encode -q far.ply far.dmesh --bits 14 --method cartesian") == 0
+    assert cli("decode far.dmesh far.stl") == 0
+    assert "note: far.stl: positions beyond float32 (by up to" in capsys.readouterr().err
+    assert cli("decode -q far.dmesh far.glb") == 0
+    np.testing.assert_allclose(meshfile.read_mesh("far.glb").vertices.mean(axis=0), 1e9, rtol=1e-9)

@@ -54,15 +54,16 @@ def _read(body: Binary, widths: list[tuple[Role, int]], coloured: bool) -> PolyM
     columns, at = read_rows(body, at, record)
     lists = [Property("indices", "i4", "i4"), Property("colour", "f4", "i4")]
     faces, at = read_rows(body, at, Element("face", m, lists[: 1 + coloured]))
-    if at != len(body.data):
+    sizes = faces["indices"].counts
+    assert sizes is not None
+    # A face without corners would be a count of colour components, none.
+    if at != len(body.data) or not (coloured or sizes.all()):
         return None
     values = np.stack([column.values for column in columns.values()], axis=1)
     attributes, begin = [], 3
     for role, width in widths:
         attributes.append(Attribute(role, "vertex", values[:, begin : begin + width], role))
         begin += width
-    sizes = faces["indices"].counts
-    assert sizes is not None
     lost = []
     if coloured and len(faces["colour"].values):
         components = faces["colour"].counts

@@ -89,8 +89,9 @@ def read(data: bytes) -> PolyMesh:
 def _counts(lines: Lines) -> tuple[int, int, int]:
     """Return the counts of vertices and faces, and the token after them and that of edges."""
     found = [lines.token(i) for i in range(1, min(4, len(lines.token_starts)))]
-    if len(found) == 3 and lines.first[np.searchsorted(lines.first, 2, side="right")] == 3:
-        found.pop()  # the count of edges, which nobody uses, is left out
+    line = int(np.searchsorted(lines.first, 2, side="right"))
+    if len(found) == 3 and lines.first[line - 1] < 2 and lines.first[line] == 3:
+        found.pop()  # a line of two: the count of edges, which nobody uses, is left out
     if len(found) < 2 or not all(_COUNT.fullmatch(count) for count in found):
         raise MeshError("it has no counts of vertices, faces and edges: is it cut short?")
     return int(found[0]), int(found[1]), 1 + len(found)
