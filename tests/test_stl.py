@@ -72,6 +72,9 @@ def test_normals_are_those_of_the_facets():
     )
     flat = from_triangles(np.zeros((3, 3)), np.array([[0, 1, 2]]))
     assert not any(mesh_bytes(flat, "stl")[84:96])
+    parts = (Parts("object", ("huge",), np.array([0, 0])),)
+    huge = replace(MESH, vertices=MESH.vertices * 1e307 - 1e308, parts=parts)
+    np.testing.assert_array_equal(again(huge, "stl").vertices, huge.vertices[[2, 1, 3, 0]])
 
 
 def test_objects_become_solids_whatever_the_order_of_faces():

@@ -18,7 +18,7 @@ from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshes import placement
 from deltamesh_formats.meshes.glb_container import Gltf, Tree, items, read_container
 from deltamesh_formats.meshes.glb_names import name_of
-from deltamesh_formats.meshes.glb_scene import Placed, placed_meshes
+from deltamesh_formats.meshes.glb_scene import Placed, placed_meshes, what_is_lost
 from deltamesh_formats.meshes.strips import from_strips
 from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh
 
@@ -73,7 +73,7 @@ def read(data: bytes) -> PolyMesh:
     MeshError
     """
     gltf = read_container(data)
-    placed, lost = placed_meshes(gltf), dict.fromkeys(_lost(gltf))
+    placed, lost = placed_meshes(gltf), dict.fromkeys(what_is_lost(gltf))
     if any(one.depth for one in placed):
         lost["the hierarchy of nodes"] = None
     if len({one.mesh for one in placed}) < len(placed):
@@ -99,24 +99,6 @@ def read(data: bytes) -> PolyMesh:
         "float32",
         "glb",
     )
-
-
-def _lost(gltf: Gltf) -> Iterator[str]:
-    tree = gltf.tree
-    for name in ("animations", "skins", "cameras"):
-        if gltf.items(name):
-            yield name
-    if gltf.items("textures") or gltf.items("images"):
-        yield "textures"
-    if any(set(gltf.item("materials", i)) - {"name"} for i in range(len(gltf.items("materials")))):
-        yield "the look of materials"
-    if len(gltf.items("scenes")) > 1:
-        yield "other scenes"
-    extensions = tree.get("extensions", {})
-    if isinstance(extensions, dict) and "KHR_lights_punctual" in extensions:
-        yield "lights"
-    if "EXT_mesh_gpu_instancing" in items(tree, "extensionsUsed"):
-        yield "GPU instances"
 
 
 def _primitives(

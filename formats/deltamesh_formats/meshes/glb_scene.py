@@ -1,7 +1,8 @@
-"""The nodes of a glTF scene: which mesh is where."""
+"""The nodes of a glTF scene: which mesh is where, and what else there is."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -47,6 +48,25 @@ def placed_meshes(gltf: Gltf) -> list[Placed]:
         below = reversed(items(node, "children"))
         stack += [(child, matrix, depth + 1) for child in below]
     return found
+
+
+def what_is_lost(gltf: Gltf) -> Iterator[str]:
+    """Yield words for what a file has beside meshes, nodes and names of materials."""
+    tree = gltf.tree
+    for name in ("animations", "skins", "cameras"):
+        if gltf.items(name):
+            yield name
+    if gltf.items("textures") or gltf.items("images"):
+        yield "textures"
+    if any(set(gltf.item("materials", i)) - {"name"} for i in range(len(gltf.items("materials")))):
+        yield "the look of materials"
+    if len(gltf.items("scenes")) > 1:
+        yield "other scenes"
+    extensions = tree.get("extensions", {})
+    if isinstance(extensions, dict) and "KHR_lights_punctual" in extensions:
+        yield "lights"
+    if "EXT_mesh_gpu_instancing" in items(tree, "extensionsUsed"):
+        yield "GPU instances"
 
 
 def _roots(gltf: Gltf) -> list[int]:

@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh_formats.meshes import text
+from deltamesh_formats.meshes.obj_words import KEPT, OFF, OTHERS, PARTS
 from deltamesh_formats.meshes.text import Indices, Lines
-from deltamesh_formats.polymesh import Attribute, Kind, Parts, PolyMesh, Role
+from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh, Role
 
 _CONTINUATION: Final = re.compile(rb"\\\r?\n")
 # "#" begins a comment after white space; names such as "part#1" are whole.
@@ -26,24 +27,6 @@ _HEADER: Final = re.compile(rb"(?:[ \t\r]*(?:#[^\n]*)?\n)*")
 
 # The fields of a corner, v/vt/vn, in their order.
 _FIELDS: Final = ("vertex", "texture coordinate", "normal")
-_PARTS: Final[Mapping[bytes, Kind]] = {
-    b"o": "object",
-    b"g": "group",
-    b"usemtl": "material",
-    b"s": "smoothing",
-}
-_KEPT: Final = frozenset([b"v", b"vt", b"vn", b"f", b"fo", b"mtllib", *_PARTS])
-_OTHERS: Final[Mapping[str, tuple[bytes, ...]]] = {
-    "points": (b"p",),
-    "lines": (b"l",),
-    "free-form geometry": tuple(
-        b"vp cstype deg bmat step curv curv2 surf parm trim hole scrv sp end con".split()
-    ),
-    "texture maps": (b"usemap", b"maplib"),
-    "display settings": tuple(
-        b"bevel c_interp d_interp lod shadow_obj trace_obj ctech stech mg call csh".split()
-    ),
-}
 
 
 def read(data: bytes) -> PolyMesh:
@@ -58,7 +41,7 @@ def read(data: bytes) -> PolyMesh:
     # Comments first: a path at the end of one continues nothing.
     lines = text.split(text.blanked(_CONTINUATION, text.blanked(_COMMENT, data)))
     words = lines.words()
-    where = {key: words == text.word(key) for key in _KEPT}
+    where = {key: words == text.word(key) for key in KEPT}
     where[b"f"] = where[b"f"] | where.pop(b"fo")
     vertices, colours, weighted = _vertices(lines, where[b"v"])
     tables = {
@@ -211,11 +194,11 @@ def _attributes(
 def _parts(lines: Lines, data: bytes, where: Mapping[bytes, NDArray[np.bool_]]) -> list[Parts]:
     """Return what o, g, usemtl and s say of the faces below them; without a name, or off: none."""
     face_lines, found = np.flatnonzero(where[b"f"]), []
-    for key, kind in _PARTS.items():
+    for kind, key in PARTS.items():
         at = np.flatnonzero(where[key])
         numbers: dict[str, int] = {"": -1}
         if kind == "smoothing":
-            numbers |= {"off": -1, "0": -1}
+            numbers |= dict.fromkeys(OFF, -1)
         names = [_rest(lines, data, int(line)) for line in at]
         ids = [-1, *(numbers.setdefault(name, len(numbers)) for name in names)]
         of_face = np.array(ids)[np.searchsorted(at, face_lines)]
@@ -247,9 +230,9 @@ def _metadata(
 
 def _others(lines: Lines, words: NDArray[np.uint64]) -> list[str]:
     """Return the words for statements that are not kept."""
-    strange = ~np.isin(words, [text.word(key[:8]) for key in _KEPT])
+    strange = ~np.isin(words, [text.word(key[:8]) for key in KEPT])
     found = []
-    for what, keys in _OTHERS.items():
+    for what, keys in OTHERS.items():
         mine = strange & np.isin(words, [text.word(key[:8]) for key in keys])
         if mine.any():
             found.append(what)

@@ -10,15 +10,10 @@ from numpy.typing import NDArray
 
 from deltamesh_formats.contents import unkept
 from deltamesh_formats.meshes import numbers_out, text
+from deltamesh_formats.meshes.obj_words import OFF, PARTS
 from deltamesh_formats.meshes.written import Written, numbered
-from deltamesh_formats.polymesh import Attribute, Kind, Parts, PolyMesh
+from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh
 
-_KEYWORDS: Final[dict[Kind, str]] = {
-    "object": "o",
-    "group": "g",
-    "material": "usemtl",
-    "smoothing": "s",
-}
 # A corner by what it has besides its vertex: nothing, vt, vn, both.
 _CORNERS: Final = np.array(["%d", "%d/%d", "%d//%d", "%d/%d/%d"], dtype=object)
 
@@ -27,7 +22,7 @@ def write(mesh: PolyMesh) -> Written:
     """Write an OBJ: names, polygons, one set each of colours, texture coordinates and normals."""
     colour = next((a for a in mesh.attributes if _is_obj_colour(a)), None)
     uv, normal = _table(mesh, "uv", (1, 2, 3)), _table(mesh, "normal", (3,))
-    parts = [p for p in mesh.parts if p.kind in _KEYWORDS]
+    parts = [p for p in mesh.parts if p.kind in PARTS]
     lines = [f"#{text.one_line(line)}" for line in mesh.metadata.get("comments", ())]
     lines += [f"mtllib {text.one_line(name)}" for name in mesh.metadata.get("mtllib", ())]
     lines += [f"v {row}" for row in _vertex_rows(mesh, colour)]
@@ -39,7 +34,7 @@ def write(mesh: PolyMesh) -> Written:
     lost = unkept(
         mesh,
         attributes=kept,
-        parts=list(_KEYWORDS),
+        parts=list(PARTS),
         metadata=("mtllib",),
         polygons=True,
     )
@@ -100,8 +95,8 @@ def _faces(mesh: PolyMesh, tables: list[NDArray[np.int64]], parts: list[Parts]) 
 
 def _statements(parts: Parts) -> list[str]:
     """Return the line for each part, and last, where -1 finds it, the line for none."""
-    keyword = _KEYWORDS[parts.kind]
-    none = "off" if parts.kind == "smoothing" else ""
-    reserved = ("", "off", "0") if parts.kind == "smoothing" else ("",)
+    keyword = PARTS[parts.kind].decode()
+    none = OFF[0] if parts.kind == "smoothing" else ""
+    reserved = ("", *OFF) if parts.kind == "smoothing" else ("",)
     names = numbered([name.strip() for name in parts.names], parts.kind, reserved)
     return [*(text.one_line(f"{keyword} {name}") for name in names), f"{keyword} {none}".rstrip()]

@@ -12,8 +12,9 @@ import itertools
 import numpy as np
 
 from deltamesh_formats.errors import MeshError
+from deltamesh_formats.meshes.ply_bodies import Binary
 from deltamesh_formats.meshes.ply_header import Element, Property
-from deltamesh_formats.meshes.ply_rows import Binary, read_rows
+from deltamesh_formats.meshes.ply_rows import read_rows
 from deltamesh_formats.polymesh import Attribute, PolyMesh, Role
 
 _COUNTS = Element("header", 1, [Property(name, "i4") for name in ("n", "m", "edges")])

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshes import text
+from deltamesh_formats.meshes.ply_bodies import Ascii, Binary
 from deltamesh_formats.meshes.ply_header import Element, Header, read_header
 from deltamesh_formats.meshes.ply_names import GROUPS, INDICES, POSITION, WEDGE_UV, role_of
-from deltamesh_formats.meshes.ply_rows import Ascii, Binary, Column, read_rows
+from deltamesh_formats.meshes.ply_rows import Column, read_rows
 from deltamesh_formats.meshes.strips import from_strips
 from deltamesh_formats.polymesh import Attribute, Domain, PolyMesh
 

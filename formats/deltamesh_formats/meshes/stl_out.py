@@ -52,7 +52,7 @@ def _normals(triangles: NDArray[np.float64]) -> NDArray[np.float32]:
         sides /= np.abs(sides).max(axis=(1, 2), keepdims=True)
         normals = np.cross(sides[:, 0], sides[:, 1])
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.nan_to_num(normals, nan=0.0).astype(np.float32)
+    return np.nan_to_num(normals, nan=0.0, posinf=0.0, neginf=0.0).astype(np.float32)
 
 
 def _binary(mesh: PolyMesh, positions: NDArray[np.float32]) -> tuple[bytes, list[Attribute]]:
