@@ -70,7 +70,8 @@ def write_mesh_file(name: str, mesh: Mesh, file_format: str) -> tuple[str, ...]:
 def note_not_kept(name: str, words: Collection[str], *, quiet: bool) -> None:
     """Say on standard error, in one line, what of a mesh is left out."""
     if words and not quiet:
-        click.echo(f"note: {shown(name)}: {', '.join(words)} are not kept", err=True)
+        listed = ", ".join(map(shown, words))
+        click.echo(f"note: {shown(name)}: {listed} are not kept", err=True)
 
 
 def container_of(name: str, data: bytes, what: str) -> Container:

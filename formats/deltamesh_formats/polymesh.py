@@ -193,7 +193,7 @@ def checked(mesh: PolyMesh) -> PolyMesh:
         message names the first element at fault.
     """
     V, n = mesh.vertices, len(mesh.vertices)
-    also = f" (and {', '.join(mesh.lost)})" if mesh.lost else ""
+    also = _also(mesh)
     if not n:
         raise MeshError(f"it holds no mesh: no vertices and no faces{also}")
     bad = ~np.isfinite(V).all(axis=1)
@@ -209,7 +209,13 @@ def checked(mesh: PolyMesh) -> PolyMesh:
     if not whole.all():
         lost = f"{np.count_nonzero(~whole)} faces of fewer than three corners"
         mesh = replace(keep_faces(mesh, whole), lost=(*mesh.lost, lost))
-        also = f" (and {', '.join(mesh.lost)})"
+        also = _also(mesh)
     if len(mesh.offsets) == 1:
         raise MeshError(f"it holds {n} vertices but no faces: a point cloud{also}")
     return mesh
+
+
+def _also(mesh: PolyMesh) -> str:
+    """Return what a file has instead of a mesh, fit for a message."""
+    words = ", ".join(mesh.lost)
+    return f" (and {words if words.isprintable() else ascii(words)[1:-1]})" if words else ""

@@ -237,6 +237,18 @@ def test_what_is_not_kept_is_named_once(folder: Path, capsys: pytest.CaptureFixt
     assert json.loads(capsys.readouterr().out)["not_kept"] == []
 
 
+def test_names_from_a_file_are_fit_for_a_terminal(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    header = b"ply\nformat ascii 1.0\nelement vertex 3\n"
+    header += b"".join(b"property float %s\n" % name for name in (b"x", b"y", b"z", b"\x1b[2J\xff"))
+    faces = b"element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    points = b"0 0 0 1\n1 0 0 1\n0 1 0 1\n"
+    Path("a.ply").write_bytes(header + faces + points + b"3 0 1 2\n")
+    assert cli("encode -v a.ply") == 0
+    assert r"note: a.ply: \x1b[2J\udcff of vertices are not kept" in capsys.readouterr().err
+
+
 def test_what_the_output_cannot_hold_is_named(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
