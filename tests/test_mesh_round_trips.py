@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import polymeshes
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from polymeshes import Kind, described
 
@@ -114,11 +114,13 @@ def test_glb(mesh):
 
     What has been read then comes back as it is.
     """
+    strays = written(mesh, "glb").lost
+    assert strays in ((), ("attributes of vertices of no face",))
+    assume(not strays)
     found = again(mesh, "glb")
     assert sorted(faces_of(found)) == sorted(faces_of(mesh))
     assert {v.tobytes() for v in found.vertices} == {v.tobytes() for v in mesh.vertices}
-    if found.lost == ():
-        assert described(again(found, "glb")) == described(found)
+    assert described(again(found, "glb")) == described(found)
 
 
 def faces_of(mesh):

@@ -33,6 +33,8 @@ class Groups:
     faces : int64 (t, 3)
         Triangles over these vertices.
     polygon : int64 (t,)
+    strays : bool
+        Whether vertices of no face are in groups of other attributes than theirs.
     """
 
     vertex: Indices
@@ -41,6 +43,7 @@ class Groups:
     objects: Indices
     faces: Indices
     polygon: Indices
+    strays: bool = False
 
 
 def grouped(mesh: PolyMesh, attributes: list[Attribute], objects: Indices) -> Groups:
@@ -61,25 +64,24 @@ def grouped(mesh: PolyMesh, attributes: list[Attribute], objects: Indices) -> Gr
         starts, rows = np.array([0, len(every)]), [every] * len(attributes)
         return Groups(every, rows, starts, objects[:1], cut.faces, cut.polygon)
     isolated = np.setdiff1d(np.arange(len(mesh.vertices)), mesh.corners)
-    # Corners of triangles, then the vertices without any; these go with a neighbour in the order,
-    # and have the attributes that it has.
+    found = [a.rows()[cut.faces if a.domain == "vertex" else cut.corners] for a in attributes]
+    # A triangle has the attributes that all its corners have.
+    common = [np.repeat((rows >= 0).all(axis=1), 3) for rows in found]
+    nothing = np.full(len(isolated), -1, dtype=np.int64)
+    own = [a.rows()[isolated] if a.domain == "vertex" else nothing for a in attributes]
+    beside, strays = _beside(cut.faces.ravel(), common, isolated, [rows >= 0 for rows in own])
+    # Corners of triangles, then the vertices without any.
     vertex = np.concatenate([cut.faces.ravel(), isolated])
-    beside = _beside(cut.faces.ravel(), isolated)
     object_of = np.repeat(objects[cut.polygon], 3)
     object_of = np.concatenate([object_of, object_of[beside]])
-    rows, has = [], []
-    for attribute in attributes:
-        at = cut.faces if attribute.domain == "vertex" else cut.corners
-        found = attribute.rows()[at]
-        # A triangle has the attributes that all its corners have.
-        some = np.repeat((found >= 0).all(axis=1), 3)
-        own = attribute.rows()[isolated] if attribute.domain == "vertex" else -1
-        alone = np.where(some[beside], np.where(own >= 0, own, found.ravel()[beside]), -1)
-        rows.append(np.where(np.append(some, some[beside]), np.append(found, alone), -1))
-        has.append(rows[-1] >= 0)
+    rows = []
+    for some, of_corner, alone in zip(common, found, own, strict=True):
+        filled = np.where(alone >= 0, alone, of_corner.ravel()[beside])
+        has = np.append(some, some[beside])
+        rows.append(np.where(has, np.append(of_corner, filled), -1))
     group = _numbered(object_of, np.zeros(len(vertex), dtype=np.int64))
-    for some in has:
-        group = _numbered(group, ~some)  # those that have it come first
+    for row in rows:
+        group = _numbered(group, row < 0)  # those that have it come first
     key = _numbered(group, vertex)
     for row in rows:
         key = _numbered(key, row)
@@ -94,15 +96,42 @@ def grouped(mesh: PolyMesh, attributes: list[Attribute], objects: Indices) -> Gr
         object_of[first_of_group],
         key[: cut.faces.size].reshape(-1, 3),
         cut.polygon,
+        strays,
     )
 
 
-def _beside(corners: Indices, isolated: Indices) -> Indices:
-    """Return, for each vertex without faces, a corner of the last vertex before that has some."""
-    vertices, first = np.unique(corners, return_index=True)
-    before = np.searchsorted(vertices, isolated) - 1
-    found: Indices = first[np.maximum(before, 0)]
-    return found
+def _beside(
+    corners: Indices,
+    common: list[NDArray[np.bool_]],
+    isolated: Indices,
+    own: list[NDArray[np.bool_]],
+) -> tuple[Indices, bool]:
+    """Return a corner for each vertex without faces, to go with, and whether some do not fit.
+
+    It is one of the last vertex before that has a face, and the same attributes.
+
+    Parameters
+    ----------
+    corners : int64 (c,)
+        The vertex of each corner of a triangle.
+    common, own : list of bool (c,), list of bool (isolated,)
+        Which attributes the corners have, and the vertices.
+    isolated : int64
+    """
+    pattern = np.zeros(len(corners) + len(isolated), dtype=np.int64)
+    for some, has in zip(common, own, strict=True):
+        pattern = _numbered(pattern, np.append(some, has))
+    of_corner, of_vertex = pattern[: len(corners)], pattern[len(corners) :]
+    found, strays = np.zeros(len(isolated), dtype=np.int64), False
+    for each in np.unique(of_vertex).tolist():
+        fitting = np.flatnonzero(of_corner == each)
+        if not len(fitting):
+            fitting, strays = np.arange(len(corners)), True
+        vertices, first = np.unique(corners[fitting], return_index=True)
+        mine = of_vertex == each
+        before = np.searchsorted(vertices, isolated[mine]) - 1
+        found[mine] = fitting[first[np.maximum(before, 0)]]
+    return found, strays
 
 
 def _numbered(major: Indices, minor: NDArray[np.int64] | NDArray[np.bool_]) -> Indices:
