@@ -275,6 +275,16 @@ def test_what_glb_has_no_place_for():
     assert {a.name for a in read(made.data, "glb").attributes} == {"small", "uv"}
 
 
+def test_corners_without_what_the_others_of_their_face_have_are_named():
+    square = from_triangles(np.array(POINTS, dtype=float), np.array([[0, 1, 2], [2, 1, 3]]))
+    index = np.array([0, 0, -1, 0, 0, 0])
+    uv = Attribute("uv", "corner", np.zeros((1, 2)), "uv", index)
+    made = written(replace(square, attributes=(uv,)), "glb")
+    assert made.lost == ("attributes that not all corners of a face have",)
+    mesh = read(made.data, "glb")
+    assert sorted(map(bool, rows(mesh, "uv", "vertex"))) == [False] * 3 + [True] * 3
+
+
 def test_trimesh_reads_what_we_write():
     """An independent reader; also of the names, normals and the transform of a node."""
     import trimesh

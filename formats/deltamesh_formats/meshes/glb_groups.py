@@ -33,8 +33,8 @@ class Groups:
     faces : int64 (t, 3)
         Triangles over these vertices.
     polygon : int64 (t,)
-    strays : bool
-        Whether vertices of no face are in groups of other attributes than theirs.
+    lost : tuple of str
+        Words for attributes that some elements have and their group has not.
     """
 
     vertex: Indices
@@ -43,7 +43,7 @@ class Groups:
     objects: Indices
     faces: Indices
     polygon: Indices
-    strays: bool = False
+    lost: tuple[str, ...] = ()
 
 
 def grouped(mesh: PolyMesh, attributes: list[Attribute], objects: Indices) -> Groups:
@@ -66,6 +66,7 @@ def grouped(mesh: PolyMesh, attributes: list[Attribute], objects: Indices) -> Gr
     isolated = np.setdiff1d(np.arange(len(mesh.vertices)), mesh.corners)
     found = [a.rows()[cut.faces if a.domain == "vertex" else cut.corners] for a in attributes]
     # A triangle has the attributes that all its corners have.
+    mixed = any(((rows >= 0).any(axis=1) & (rows < 0).any(axis=1)).any() for rows in found)
     common = [np.repeat((rows >= 0).all(axis=1), 3) for rows in found]
     nothing = np.full(len(isolated), -1, dtype=np.int64)
     own = [a.rows()[isolated] if a.domain == "vertex" else nothing for a in attributes]
@@ -96,7 +97,8 @@ def grouped(mesh: PolyMesh, attributes: list[Attribute], objects: Indices) -> Gr
         object_of[first_of_group],
         key[: cut.faces.size].reshape(-1, 3),
         cut.polygon,
-        strays,
+        (("attributes that not all corners of a face have",) if mixed else ())
+        + (("attributes of vertices of no face",) if strays else ()),
     )
 
 

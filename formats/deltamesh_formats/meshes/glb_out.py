@@ -90,7 +90,7 @@ class _Writer:
     def __init__(self, mesh: PolyMesh, groups: Groups, kept: list[_Kept]) -> None:
         self.mesh, self.groups, self.kept = mesh, groups, kept
         self.diagonal = diagonal_of(mesh.vertices)
-        self.lost = ["attributes of vertices of no face"] if groups.strays else []
+        self.lost = [*groups.lost]
         self.buffer: list[bytes] = []
         self.size = 0
         self.views: list[dict[str, int]] = []
