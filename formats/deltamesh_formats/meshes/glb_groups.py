@@ -82,7 +82,8 @@ def grouped(mesh: PolyMesh, attributes: list[Attribute], objects: Indices) -> Gr
         rows.append(np.where(has, np.append(of_corner, filled), -1))
     group = _numbered(object_of, np.zeros(len(vertex), dtype=np.int64))
     for row in rows:
-        group = _numbered(group, row < 0)  # those that have it come first
+        group = _numbered(group, row < 0)
+    group = _in_order(group, object_of, vertex)
     key = _numbered(group, vertex)
     for row in rows:
         key = _numbered(key, row)
@@ -134,6 +135,19 @@ def _beside(
         before = np.searchsorted(vertices, isolated[mine]) - 1
         found[mine] = fitting[first[np.maximum(before, 0)]]
     return found, strays
+
+
+def _in_order(group: Indices, object_of: Indices, vertex: Indices) -> Indices:
+    """Renumber groups by their objects, and those of an object by their first vertices.
+
+    So a mesh that has been read from a GLB, block after block, is written in the same order.
+    """
+    first, objects = (np.full(int(group.max()) + 1, len(vertex)) for _ in range(2))
+    np.minimum.at(first, group, vertex)
+    objects[group] = object_of
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[np.lexsort([first, objects])] = np.arange(len(first))
+    return rank[group]
 
 
 def _numbered(major: Indices, minor: NDArray[np.int64] | NDArray[np.bool_]) -> Indices:
