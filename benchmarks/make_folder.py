@@ -21,6 +21,7 @@ from deltamesh.metrics import diagonal
 from deltamesh.topology import build_topology, weld
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfile import write_mesh
+from deltamesh_formats.polymesh import from_triangles
 
 # A scan in full, formats in turn: text and binary, with shared vertices and without.
 _FORMATS = ("ply", "obj", "stl", "off", "glb")
@@ -61,7 +62,7 @@ def command(
         # A hundred files a folder, as in a tree that somebody keeps.
         path = folder / f"{number // 100:02}" / f"{number:04}.{file_format}"
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_mesh(path, mesh.vertices, mesh.faces)
+        write_mesh(path, from_triangles(mesh.vertices, mesh.faces))
     click.echo(f"{folder}: {wanted} meshes, of {len(parts)} parts")
 
 

@@ -32,7 +32,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name, mesh in MESHES.items():
         path = top / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(mesh_bytes(*mesh, path.suffix[1:]))
+        path.write_bytes(mesh_bytes(from_triangles(*mesh), path.suffix[1:]))
     return top
 
 

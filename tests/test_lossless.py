@@ -368,7 +368,7 @@ def mesh_file(tmp_path, monkeypatch):
 
     monkeypatch.chdir(tmp_path)
     V, F = meshes.torus(9, 7)
-    write_mesh("torus.obj", np.where(V == 0, -0.0, V), F)
+    write_mesh("torus.obj", from_triangles(np.where(V == 0, -0.0, V), F))
 
 
 def cli(line: str) -> int:

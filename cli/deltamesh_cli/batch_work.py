@@ -76,7 +76,7 @@ def work(job: Job, task: Task) -> Record:
         files.check_output(task.source, task.target, force=True)
         with attempt(task.source, "cannot read"):
             before = state_of(task.source, "source")
-        container = _decode(job, task) if job.decode else _encode(job, task)
+        container, lost = _decode(job, task) if job.decode else _encode(job, task)
         with attempt(task.target, "cannot read"):
             after = state_of(task.target, "target")
     except Failure as failure:
@@ -89,6 +89,7 @@ def work(job: Job, task: Task) -> Record:
         **after,
         "vertices": container.vertices,
         "faces": container.faces,
+        "not_kept": list(lost),
         "errors": None if container.meta is None else summary.errors(container.meta),
         "seconds": time.perf_counter() - start,
         "options": job.options(),
@@ -113,18 +114,18 @@ def failed(job: Job, task: Task, failure: Failure, seconds: float | None = None)
     }
 
 
-def _encode(job: Job, task: Task) -> Container:
+def _encode(job: Job, task: Task) -> tuple[Container, tuple[str, ...]]:
     source, target = task.source, task.target
-    _, data = encode_file(source, target, job.file_format, _silent, job.parameters)
-    return container_of(target, data, job.what)
+    _, data, lost = encode_file(source, target, job.file_format, _silent, job.parameters)
+    return container_of(target, data, job.what), lost
 
 
-def _decode(job: Job, task: Task) -> Container:
+def _decode(job: Job, task: Task) -> tuple[Container, tuple[str, ...]]:
     data = files.read_input(task.source)
     container = container_of(task.source, data, job.what)
     file_format = job.file_format or files.extension(task.target)
-    decode_into(task.target, file_format, task.source, data, _silent, job.parameters)
-    return container
+    _, lost = decode_into(task.target, file_format, task.source, data, _silent, job.parameters)
+    return container, lost
 
 
 def _silent(stage: str) -> None:

@@ -8,7 +8,7 @@ import click
 
 from deltamesh_cli import files, options
 from deltamesh_cli.failures import each
-from deltamesh_cli.meshes import container_of, decoded, write_mesh_file
+from deltamesh_cli.meshes import container_of, decoded, note_not_kept, write_mesh_file
 from deltamesh_cli.output import print_json, shown
 from deltamesh_cli.progress import Stage, progress
 
@@ -83,7 +83,8 @@ def command(
         text = file_format in options.TEXT_FORMATS
         files.check_output(source, name, force=force, text=text)
         with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
-            mesh = decode_into(name, file_format, source, data, stage, parameters)
+            mesh, lost = decode_into(name, file_format, source, data, stage, parameters)
+        note_not_kept(name, lost, quiet=quiet)
         if as_json or not (quiet or name == files.STDIO):
             _print_summary(source, name, mesh, file_format, as_json)
 
@@ -97,8 +98,14 @@ def decode_into(
     data: bytes,
     stage: Stage,
     parameters: dict[str, Any],
-) -> Mesh:
-    """Write the mesh of a `.dmesh` file, whose bytes are `data`, and return it.
+) -> tuple[Mesh, tuple[str, ...]]:
+    """Write the mesh of a `.dmesh` file, whose bytes are `data`.
+
+    Returns
+    -------
+    mesh : Mesh
+    lost : tuple of str
+        Words for what the format of the target has no place for.
 
     Raises
     ------
@@ -106,8 +113,7 @@ def decode_into(
     """
     mesh = decoded(source, data, stage, **parameters)
     stage("writing")
-    write_mesh_file(target, mesh, file_format)
-    return mesh
+    return mesh, write_mesh_file(target, mesh, file_format)
 
 
 def destination(

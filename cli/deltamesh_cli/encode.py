@@ -18,13 +18,13 @@ from deltamesh.options import (
 )
 from deltamesh_cli import files, options, summary
 from deltamesh_cli.failures import attempt, each
-from deltamesh_cli.meshes import parsed
+from deltamesh_cli.meshes import note_not_kept, parsed
 from deltamesh_cli.output import print_json, shown
 from deltamesh_cli.progress import Stage, progress
 from deltamesh_cli.signals import interruptible
 
 if TYPE_CHECKING:
-    from deltamesh_formats.meshfile import MeshData
+    from deltamesh_formats.polymesh import PolyMesh
 
 _EXAMPLES = """\
 deltamesh encode bunny.ply                      writes bunny.ply.dmesh
@@ -199,9 +199,10 @@ def command(
         files.check_input(source)
         files.check_output(source, target, force=force)
         with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
-            size, data = encode_file(source, target, input_format, stage, parameters)
+            size, data, lost = encode_file(source, target, input_format, stage, parameters)
+        note_not_kept(source, lost, quiet=quiet)
         if as_json or not (quiet or target == files.STDIO):
-            _print_summary((source, size), target, data, as_json)
+            _print_summary((source, size), target, data, lost if as_json else None)
 
     each([source], encode, as_json=as_json)
 
@@ -225,8 +226,17 @@ def _choose_lossless(parameters: dict[str, Any]) -> None:
 
 def encode_file(
     source: str, target: str, input_format: str | None, stage: Stage, parameters: dict[str, Any]
-) -> tuple[int, bytes]:
-    """Compress one file into another; return the size of the first and the bytes of the second.
+) -> tuple[int, bytes, tuple[str, ...]]:
+    """Compress one file into another.
+
+    Returns
+    -------
+    size : int
+        Bytes of the first.
+    data : bytes
+        The second.
+    lost : tuple of str
+        Words for what is not kept.
 
     Raises
     ------
@@ -238,7 +248,7 @@ def encode_file(
         data = interruptible(lambda: _encoded(mesh, stage, parameters))
     with files.open_output(target) as stream:
         stream.write(data)
-    return len(original), data
+    return len(original), data, _not_kept(mesh)
 
 
 def _refuse_two_rates(parameters: dict[str, Any]) -> None:
@@ -259,7 +269,7 @@ def _refuse_high_pass_options(parameters: dict[str, Any]) -> None:
             raise click.UsageError(f"--{option} means nothing with --method {method}.")
 
 
-def _encoded(mesh: MeshData, stage: Stage, parameters: dict[str, Any]) -> bytes:
+def _encoded(mesh: PolyMesh, stage: Stage, parameters: dict[str, Any]) -> bytes:
     import deltamesh
 
     return deltamesh.encode(
@@ -271,15 +281,24 @@ def _encoded(mesh: MeshData, stage: Stage, parameters: dict[str, Any]) -> bytes:
     )
 
 
-def _print_summary(source: tuple[str, int], target: str, data: bytes, as_json: bool) -> None:
-    """Print what became of `source`, a name and a size in bytes."""
+def _not_kept(mesh: PolyMesh) -> tuple[str, ...]:
+    """Return words for what is in the mesh that a `.dmesh` has no place for."""
+    from deltamesh_formats.contents import unkept
+
+    return unkept(mesh)
+
+
+def _print_summary(
+    source: tuple[str, int], target: str, data: bytes, not_kept: tuple[str, ...] | None
+) -> None:
+    """Print what became of `source`, a name and a size in bytes; as JSON with what is not kept."""
     from deltamesh_formats.reader import read_container
 
     container = read_container(data)
     name, size = source
-    if as_json:
+    if not_kept is not None:
         made = summary.as_object(target, container)
-        print_json({"source": name, "source_bytes": size, **made})
+        print_json({"source": name, "source_bytes": size, **made, "not_kept": list(not_kept)})
         return
     click.echo(f"{shown(name)}: {size} bytes")
     click.echo(f"{shown(target)}: {container.size} bytes, {summary.counts(container)}")

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import click
+
 from deltamesh_cli import files, options
 from deltamesh_cli.failures import attempt
+from deltamesh_cli.output import shown
 from deltamesh_cli.progress import Stage
 from deltamesh_cli.signals import interruptible
 
 if TYPE_CHECKING:
     from deltamesh.mesh import Mesh
     from deltamesh_formats.layout import Container
-    from deltamesh_formats.meshfile import MeshData
+    from deltamesh_formats.polymesh import PolyMesh
 
 
 @dataclass(frozen=True)
@@ -26,7 +30,7 @@ class Loaded:
     container: Container | None
 
 
-def parsed(name: str, data: bytes, file_format: str | None, stage: Stage) -> MeshData:
+def parsed(name: str, data: bytes, file_format: str | None, stage: Stage) -> PolyMesh:
     """Return the mesh that the bytes of a file hold; the name tells the format if nothing else.
 
     Raises
@@ -48,8 +52,8 @@ def _format_hint(name: str) -> str:
     return "--input-format names the format"
 
 
-def write_mesh_file(name: str, mesh: Mesh, file_format: str) -> None:
-    """Write a mesh file, or a mesh to standard output.
+def write_mesh_file(name: str, mesh: Mesh, file_format: str) -> tuple[str, ...]:
+    """Write a mesh file, or a mesh to standard output; return what the format has no place for.
 
     Raises
     ------
@@ -57,9 +61,17 @@ def write_mesh_file(name: str, mesh: Mesh, file_format: str) -> None:
         It cannot be written.
     """
     from deltamesh_formats.meshfile import write_mesh
+    from deltamesh_formats.polymesh import from_triangles
 
     with files.open_output(name) as stream:
-        write_mesh(stream, mesh.vertices, mesh.faces, file_format)
+        return write_mesh(stream, from_triangles(mesh.vertices, mesh.faces), file_format)
+
+
+def note_not_kept(name: str, words: Collection[str], *, quiet: bool) -> None:
+    """Say on standard error, in one line, what of a mesh is left out."""
+    if words and not quiet:
+        listed = ", ".join(map(shown, words))
+        click.echo(f"note: {shown(name)}: {listed} are not kept", err=True)
 
 
 def container_of(name: str, data: bytes, what: str) -> Container:

@@ -18,6 +18,7 @@ from works import task
 
 from deltamesh.batch import WorkerError
 from deltamesh_formats.meshfile import mesh_bytes
+from deltamesh_formats.polymesh import from_triangles
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 
@@ -67,7 +68,7 @@ def test_the_command_survives_the_death_of_a_worker(cluster: Any, tmp_path: Path
     names = [f"scans/{i:02}.ply" for i in range(20)]
     (tmp_path / "scans").mkdir()
     for i, name in enumerate(names):
-        (tmp_path / name).write_bytes(mesh_bytes(V * (1 + i / 10), F, "ply"))
+        (tmp_path / name).write_bytes(mesh_bytes(from_triangles(V * (1 + i / 10), F), "ply"))
     line = "batch -r scans --output-dir-flat out --manifest run.jsonl --scheduler"
     command = [sys.executable, "-m", "deltamesh_cli", *line.split(), cluster.address]
     manifest = tmp_path / "run.jsonl"
@@ -103,7 +104,7 @@ def test_the_command_survives_the_death_of_a_worker(cluster: Any, tmp_path: Path
 
 def test_no_scheduler_is_a_failure(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
-    (tmp_path / "a.ply").write_bytes(mesh_bytes(*meshes.tetrahedron(), "ply"))
+    (tmp_path / "a.ply").write_bytes(mesh_bytes(from_triangles(*meshes.tetrahedron()), "ply"))
     command = [sys.executable, "-m", "deltamesh_cli", "batch", "a.ply", "--scheduler"]
     environment = {**os.environ, "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "1s"}
     done = subprocess.run(

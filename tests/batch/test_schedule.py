@@ -90,7 +90,7 @@ def test_a_file_is_not_taken_for_smaller_than_it_is() -> None:
 
     V, F = icosphere(4)
     for file_format in FORMATS:
-        size = len(mesh_bytes(V.round(3), F, file_format))
+        size = len(mesh_bytes(from_triangles(V.round(3), F), file_format))
         estimate = memory_for_mesh_file(size, file_format)
         assert memory_for_counts(len(V), len(F)) <= estimate * 1.02, file_format
 

@@ -35,7 +35,7 @@ NAMES = sorted(SCANS)
 def mesh_file(name: str, mesh: meshes.Arrays) -> None:
     path = Path(name)
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(mesh_bytes(*mesh, files.extension(name)))
+    path.write_bytes(mesh_bytes(from_triangles(*mesh), files.extension(name)))
 
 
 @pytest.fixture

@@ -12,6 +12,7 @@ from commandline import TORUS, cli, damaged
 
 from deltamesh_cli import failures, options, output
 from deltamesh_formats import meshfile
+from deltamesh_formats.polymesh import from_triangles
 
 
 def test_round_trip(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -138,7 +139,7 @@ def test_compare_of_a_soup_with_isolated_vertices(
     mesh = meshfile.read_mesh("torus.ply")
     soup = np.concatenate([mesh.vertices[mesh.faces].reshape(-1, 3), [[0, 0, 0], [0, 0, 1]]])
     faces = np.arange(3 * len(mesh.faces)).reshape(-1, 3)
-    meshfile.write_mesh("soup.off", soup, faces)
+    meshfile.write_mesh("soup.off", from_triangles(soup, faces))
     assert cli("encode -q soup.off --drop-isolated") == 0
     for line in ("compare --json soup.off soup.off.dmesh", "compare --json soup.off torus.ply"):
         assert cli(line) == 0
@@ -222,7 +223,7 @@ def test_encode_keeps_the_order(folder: Path, capsys: pytest.CaptureFixture[str]
     mesh = meshfile.read_mesh("torus.ply")
     rng = np.random.default_rng(12)
     faces = mesh.faces[rng.permutation(len(mesh.faces))]
-    meshfile.write_mesh("mixed.off", mesh.vertices, faces)
+    meshfile.write_mesh("mixed.off", from_triangles(mesh.vertices, faces))
     assert cli("encode -q mixed.off --keep-order --method cartesian") == 0
     assert cli("decode -q mixed.off.dmesh back.off") == 0
     np.testing.assert_array_equal(meshfile.read_mesh("back.off").faces, faces)
@@ -231,3 +232,47 @@ def test_encode_keeps_the_order(folder: Path, capsys: pytest.CaptureFixture[str]
     for name, kept in (("mixed.off.dmesh", True), ("torus.dmesh", False)):
         assert cli("info --json", name) == 0
         assert json.loads(capsys.readouterr().out)["order_kept"] is kept
+
+
+TEXTURED = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nl 1 2\nusemtl red\nf 1/1 2/1 3/1\n"
+
+
+def test_what_is_not_kept_is_named_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("a.obj").write_text(TEXTURED)
+    words = ["lines", "texture coordinates", "materials", "material libraries"]
+    note = f"note: a.obj: {', '.join(words)} are not kept\n"
+    assert cli("encode a.obj") == 0
+    assert capsys.readouterr().err == note
+    assert cli("encode -f -q a.obj") == 0
+    assert capsys.readouterr().err == ""
+    assert cli("encode -f --json a.obj") == 0
+    printed = capsys.readouterr()
+    assert json.loads(printed.out)["not_kept"] == words
+    assert printed.err == note
+    assert cli("encode --json torus.ply second.dmesh") == 0
+    assert json.loads(capsys.readouterr().out)["not_kept"] == []
+
+
+def test_names_from_a_file_are_fit_for_a_terminal(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    header = b"ply\nformat ascii 1.0\nelement vertex 3\n"
+    header += b"".join(b"property float %s\n" % name for name in (b"x", b"y", b"z", b"\x1b[2J\xff"))
+    faces = b"element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    points = b"0 0 0 1\n1 0 0 1\n0 1 0 1\n"
+    Path("a.ply").write_bytes(header + faces + points + b"3 0 1 2\n")
+    assert cli("encode -v a.ply") == 0
+    assert r"note: a.ply: \x1b[2J\udcff of vertices are not kept" in capsys.readouterr().err
+
+
+def test_what_the_output_cannot_hold_is_named(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mesh = meshfile.read_mesh("torus.ply")
+    far = from_triangles(mesh.vertices + 1e9, mesh.faces)
+    meshfile.write_mesh("far.ply", far)
+    assert cli("encode -q far.ply far.dmesh --bits 14 --method cartesian") == 0
+    assert cli("decode far.dmesh far.stl") == 0
+    assert "note: far.stl: positions beyond float32 (by up to" in capsys.readouterr().err
+    assert cli("decode -q far.dmesh far.glb") == 0
+    np.testing.assert_allclose(meshfile.read_mesh("far.glb").vertices.mean(axis=0), 1e9, rtol=1e-9)

@@ -1,0 +1,209 @@
+"""The outer form of a GLB and its accessors: JSON and buffers in, arrays out.
+
+glTF 2.0 (Khronos Group, 2021): section 4 for the container, 3.6 for buffers and accessors. What a
+file says of itself is checked against its length before anything is allocated.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh_formats.errors import MeshError
+
+MAGIC: Final = b"glTF"
+JSON_CHUNK: Final = b"JSON"
+BINARY_CHUNK: Final = b"BIN\0"
+COMPONENTS: Final[Mapping[int, str]] = {
+    5120: "i1",
+    5121: "u1",
+    5122: "i2",
+    5123: "u2",
+    5125: "u4",
+    5126: "f4",
+}
+WIDTHS: Final[Mapping[str, int]] = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+_COMPRESSED: Final = (
+    "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
+)
+
+Tree = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Gltf:
+    """The JSON of a file, and the bytes of its buffers."""
+
+    tree: Tree
+    buffers: list[bytes]
+
+    def items(self, name: str) -> list[Any]:
+        """Return a list of the file's top level, empty when it has none."""
+        return items(self.tree, name)
+
+    def item(self, name: str, index: object) -> Tree:
+        """Return an object of such a list by its number.
+
+        Raises
+        ------
+        MeshError
+            When there is no such number.
+        """
+        found = self.items(name)
+        if not isinstance(index, int) or not 0 <= index < len(found):
+            raise MeshError(f"it refers to {name} {index!r}, of {len(found)}")
+        if not isinstance(found[index], dict):
+            raise MeshError(f"{name} {index} is no object")
+        return found[index]  # type: ignore[no-any-return]
+
+    def accessor(self, index: object) -> NDArray[Any]:
+        """Return the numbers of an accessor, (count, width), in the type of its components."""
+        accessor = self.item("accessors", index)
+        if "bufferView" not in accessor and "sparse" not in accessor:
+            raise MeshError(f"accessor {index} has no data: it may be compressed")
+        count, start = whole(accessor, "count"), whole(accessor, "byteOffset", 0)
+        kind = _component(accessor)
+        width = WIDTHS.get(accessor.get("type", ""))
+        if width is None:
+            raise MeshError(f"accessor {index} is of type {accessor.get('type')!r}")
+        if "bufferView" in accessor:
+            values = self._view(accessor["bufferView"], start, count, width, kind)
+        else:
+            if count > sum(map(len, self.buffers)):
+                raise MeshError(f"accessor {index} has {count} elements but hardly any data")
+            values = np.zeros((count, width), dtype=kind)
+        if "sparse" in accessor:
+            self._replace(values, accessor["sparse"], kind)
+        return values
+
+    def _view(
+        self, index: object, start: int, count: int, width: int, kind: np.dtype[Any]
+    ) -> NDArray[Any]:
+        """Return a copy of numbers in a buffer view."""
+        view = self.item("bufferViews", index)
+        if any(name in view.get("extensions", {}) for name in _COMPRESSED):
+            raise MeshError(f"buffer view {index} is compressed, which is not read")
+        number = whole(view, "buffer")
+        if number >= len(self.buffers):
+            raise MeshError(f"it refers to buffer {number}, of {len(self.buffers)}")
+        begin, length = whole(view, "byteOffset", 0), whole(view, "byteLength")
+        stride = whole(view, "byteStride", 0) or width * kind.itemsize
+        if stride < width * kind.itemsize:
+            raise MeshError(f"the elements of buffer view {index} overlap")
+        needed = start + (count - 1) * stride + width * kind.itemsize if count else 0
+        if needed > length or begin + length > len(self.buffers[number]):
+            message = f"buffer view {index} would end at byte {begin + max(needed, length)}"
+            raise MeshError(f"{message} of a buffer of {len(self.buffers[number])}")
+        if not count:
+            return np.empty((0, width), dtype=kind)
+        strides = (stride, kind.itemsize)
+        data = self.buffers[number]
+        return np.ndarray((count, width), kind, data, begin + start, strides).astype(kind)
+
+    def _replace(self, values: NDArray[Any], sparse: Tree, kind: np.dtype[Any]) -> None:
+        """Put the numbers of a sparse accessor in their places."""
+        count, at, new = whole(sparse, "count"), sparse["indices"], sparse["values"]
+        start = whole(at, "byteOffset", 0)
+        places = self._view(at["bufferView"], start, count, 1, _component(at)).ravel()
+        start = whole(new, "byteOffset", 0)
+        numbers = self._view(new["bufferView"], start, count, values.shape[1], kind)
+        if count and int(places.max()) >= len(values):
+            raise MeshError(f"a sparse accessor replaces element {places.max()} of {len(values)}")
+        values[places.astype(np.int64)] = numbers
+
+
+def items(tree: Tree, name: str) -> list[Any]:
+    """Return a list in an object, empty when there is none."""
+    found = tree.get(name, [])
+    if not isinstance(found, list):
+        raise MeshError(f"its {name} are no list")
+    return found
+
+
+def whole(tree: Tree, name: str, default: int | None = None) -> int:
+    """Return a whole number from 0 in an object."""
+    value = tree.get(name, default)
+    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**53:
+        raise MeshError(f"its {name} is {value!r}, not a count")
+    return value
+
+
+def reals(tree: Tree, name: str, count: int) -> NDArray[np.float64] | None:
+    """Return a list of so many finite numbers in an object, None when it is not there."""
+    if name not in tree:
+        return None
+    found = tree[name]
+    fits = isinstance(found, list) and len(found) == count
+    if not fits or not all(isinstance(x, (int, float)) and math.isfinite(x) for x in found):
+        raise MeshError(f"a node's {name} is not {count} numbers")
+    return np.array(found, dtype=np.float64)
+
+
+def _component(accessor: Tree) -> np.dtype[Any]:
+    code = whole(accessor, "componentType")
+    if code not in COMPONENTS:
+        raise MeshError(f"there is no component type {code!r}")
+    return np.dtype("<" + COMPONENTS[code])
+
+
+def read_container(data: bytes) -> Gltf:
+    """Take a GLB apart.
+
+    Raises
+    ------
+    MeshError
+        When it is none, or needs what is not read.
+    """
+    if data[:4] != MAGIC:
+        raise MeshError("it does not begin with 'glTF'")
+    version, length = (int.from_bytes(data[i : i + 4], "little") for i in (4, 8))
+    if version != 2:
+        raise MeshError(f"it is glTF version {version}, not 2")
+    if length > len(data):
+        raise MeshError(f"its header tells {length} bytes, it has {len(data)}: is it cut short?")
+    chunks: dict[bytes, bytes] = {}
+    at = 12
+    while at + 8 <= length:
+        size, kind = int.from_bytes(data[at : at + 4], "little"), data[at + 4 : at + 8]
+        if at + 8 + size > length:
+            raise MeshError(f"a chunk at byte {at} has {size} bytes: is it cut short?")
+        chunks.setdefault(kind, data[at + 8 : at + 8 + size])
+        at += 8 + size
+    if JSON_CHUNK not in chunks:
+        raise MeshError("it has no JSON")
+    try:
+        tree = json.loads(chunks[JSON_CHUNK])
+    except (ValueError, RecursionError) as error:
+        raise MeshError(f"its JSON is not readable: {error}") from None
+    if not isinstance(tree, dict):
+        raise MeshError("its JSON is no object")
+    for name in _COMPRESSED:
+        if name in items(tree, "extensionsRequired"):
+            raise MeshError(f"it needs the glTF extension {name}, which is not read")
+    return Gltf(tree, _buffers(tree, chunks.get(BINARY_CHUNK, b"")))
+
+
+def _buffers(tree: Tree, binary: bytes) -> list[bytes]:
+    found = []
+    for i, buffer in enumerate(items(tree, "buffers")):
+        uri = buffer.get("uri")
+        if uri is None:
+            found.append(binary if i == 0 else b"")
+        elif isinstance(uri, str) and uri.startswith("data:") and ";base64," in uri:
+            try:
+                found.append(base64.b64decode(uri.partition(",")[2]))
+            except binascii.Error as error:
+                raise MeshError(f"buffer {i} is not readable: {error}") from None
+        else:
+            raise MeshError(f"buffer {i} is in another file, {str(uri)[:80]!r}: it is not read")
+    return found

@@ -1,0 +1,67 @@
+"""Vectors under the transforms of a scene, there and back.
+
+A transform is float64 (4, 4) with columns as axes; positions, normals and tangents are rows.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Matrix = NDArray[np.float64]
+
+
+def is_identity(matrix: Matrix) -> bool:
+    """Tell whether a transform, or its linear part, leaves all as it is."""
+    return bool((matrix == np.eye(len(matrix))).all())
+
+
+def is_mirror(matrix: Matrix) -> bool:
+    """Tell whether a transform turns the winding of faces round."""
+    with np.errstate(all="ignore"):
+        return bool(np.linalg.det(matrix[:3, :3]) < 0)
+
+
+def moved(points: NDArray[np.float64], matrix: Matrix) -> NDArray[np.float64]:
+    """Return positions, (n, 3), moved by a transform."""
+    if is_identity(matrix):
+        return points
+    turned = points if is_identity(matrix[:3, :3]) else points @ matrix[:3, :3].T
+    return turned + matrix[:3, 3]
+
+
+def moved_back(points: NDArray[np.float64], matrix: Matrix) -> NDArray[np.float64]:
+    """Return positions, (n, 3), before they were moved by a transform that has an inverse."""
+    if is_identity(matrix):
+        return points
+    shifted = points - matrix[:3, 3]
+    if is_identity(matrix[:3, :3]):
+        return shifted
+    return np.linalg.solve(matrix[:3, :3], shifted.T).T.astype(np.float64)
+
+
+def turned(name: str, values: NDArray[Any], matrix: Matrix) -> NDArray[Any]:
+    """Return normals or tangents under a transform, other attributes as they are.
+
+    Normals are multiplied by the transpose of the inverse, tangents (three of their four numbers)
+    by the matrix; both keep their lengths.
+    """
+    linear = matrix[:3, :3]
+    if name not in ("normal", "tangent") or values.dtype.kind != "f" or is_identity(linear):
+        return values
+    try:
+        rule = np.linalg.inv(linear) if name == "normal" else linear.T
+    except np.linalg.LinAlgError:
+        return values
+    before = values[:, :3].astype(np.float64)
+    after = before @ rule
+    with np.errstate(all="ignore"):
+        length = np.linalg.norm(before, axis=1, keepdims=True)
+        after *= length / np.linalg.norm(after, axis=1, keepdims=True)
+    found = values.copy()
+    found[:, :3] = np.where(np.isfinite(after), after, before)
+    if name == "tangent" and is_mirror(matrix):
+        found[:, 3:] *= -1  # the handedness
+    return found

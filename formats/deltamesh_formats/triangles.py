@@ -1,0 +1,91 @@
+"""Polygons cut into triangles, always in the same way."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+# Each corner is tried as the middle of the fan, which is quadratic in the size of the polygon.
+_LARGEST_TRIED: Final = 16
+
+
+class Triangles(NamedTuple):
+    """The triangles of a mesh of polygons, those of a polygon one after the other.
+
+    Attributes
+    ----------
+    faces : int64 (t, 3)
+        Vertex indices.
+    polygon : int64 (t,)
+        The polygon that each is cut from.
+    corners : int64 (t, 3)
+        Indices of the polygons' corners, for attributes of corners.
+    """
+
+    faces: NDArray[np.int64]
+    polygon: NDArray[np.int64]
+    corners: NDArray[np.int64]
+
+
+def triangulate(
+    vertices: NDArray[np.float64], corners: NDArray[np.int64], offsets: NDArray[np.int64]
+) -> Triangles:
+    """Cut each polygon into a fan of triangles (a, i, i + 1) around one of its corners a.
+
+    That is its first corner, so that regular meshes are cut regularly, unless a triangle of that
+    fan is turned against the polygon or has no area, as at a reflex corner. Then it is the corner
+    whose fan has the best worst triangle: the largest least product of a triangle's normal with
+    the polygon's. Polygons of more than 16 corners always take the first.
+
+    Parameters
+    ----------
+    vertices : float64 (n, 3)
+    corners : int64 (c,)
+    offsets : int64 (p + 1,)
+        Polygons of at least three corners.
+    """
+    sizes = np.diff(offsets)
+    if not len(sizes) or (sizes == 3).all():
+        at = np.arange(len(corners), dtype=np.int64).reshape(-1, 3)
+        return Triangles(corners.reshape(-1, 3), np.arange(len(sizes), dtype=np.int64), at)
+    starts = np.cumsum(sizes - 2) - (sizes - 2)
+    cut = np.empty((int((sizes - 2).sum()), 3), dtype=np.int64)
+    for size in np.unique(sizes).tolist():
+        chosen = np.flatnonzero(sizes == size)
+        at = offsets[chosen, None] + np.arange(size)
+        middle = np.zeros(len(chosen), dtype=np.int64)
+        if 3 < size <= _LARGEST_TRIED:
+            middle = _middles(vertices[corners[at]])
+        turned = np.take_along_axis(at, (middle[:, None] + np.arange(size)) % size, axis=1)
+        to = starts[chosen, None] + np.arange(size - 2)
+        cut[to, 0] = turned[:, :1]
+        cut[to, 1] = turned[:, 1:-1]
+        cut[to, 2] = turned[:, 2:]
+    polygon = np.repeat(np.arange(len(sizes), dtype=np.int64), sizes - 2)
+    return Triangles(corners[cut], polygon, cut)
+
+
+def _middles(points: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the corner, int64 (q,), around which to cut polygons of one size, (q, size, 3)."""
+    middles = np.zeros(len(points), dtype=np.int64)
+    with np.errstate(all="ignore"):  # coordinates beyond 1e75 may overflow: the first, then
+        worst = _worst(points)
+        folded = np.flatnonzero(~(worst > 0))
+        best = worst[folded]
+        for corner in range(1, points.shape[1]):
+            score = _worst(np.roll(points[folded], -corner, axis=1))
+            better = score > best
+            middles[folded[better]] = corner
+            best[better] = score[better]
+    return middles
+
+
+def _worst(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the least product of a normal of the fan around corner 0 with the polygon's."""
+    spokes = points[:, 1:] - points[:, :1]
+    normals = np.cross(spokes[:, :-1], spokes[:, 1:])
+    whole = normals.sum(axis=1)  # Newell's normal, whichever the middle
+    products: NDArray[np.float64] = np.einsum("qtk,qk->qt", normals, whole).min(axis=1)
+    return products
