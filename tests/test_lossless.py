@@ -26,6 +26,7 @@ from deltamesh.solve import factorization
 from deltamesh_cli.program import run
 from deltamesh_formats.errors import FormatError, MeshError, OptionError
 from deltamesh_formats.layout import Section
+from deltamesh_formats.polymesh import from_triangles
 
 EXACTLY = Options(method="lossless")
 TORUS = meshes.torus(7, 6)

@@ -22,6 +22,7 @@ from deltamesh.batch.schedule import (
 from deltamesh.limits import memory_needed
 from deltamesh_formats.errors import OptionError
 from deltamesh_formats.layout import Container
+from deltamesh_formats.polymesh import from_triangles
 
 GB = 1 << 30
 

@@ -22,6 +22,7 @@ from deltamesh.batch.manifest import begun, line, open_manifest
 from deltamesh_cli import batch, files
 from deltamesh_cli.batch_work import Job, work
 from deltamesh_formats.meshfile import mesh_bytes, read_mesh
+from deltamesh_formats.polymesh import from_triangles
 
 SCANS = {
     "scans/a.ply": meshes.icosphere(1),
