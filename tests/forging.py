@@ -7,8 +7,8 @@ import struct
 import zlib
 
 from deltamesh import codec
-from deltamesh.connectivity import decode_connectivity
 from deltamesh.geometry import digest, surface_of
+from deltamesh.structure import announced, decode_structure
 from deltamesh_formats import layout
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.writer import write_container, write_varint
@@ -36,13 +36,11 @@ def forged(
 def consistent(data):
     """The file with the digest of what its payloads decode to; FormatError where they do not."""
     container = read_container(data)
-    p = container.parameters
-    n = container.vertices - p.isolated
-    payload = memoryview(container.sections["CONN"].payload)
-    faces = decode_connectivity(payload, n, container.faces)
-    surface = surface_of(faces, n, p.isolated)
-    integers = codec._METHODS[p.method].read(surface, p, container.sections)
-    return forged(data, checksum=digest(faces, integers))
+    s = decode_structure(container, announced(container))
+    surface = surface_of(s.surface, s.used, s.isolated)
+    method = codec._METHODS[container.parameters.method]
+    integers = method.read(surface, container.parameters, container.sections)
+    return forged(data, checksum=digest(s.faces, integers, s.copied))
 
 
 def section(name, payload):

@@ -97,6 +97,19 @@ def golden():
         ("cartesian-triangle", (np.eye(3), np.array([[0, 1, 2]])), {"method": "cartesian"}),
         ("cartesian-isolated", meshes.with_isolated(), {"method": "cartesian"}),
         ("cartesian-everything", surface_with_everything(), {"method": "cartesian"}),
+        ("cartesian-moebius", meshes.moebius(9), {"method": "cartesian"}),
+        ("cartesian-fan-of-three", meshes.three_pages(), {"method": "cartesian"}),
+        ("cartesian-hourglass", meshes.hourglass(), {"method": "cartesian"}),
+        ("cartesian-crossing", meshes.crossing(), {"method": "cartesian"}),
+        ("cartesian-doubled", meshes.doubled(), {"method": "cartesian"}),
+        ("cartesian-degenerate", meshes.with_degenerate(), {"method": "cartesian"}),
+        ("cartesian-mixed-winding", meshes.mixed_winding(), {"method": "cartesian"}),
+        ("cartesian-seams", meshes.seams(), {"method": "cartesian"}),
+        ("cartesian-soup", meshes.soup(), {"method": "cartesian"}),
+        ("cartesian-collapsed", meshes.collapsed(), {"method": "cartesian"}),
+        ("highpass-collapsed", meshes.collapsed(), {}),
+        ("highpass-complex", meshes.union(*meshes.complexes().values()), {"bits": 9}),
+        ("refined-complex", meshes.union(*meshes.complexes().values()), {"method": "refined"}),
     ]
 
 
@@ -105,16 +118,16 @@ def assert_right(encoded, V, F):
     decoded = decode(encoded.data)
     assert strategies.canonical(encoded.order[decoded.faces]) == strategies.canonical(F)
     container = read_container(encoded.data)
-    surface, integers = codec._read(container, 10**9, 2**40, codec.silent)
+    structure, surface, integers = codec._read(container, 10**9, 2**40, codec.silent)
     p, n = container.parameters, surface.vertex_count
     origin = np.array(p.origin)
     if p.method == "cartesian":
-        expected = from_grid(integers.values, origin, p.step)
+        expected = from_grid(integers.values, origin, p.step)[structure.points]
         assert np.abs(expected - V[encoded.order]).max() <= 0.500001 * p.step
     else:
         anchored = from_grid(integers.positions, origin, p.anchor_step)
         L = oracle.laplacian(surface.faces, n)
-        centre = anchored.mean(axis=0)
+        centre = anchored.sum(axis=0) / max(len(anchored), 1)
         delta = integers.values * (p.coarse * p.step)
         solution = oracle.least_squares(L, integers.anchors, delta, anchored - centre)
         if p.method == "refined":
@@ -123,7 +136,7 @@ def assert_right(encoded, V, F):
             )
             solution = oracle.least_squares(L, integers.anchors, delta, anchored - centre)
         isolated = from_grid(integers.isolated, origin, p.anchor_step)
-        expected = np.concatenate((solution + centre, isolated))
+        expected = np.concatenate((solution + centre, isolated))[structure.points]
     assert np.abs(decoded.vertices - expected).max() <= 1e-9 * diagonal(V)
     return decoded
 
@@ -184,7 +197,7 @@ def one_sided_anchors():
     """Two components, both anchors in the first, and the digest right."""
     data = encoded(meshes.two_components(), bits=6, anchors=2, anchor_method="greedy")
     container = read_container(data)
-    surface, integers = codec._read(container, 10**9, 2**40, codec.silent)
+    _, surface, integers = codec._read(container, 10**9, 2**40, codec.silent)
     anchors = np.array([0, 1])
     wrong = Integers(integers.values, anchors, integers.positions, integers.isolated)
     payload = highpass.write(surface, container.parameters, wrong)["ANCH"]
@@ -205,6 +218,9 @@ def refused():
     """Name and bytes of each file that must be refused."""
     h = encoded(meshes.icosphere(1), bits=8, anchors=3)
     c = encoded(meshes.icosphere(1), method="cartesian", bits=9)
+    s = encoded(meshes.union(meshes.crossing(), meshes.doubled()), method="cartesian")
+    d = encoded(meshes.with_degenerate(), method="cartesian")
+    k = encoded(meshes.seams(), method="cartesian")
     sections = read_container(h).sections
     connectivity, check = sections["CONN"], sections["CHEK"]
     another = encoded(meshes.torus(7, 6), bits=8, anchors=3)  # 42 vertices, too
@@ -274,7 +290,25 @@ def refused():
         "cartesian-noise": forging.forged(c, CART=bytes(range(1, 200))),
         "cartesian-and-more": forging.forged(c, CART=payload_of(c, "CART") + b"\1"),
     }
-    return damage | header | frames | payloads
+    complexes = {
+        "stitches-of-nothing": forging.forged(c, STCH=bytes((n, m, 0, 0))),
+        "stitches-missing": with_section(s, "STCH", b""),
+        "stitches-noise": forging.forged(s, STCH=payload_of(s, "STCH")[:4] + bytes(range(5, 60))),
+        "stitches-cut": forging.forged(s, STCH=payload_of(s, "STCH")[:-2]),
+        "stitches-and-more": forging.forged(s, STCH=payload_of(s, "STCH") + b"\1"),
+        "stitches-counts": forging.forged(s, STCH=b"\1" + payload_of(s, "STCH")[1:]),
+        "stitches-of-another": forging.forged(s, STCH=payload_of(d, "STCH")),
+        "stitches-before-conn": exchanged(s, "CONN", "STCH"),
+        "degenerate-noise": forging.forged(d, STCH=payload_of(d, "STCH")[:4] + bytes(range(99))),
+        "copies-missing": with_section(k, "COPY", b""),
+        "copies-of-nothing": forging.forged(c, COPY=bytes((n, 0))),
+        "copies-noise": forging.forged(k, COPY=payload_of(k, "COPY")[:2] + bytes(range(7, 60))),
+        "copies-cut": forging.forged(k, COPY=payload_of(k, "COPY")[:-2]),
+        "copies-and-zero": forging.forged(k, COPY=payload_of(k, "COPY") + b"\0"),
+        "copies-counts": forging.forged(k, COPY=b"\x01" + payload_of(k, "COPY")[1:]),
+        "copies-too-many": forging.forged(k, vertices=2**27),
+    }
+    return damage | header | frames | payloads | complexes
 
 
 def write_refused():

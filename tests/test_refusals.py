@@ -32,6 +32,11 @@ FILES = {
     "isolated": encode(*meshes.with_isolated()),
     "isolated cartesian": encode(*meshes.with_isolated(), method="cartesian"),
     "boundary": encode(*meshes.grid(5, 6)),
+    "stitched": encode(*meshes.union(meshes.crossing(), meshes.with_degenerate())),
+    "turned seams, cartesian": encode(
+        *meshes.union(meshes.seams(), meshes.moebius(6)), method="cartesian"
+    ),
+    "doubled soup": encode(*meshes.union(meshes.doubled(), meshes.soup())),
     "genus 2 of two": encode(*meshes.union(meshes.double_torus(), meshes.tetrahedron())),
 }
 
@@ -236,7 +241,8 @@ def payloads():
     return [
         (name, section)
         for name, data in FILES.items()
-        for section in layout.REQUIRED[read_container(data).parameters.method][1:]
+        for section in read_container(data).sections
+        if section not in (layout.PARAMETERS, layout.META, layout.CHECK)
     ]
 
 
@@ -310,7 +316,7 @@ def test_sections_of_another_mesh() -> None:
 def test_component_without_an_anchor() -> None:
     mesh = meshes.union(SPHERE, (SPHERE[0] + 9, SPHERE[1]))
     data = encode(*mesh, anchors=2, anchor_method="greedy")
-    surface, integers = _read(read_container(data), 10**9, 10**12, silent)
+    _, surface, integers = _read(read_container(data), 10**9, 10**12, silent)
     parameters = read_container(data).parameters
     for anchors in ([0, 1], [42, 83], [80, 81]):
         one_sided = Integers(
@@ -328,7 +334,7 @@ def test_component_without_an_anchor() -> None:
 
 def test_anchors_that_are_no_vertices() -> None:
     data = FILES["greedy"]
-    surface, integers = _read(read_container(data), 10**9, 10**12, silent)
+    _, surface, integers = _read(read_container(data), 10**9, 10**12, silent)
     parameters = read_container(data).parameters
     outside = Integers(
         integers.values, np.array([0, 1, 2, 42]), integers.positions, integers.isolated

@@ -130,12 +130,10 @@ def command(
 
     IN is an obj, ply, off, stl or glb file.
 
-    Connectivity is kept exactly; vertices at one position become one, and vertices and faces may
-    come back in another order. Positions come back with a small, smooth error: --bits or --step
-    sets it, and what became of it is printed and stored in the file.
-
-    What has no oriented manifold surface (an edge with three faces, faces of opposite winding,
-    degenerate faces) is refused, and the first place is named.
+    Connectivity is kept exactly, whatever it is: edges of three faces, faces turned over, faces
+    twice, degenerate faces, several vertices at one position. Vertices and faces may come back in
+    another order. Positions come back with a small, smooth error: --bits or --step sets it, and
+    what became of it is printed and stored in the file.
 
     IN stays as it is. An OUT that exists is overwritten only with -f. "-" is standard input or
     output; reading from standard input needs --input-format, and writes to standard output unless

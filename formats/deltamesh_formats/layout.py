@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -64,6 +64,8 @@ CRC_SIZE: Final = 4
 MAX_SECTIONS: Final = 64
 PARAMETERS: Final = "PARM"
 CONNECTIVITY: Final = "CONN"
+STITCHES: Final = "STCH"
+COPIES: Final = "COPY"
 ANCHORS: Final = "ANCH"
 DELTAS: Final = "DELT"
 NORMALS: Final = "NORM"
@@ -76,7 +78,11 @@ REQUIRED: Final[Mapping[str, tuple[str, ...]]] = {
     "cartesian": (PARAMETERS, CONNECTIVITY, CARTESIAN),
     "refined": (PARAMETERS, CONNECTIVITY, ANCHORS, DELTAS, NORMALS),
 }
-KNOWN: Final = frozenset({section for ids in REQUIRED.values() for section in ids} | {META, CHECK})
+# What follows `CONN`, in this order, in the files of meshes that need it.
+WHERE_NEEDED: Final = (STITCHES, COPIES)
+KNOWN: Final = frozenset(
+    {section for ids in REQUIRED.values() for section in ids} | {*WHERE_NEEDED, META, CHECK}
+)
 
 # SPEC.md#41-parm
 
@@ -128,6 +134,14 @@ CHECK_FIELDS: Final = (Field("digest", "bytes8"),)
 DIGEST_SIZE: Final = 8
 
 
+def required(method: str, present: Collection[str]) -> tuple[str, ...]:
+    """Return the ids with which a file of a method begins that has `present` among its sections."""
+    ids = REQUIRED[method]
+    after = ids.index(CONNECTIVITY) + 1
+    needed = tuple(name for name in WHERE_NEEDED if name in present)
+    return (*ids[:after], *needed, *ids[after:])
+
+
 @dataclass(frozen=True)
 class Parameters:
     """How the geometry was coded; the payload of `PARM`.
@@ -153,7 +167,7 @@ class Parameters:
     anchor_count : int
         Number of anchors; 0 for the Cartesian method.
     isolated : int
-        Number of vertices without a face.
+        Number of points without a face.
     coarse : float
         The step of the deltas over `step`; 1 unless they are refined.
     dead_zone, normal_dead_zone : float

@@ -202,7 +202,7 @@ def _first(sections: dict[str, Section]) -> Section:
 
 def _check_order(sections: dict[str, Section], method: str) -> None:
     """Refuse a section that is missing or not in its place; SPEC.md 3.2 has the order."""
-    ids, required = list(sections), layout.REQUIRED[method]
+    ids, required = list(sections), layout.required(method, sections)
     # `CHEK` ends the ids and is not among the required, so a shorter list meets it here.
     for wanted, found in zip(required, ids, strict=False):
         if found != wanted:

@@ -28,8 +28,9 @@ def write_container(
         Counts of the decoded mesh.
     parameters : Parameters
     payloads : mapping of section id to bytes
-        The sections that are the codec's own: `CONN`, then `ANCH` and `DELT`, or `CART`, by the
-        method. Ids unknown to this version must be optional ones; they come last, in their order.
+        The sections that are the codec's own: `CONN`, `STCH` and `COPY` where they are needed,
+        then `ANCH` and `DELT`, or `CART`, by the method. Ids unknown to this version must be
+        optional ones; they come last, in their order.
     meta : Meta or None
     digest : bytes, 8
         Of the decoded integers.
@@ -43,7 +44,7 @@ def write_container(
         size.
     """
     _check_counts(vertices, faces)
-    required = layout.REQUIRED[parameters.method][1:]
+    required = layout.required(parameters.method, payloads)[1:]
     others = [name for name in payloads if name not in required]
     if not set(required) <= set(payloads):
         raise ValueError(f"the payloads are {list(payloads)}, not {list(required)}")

@@ -1,7 +1,7 @@
 """Both pipelines, mirrored: a mesh to bytes, and bytes to a mesh.
 
-encode: weld -> topology -> connectivity -> quantize -> write -> container
-decode: container -> limits -> connectivity -> read -> digest -> reconstruct
+encode: structure -> quantize -> write -> container
+decode: container -> limits -> structure -> read -> digest -> reconstruct
 """
 
 from __future__ import annotations
@@ -14,14 +14,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from deltamesh import cartesian, highpass, refined
-from deltamesh.connectivity import decode_connectivity, encode_connectivity
-from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
+from deltamesh.geometry import Integers, Surface, digest, surface_of
 from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_limits
 from deltamesh.mesh import LARGEST, Mesh, checked_mesh
 from deltamesh.metrics import VertexErrors, diagonal, vertex_errors
 from deltamesh.options import Options
+from deltamesh.structure import Structure, announced, decode_structure, encode_structure
 from deltamesh.targets import aim
-from deltamesh.topology import Topology, build_topology, weld
 from deltamesh.version import __version__
 from deltamesh_formats.errors import FormatError, MeshError
 from deltamesh_formats.layout import Container, Meta
@@ -46,13 +45,17 @@ class Encoded:
     data : bytes
         The file.
     order : int64 (n,)
-        The input vertex that each vertex of the file was; the first, where several were welded.
+        The input vertex that each vertex of the file was.
+    face_order, rotation : int64 (m,)
+        The input face that each face of the file was, and which of its corners comes first.
     mesh : Mesh
         What a decoder will make of it.
     """
 
     data: bytes
     order: NDArray[np.int64]
+    face_order: NDArray[np.int64]
+    rotation: NDArray[np.int64]
     mesh: Mesh
 
 
@@ -79,15 +82,15 @@ def encode(
 ) -> bytes:
     """Compress a triangle mesh.
 
-    Connectivity is kept exactly; vertices at one position become one; vertices and faces come
-    back in an order of the codec's own.
+    Connectivity is kept exactly, whatever it is; vertices and faces come back in an order of the
+    codec's own. Vertices at one position stay there, each for itself.
 
     Parameters
     ----------
     vertices : array_like (n, 3)
         Finite real numbers.
     faces : array_like (m, 3)
-        Vertex indices from 0, of an oriented manifold, with or without boundary.
+        Vertex indices from 0, of any triangles.
     method : {"highpass", "refined", "cartesian"}
         What is quantized: differential coordinates; these coarsely, and their component along the
         normal finely; or x, y and z.
@@ -131,7 +134,7 @@ def encode(
     Raises
     ------
     MeshError
-        If the mesh is not such a manifold; the first element at fault is named.
+        If the arrays are no mesh; the first element at fault is named.
     OptionError
     TargetError
         If no step keeps the error within its bound.
@@ -165,32 +168,30 @@ def encode_mesh(mesh: Mesh, options: Options, progress: Progress = silent) -> En
     """Compress a checked mesh; see `encode`."""
     if len(mesh.faces) == 0:
         raise MeshError("the mesh has no faces")
-    progress("topology")
-    keep, welded = weld(mesh.vertices)
-    topology = build_topology(welded[mesh.faces], len(keep), keep)
-    progress("connectivity")
-    payload, connectivity = encode_connectivity(topology)
-    used, isolated = _vertices(mesh, topology, keep, connectivity.order, options.drop_isolated)
+    payloads, structure, origin = encode_structure(mesh, options.drop_isolated, progress)
     progress("geometry")
-    surface = surface_of(connectivity.faces, len(used), len(isolated))
+    surface = surface_of(structure.surface, structure.used, structure.isolated)
     coder = _METHODS[options.method]
-    V = mesh.vertices
-    order = np.concatenate([used, isolated])
+    V = mesh.vertices[origin.points]
+    used, isolated = V[: structure.used], V[structure.used :]
 
     def errors_with(options: Options) -> VertexErrors:
-        parameters, integers = coder.quantize(surface, V[used], V[isolated], options)
+        parameters, integers = coder.quantize(surface, used, isolated, options)
         W = coder.reconstruct(surface, parameters, integers, options.solver, options.threads)
-        return vertex_errors(V[order], W, surface.faces)
+        return vertex_errors(V, W, surface.faces)
 
-    options = aim(options, diagonal(V[order]), errors_with)
-    parameters, integers = coder.quantize(surface, V[used], V[isolated], options)
-    payloads = {"CONN": payload, **coder.write(surface, parameters, integers)}
+    options = aim(options, diagonal(V), errors_with)
+    parameters, integers = coder.quantize(surface, used, isolated, options)
+    payloads |= coder.write(surface, parameters, integers)
     progress("checking")
     decoded = coder.reconstruct(surface, parameters, integers, options.solver, options.threads)
-    meta = _measure(V[order], decoded, surface, options.source_format)
-    checksum = digest(surface.faces, integers)
-    data = write_container(len(order), len(surface.faces), parameters, payloads, meta, checksum)
-    return Encoded(data, order, Mesh(decoded, surface.faces))
+    meta = _measure(V, decoded, surface, options.source_format)
+    checksum = digest(structure.faces, integers, structure.copied)
+    n, m = len(structure.points), len(structure.faces)
+    data = write_container(n, m, parameters, payloads, meta, checksum)
+    face_order, rotation = np.divmod(origin.corners[:, 0], 3)
+    result = Mesh(decoded[structure.points], structure.faces)
+    return Encoded(data, origin.vertices, face_order, rotation, result)
 
 
 def decode(
@@ -235,30 +236,29 @@ def decode(
     """
     progress = progress or silent
     container = read_container(data)
-    surface, integers = _read(container, max_vertices, memory, progress)
+    structure, surface, integers = _read(container, max_vertices, memory, progress)
     progress("positions")
     coder = _METHODS[container.parameters.method]
     _check_scale(container, integers)
-    vertices = coder.reconstruct(surface, container.parameters, integers, solver, threads)
-    return Mesh(vertices, surface.faces)
+    points = coder.reconstruct(surface, container.parameters, integers, solver, threads)
+    return Mesh(points[structure.points], structure.faces)
 
 
 def _read(
     container: Container, max_vertices: int, memory: int, progress: Progress
-) -> tuple[Surface, Integers]:
+) -> tuple[Structure, Surface, Integers]:
     """Return everything exact in a file, checked."""
-    check_limits(container, max_vertices, memory)
+    counts = announced(container)
+    check_limits(container, counts, max_vertices, memory)
     parameters, sections = container.parameters, container.sections
     progress("connectivity")
-    count = container.vertices - parameters.isolated
-    with payload_of(sections["CONN"]) as payload:
-        faces = decode_connectivity(payload, count, container.faces)
+    structure = decode_structure(container, counts)
     progress("geometry")
-    surface = surface_of(faces, count, parameters.isolated)
+    surface = surface_of(structure.surface, structure.used, structure.isolated)
     integers = _METHODS[parameters.method].read(surface, parameters, sections)
-    if digest(faces, integers) != container.digest:
+    if digest(structure.faces, integers, structure.copied) != container.digest:
         raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)
-    return surface, integers
+    return structure, surface, integers
 
 
 def _check_scale(container: Container, integers: Integers) -> None:
@@ -271,19 +271,6 @@ def _check_scale(container: Container, integers: Integers) -> None:
     steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
     if not values * steps + origin <= 100 * LARGEST:
         raise FormatError("positions that are too large", container.sections["PARM"].offset)
-
-
-def _vertices(
-    mesh: Mesh,
-    topology: Topology,
-    keep: NDArray[np.int64],
-    order: NDArray[np.int64],
-    drop_isolated: bool,
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the vertices of the faces in coding order, and the isolated ones by x, y, z."""
-    isolated = keep[topology.valence[: len(keep)] == 0]
-    isolated = isolated[np.lexsort(mesh.vertices[isolated].T[::-1])]
-    return keep[order], isolated[:0] if drop_isolated else isolated
 
 
 def _measure(

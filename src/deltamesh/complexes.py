@@ -63,9 +63,7 @@ def cut(faces: _Ints, n: int) -> Cut:
     faces : int64 (m, 3)
         Of any kind, over points in [0, n).
     """
-    collapsed = (
-        (faces[:, 0] == faces[:, 1]) | (faces[:, 1] == faces[:, 2]) | (faces[:, 2] == faces[:, 0])
-    )
+    collapsed = _collapsed(faces)
     degenerate, sources = np.flatnonzero(collapsed), np.flatnonzero(~collapsed)
     kept = faces[sources] if len(degenerate) else faces
     order, bounds = _edges(kept, n)
@@ -103,6 +101,20 @@ def cut(faces: _Ints, n: int) -> Cut:
     )
 
 
+def distinct_faces(faces: _Ints) -> _Ints:
+    """Return the faces (k, 3) that repeat no vertex; of equal ones, turned or not, the first."""
+    collapsed = _collapsed(faces)
+    faces = faces[~collapsed] if collapsed.any() else faces
+    first = _repeats(faces)[0]
+    return faces[first] if len(first) < len(faces) else faces
+
+
+def _collapsed(faces: _Ints) -> _Bools:
+    """Tell which faces repeat a vertex."""
+    a, b, c = faces.T
+    return np.asarray((a == b) | (b == c) | (c == a))
+
+
 def _edges(faces: _Ints, n: int) -> tuple[_Ints, _Ints]:
     """Return the half-edges by edge, and where each edge begins, with the end of the last."""
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
@@ -110,7 +122,7 @@ def _edges(faces: _Ints, n: int) -> tuple[_Ints, _Ints]:
     order = np.argsort(key, kind="stable")
     key = key[order]
     new = np.flatnonzero(key[1:] != key[:-1]) + 1
-    return order, np.concatenate(([0], new, [len(key)] if len(key) else []))  # type: ignore[list-item]
+    return order, np.concatenate(([0], new, np.full(min(len(key), 1), len(key))))
 
 
 def _is_clean(faces: _Ints, order: _Ints, bounds: _Ints) -> bool:
@@ -141,9 +153,7 @@ def _repeats(faces: _Ints) -> tuple[_Ints, _Ints, _Ints, _Bools]:
     return np.flatnonzero(is_first), others, rank[base[others]], even[others] != even[base[others]]
 
 
-def _pair(
-    faces: _Ints, order: _Ints, bounds: _Ints, opposite: _Ints
-) -> tuple[_Ints, _Bools]:
+def _pair(faces: _Ints, order: _Ints, bounds: _Ints, opposite: _Ints) -> tuple[_Ints, _Bools]:
     """Fill in the opposites of the half-edges; return the faces, turned, and which were."""
     size = np.diff(bounds)
     two = bounds[:-1][size == 2]

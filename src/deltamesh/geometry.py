@@ -71,10 +71,10 @@ NONE = np.zeros(0, dtype=np.int64)
 NO_POINTS = np.zeros((0, 3), dtype=np.int64)
 
 
-def digest(faces: NDArray[np.int64], integers: Integers) -> bytes:
+def digest(faces: NDArray[np.int64], integers: Integers, copied: NDArray[np.int64] = NONE) -> bytes:
     """Return the checksum of everything exact that a decoder makes (SPEC.md 5.7)."""
     i = integers
-    arrays = (faces, i.values, i.anchors, i.positions, i.isolated, i.refinements)
+    arrays = (faces, copied, i.values, i.anchors, i.positions, i.isolated, i.refinements)
     result = hashlib.blake2b(digest_size=8)
     for array in arrays:
         result.update(np.ascontiguousarray(array, dtype="<i8").data)

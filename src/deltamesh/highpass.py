@@ -132,7 +132,7 @@ def _step(vertices: NDArray[np.float64], delta: NDArray[np.float64], options: Op
     """Return the quantization step that the options ask for, 0 for 0 bits."""
     if options.bits is not None:
         return delta_step(delta, options.bits) if options.bits else 0.0
-    return options.step or DEFAULT_HIGHPASS_STEP * diagonal(vertices)
+    return options.step or DEFAULT_HIGHPASS_STEP * diagonal(vertices) or 1.0
 
 
 def _anchor_step(vertices: NDArray[np.float64], step: float) -> float:
@@ -153,7 +153,7 @@ def _choose(
 ) -> NDArray[np.int64]:
     """Return the anchors that the options ask for, ascending where their indices are stored."""
     labels = adjacency_labels(*surface.graph)
-    components = int(labels.max()) + 1
+    components = int(labels.max(initial=-1)) + 1
     try:
         k = choice.count_anchors(options.anchors, surface.vertex_count, components)
     except ValueError as error:
@@ -224,7 +224,7 @@ def _read_anchors(
             raise FormatError("an anchor that is no vertex", 3)
     else:
         anchors = _computed(surface, labels, str(parameters.anchor_method), k, parameters.seed)
-    if len(np.unique(labels[anchors])) <= labels.max() or len(anchors) != k:
+    if len(np.unique(labels[anchors])) <= labels.max(initial=-1) or len(anchors) != k:
         raise FormatError("a component without an anchor", 3)
     points.code_points(coder, positions, bits)
     if len(isolated) and not points.code_sorted_points(coder, isolated, bits):

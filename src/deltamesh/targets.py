@@ -48,7 +48,7 @@ def aim(options: Options, scale: float, errors_with: Callable[[Options], VertexE
     def largest(step: float) -> float:
         return errors_with(replace(plain, step=step)).max + TOLERANCE * scale
 
-    start = DEFAULT_HIGHPASS_STEP * scale
+    start = DEFAULT_HIGHPASS_STEP * (scale or 1.0)
     if options.normal_error is not None:
         return replace(plain, step=find_step(normal, options.normal_error, start))
     if options.max_error is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.kernels.jit import Int, inlined, kernel
+from deltamesh.kernels.jit import Flag, Int, inlined, kernel
 from deltamesh.kernels.topology import next_halfedge, previous_halfedge
 
 _Ints = NDArray[np.int64]
@@ -13,9 +13,9 @@ _Bools = NDArray[np.bool_]
 
 
 @inlined
-def _find(parent: _Ints, turned: _Bools, f: Int) -> tuple[Int, bool]:
+def _find(parent: _Ints, turned: _Bools, f: Int) -> tuple[Int, Flag]:
     """Return the root of a face and whether it is turned against it, halving paths on the way."""
-    odd = False
+    odd: Flag = False
     while parent[f] != f:
         up = parent[f]
         turned[f] ^= turned[up]
@@ -87,13 +87,13 @@ def pair_up(
 
 @kernel
 def label_fans(opposite: _Ints, label: _Ints) -> Int:
-    """Number the fans of corners in the order of their first corners; return how many."""
+    """Give each fan of corners a number, in the order of first corners; return how many."""
     count = 0
     label[:] = -1
     for h in range(len(opposite)):
         if label[h] >= 0:
             continue
-        g = h
+        g: Int = h
         while g >= 0 and label[g] < 0:
             label[g] = count
             g = next_halfedge(opposite[g]) if opposite[g] >= 0 else np.int64(-1)
@@ -123,12 +123,11 @@ def break_slits(opposite: _Ints, label: _Ints, count: Int) -> None:
     A manifold of triangles may have one edge only between two of its vertices.
     """
     seen = np.full(count + len(opposite), -1, np.int64)
-    done = np.zeros(count, np.bool_)
+    done = np.zeros(len(opposite), np.bool_)  # not by label: cuts split further fans, too
     run, fresh = 0, count
     for h in range(len(opposite)):
-        if label[h] >= count or done[label[h]]:
+        if done[h]:
             continue
-        done[label[h]] = True
         first = _first_of_fan(opposite, h)
         closed = opposite[previous_halfedge(first)] >= 0
         run += 1
@@ -136,6 +135,7 @@ def break_slits(opposite: _Ints, label: _Ints, count: Int) -> None:
         c = first
         seen[label[previous_halfedge(c)]] = run
         while True:
+            done[c] = True
             after = next_halfedge(opposite[c]) if opposite[c] >= 0 else np.int64(-1)
             out = label[next_halfedge(c)]
             ends = closed and after == first and cuts == 0  # the spoke that it began with
@@ -149,7 +149,7 @@ def break_slits(opposite: _Ints, label: _Ints, count: Int) -> None:
                 seen[label[before]] = run
             seen[out] = run
             if cuts > 0:
-                label[c] = fresh - 1
+                label[c] = fresh - 1  # its neighbours may tell this run from the others
             if after < 0 or after == first:
                 break
             c = after
