@@ -233,7 +233,11 @@ def code_degenerate(c: Coder, indptr: _Ints, indices: _Ints, pairs: _Ints, n: In
 @inlined
 def _find(indices: _Ints, first: Int, valence: Int, vertex: Int) -> Int:
     """Return the place of a vertex among the neighbours from `first` on, -1 if it is none."""
-    for at in range(valence):
-        if indices[first + at] == vertex:
-            return np.int64(at)
-    return np.int64(-1)
+    low, high = np.int64(0), np.int64(valence)
+    while low < high:
+        middle = (low + high) // 2
+        if indices[first + middle] < vertex:
+            low = middle + 1
+        else:
+            high = middle
+    return low if low < valence and indices[first + low] == vertex else np.int64(-1)
