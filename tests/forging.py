@@ -7,10 +7,10 @@ import struct
 import zlib
 
 from deltamesh import codec
-from deltamesh.connectivity import decode_connectivity
 from deltamesh.geometry import digest, payload_of, surface_of
 from deltamesh.order import decode_order
 from deltamesh.reordering import arrays
+from deltamesh.structure import announced, decode_structure
 from deltamesh_formats import layout
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.writer import write_container, write_varint
@@ -38,17 +38,15 @@ def forged(
 def consistent(data):
     """The file with the digest of what its payloads decode to; FormatError where they do not."""
     container = read_container(data)
-    p = container.parameters
-    n = container.vertices - p.isolated
-    payload = memoryview(container.sections["CONN"].payload)
-    faces = decode_connectivity(payload, n, container.faces)
-    surface = surface_of(faces, n, p.isolated)
-    integers = codec._METHODS[p.method].read(surface, p, container.sections)
+    s = decode_structure(container, announced(container))
+    surface = surface_of(s.surface, s.used, s.isolated)
+    method = codec._METHODS[container.parameters.method]
+    integers = method.read(surface, container.parameters, container.sections)
     order = None
     if "ORDR" in container.sections:
         with payload_of(container.sections["ORDR"]) as payload:
-            order = decode_order(payload, faces, container.vertices)
-    return forged(data, checksum=digest(faces, integers, arrays(order)))
+            order = decode_order(payload, s.faces, container.vertices)
+    return forged(data, checksum=digest(s.faces, s.copied, integers, arrays(order)))
 
 
 def section(name, payload):

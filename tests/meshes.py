@@ -133,6 +133,99 @@ def three_pages() -> Arrays:
     return vertices, np.array([[0, 1, 2], [0, 1, 3], [1, 0, 4]])
 
 
+def moebius(n: int) -> Arrays:
+    """A strip of n quads, turned by a half."""
+    i = np.repeat(np.arange(n), 2)
+    u, v = 2 * np.pi * i / n, np.tile([-0.4, 0.4], n)
+    ring = 1 + v * np.cos(u / 2)
+    V = np.stack((ring * np.cos(u), ring * np.sin(u), v * np.sin(u / 2)), axis=1)
+    low, high = 2 * np.arange(n), 2 * np.arange(n) + 1
+    after, above = np.append(low[1:], 1), np.append(high[1:], 0)
+    first, second = np.stack((low, after, above), axis=1), np.stack((low, above, high), axis=1)
+    return V, np.concatenate((first, second))
+
+
+def hourglass() -> Arrays:
+    """Two tetrahedra that share a vertex: vertex 0."""
+    V, F = tetrahedron()
+    return np.concatenate((V, V[1:] + 9.0)), np.concatenate((F, np.where(F > 0, F + 3, 0)))
+
+
+def bow_tie() -> Arrays:
+    """Two triangles that share a vertex: vertex 2."""
+    V = np.random.default_rng(2).normal(size=(5, 3))
+    return V, np.array([[0, 1, 2], [2, 3, 4]])
+
+
+def crossing() -> Arrays:
+    """Two sheets that cross in a line: edges of four faces."""
+    V, F = grid(5, 5)
+    upright = np.stack((V[:, 0], V[:, 2] + V[12, 1], V[:, 1] - V[12, 1]), axis=1)
+    V = np.concatenate((V * [1, 1, 0], upright * [1, 0, 1] + [0, V[12, 1], 0]))
+    F = np.concatenate((F, F + 25))
+    first, number = np.unique(np.round(V, 9), axis=0, return_index=True, return_inverse=True)[1:]
+    return V[first], number.reshape(-1)[F]
+
+
+def doubled() -> Arrays:
+    """Every face twice, turned over; some three times."""
+    V, F = grid(5, 4)
+    return V, np.concatenate((F, F[:, ::-1], F[3:7, [1, 2, 0]]))
+
+
+def with_degenerate() -> Arrays:
+    """Faces that repeat vertices, one of them in no other face."""
+    V, F = icosphere(0)
+    more = [[0, 0, F[0, 1]], [3, 8, 3], [5, 5, 5], [12, 12, 2], [12, 12, 12], [7, 7, 2]]
+    return np.concatenate((V, [[2.0, 0, 1]])), np.concatenate((F[:9], more, F[9:]))
+
+
+def mixed_winding() -> Arrays:
+    """A torus with a third of its faces turned over."""
+    V, F = torus(8, 6)
+    turned = np.random.default_rng(3).random(len(F)) < 0.3
+    return V, np.where(turned[:, None], F[:, ::-1], F)
+
+
+def seams() -> Arrays:
+    """A torus with copies of vertices along two circles, and a cut of one; a copy in no face."""
+    V, F = torus(8, 6)
+    middle = V[F].mean(axis=1)
+    part = (middle[:, 1] > 0).astype(int) + 2 * ((middle[:, 0] > 0) & (middle[:, 2] > 0))
+    keys, number = np.unique(4 * F + part[:, None], return_inverse=True)
+    V = np.concatenate((V[keys // 4], V[[3, 3, 11]], [[3.0, 3, 3], [3, 3, 3]]))
+    return V, number.reshape(-1, 3)
+
+
+def soup() -> Arrays:
+    """Every corner a vertex of its own."""
+    V, F = icosphere(1)
+    return V[F].reshape(-1, 3), np.arange(F.size).reshape(-1, 3)
+
+
+def collapsed() -> Arrays:
+    """No face with an area: one on an edge, one in a point; and an isolated vertex."""
+    V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 2, 0]])
+    return V, np.array([[0, 1, 0], [2, 3, 2]])
+
+
+def complexes() -> dict[str, Arrays]:
+    """What is no oriented manifold, or has several vertices at one position, by name."""
+    return {
+        "moebius": moebius(9),
+        "hourglass": hourglass(),
+        "bow_tie": bow_tie(),
+        "three_pages": three_pages(),
+        "crossing": crossing(),
+        "doubled": doubled(),
+        "with_degenerate": with_degenerate(),
+        "mixed_winding": mixed_winding(),
+        "seams": seams(),
+        "soup": soup(),
+        "collapsed": collapsed(),
+    }
+
+
 def every() -> dict[str, Arrays]:
     """All of them by name, for parametrization."""
     return {

@@ -615,3 +615,47 @@ def leave_ring(ring, element):
     """The ring without an element, from the one after it on."""
     at = ring.index(element)
     return ring[at + 1 :] + ring[:at]
+
+
+def fans(opposite):
+    """The fan of each corner: corners that can be reached over paired edges, in order."""
+    label, count = [-1] * len(opposite), 0
+    for first in range(len(opposite)):
+        if label[first] >= 0:
+            continue
+        waiting = [first]
+        while waiting:
+            h = waiting.pop()
+            if label[h] >= 0:
+                continue
+            label[h] = count
+            f, at = divmod(h, 3)
+            if opposite[h] >= 0:
+                g = opposite[h]
+                waiting.append(3 * (g // 3) + (g + 1) % 3)
+            before = opposite[3 * f + (at + 2) % 3]
+            if before >= 0:
+                waiting.append(before)
+        count += 1
+    return label
+
+
+def orient(m, pairs):
+    """Component of each face, and whether it is turned; a pair that disagrees comes too late."""
+    component, side = list(range(m)), [False] * m
+    for f, g, twisted in pairs:
+        a, b = component[f], component[g]
+        if a == b:
+            continue
+        change = side[f] ^ side[g] ^ twisted
+        root = min(a, b)
+        for i in range(m):
+            if component[i] == max(a, b):
+                side[i] ^= change
+                component[i] = root
+    for root in set(component):
+        members = [i for i in range(m) if component[i] == root]
+        if 2 * sum(side[i] for i in members) > len(members):
+            for i in members:
+                side[i] ^= True
+    return component, side

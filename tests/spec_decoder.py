@@ -77,8 +77,10 @@ def container(data):
     method, meta = sections.get("PARM", b"")[:1], ["meta"] if "meta" in sections else []
     geometries = {b"\1": ["CART"], b"\2": ["ANCH", "DELT", "NORM"], b"\3": ["EXAC"]}
     geometry = geometries.get(method, ["ANCH", "DELT"])
+    needed = [name for name in ("STCH", "COPY") if name in sections]
     further = ["ORDR"] if method in (b"\1", b"\3") else ["FIXS", "ORDR"]
-    order = ["PARM", "CONN", *geometry, *[name for name in further if name in sections], *meta]
+    further = [name for name in further if name in sections]
+    order = ["PARM", "CONN", *needed, *geometry, *further, *meta]
     names = list(sections)
     check(names[: len(order)] == order and names[-1] == "CHEK", "order of the sections")
     check(all(name[0].islower() for name in names[len(order) : -1]), "an unknown section")
@@ -165,13 +167,6 @@ class Stream:
             value = 2 * value + self.bit(32768)
         return value
 
-    def below(self, n):
-        """The index of a target, among n."""
-        b = n.bit_length() - 1
-        u = (1 << b + 1) - n
-        i = self.raw(b)
-        return i if i < u else 2 * i + self.raw(1) - u
-
     def predicted(self, mixer, keys, limit, first=(1 << 21, 0)):
         """A bit, read with a mixer and a slot for each of its inputs; all of them learn."""
         k = len(keys)
@@ -198,6 +193,13 @@ class Stream:
         while k < most and self.predicted(mixer, [(kind, k)], 255):
             k += 1
         return 1 << k | self.raw(k)
+
+    def index(self, n):
+        """One of n, as of the live nodes."""
+        b = n.bit_length() - 1
+        u = (1 << b + 1) - n
+        i = self.raw(b)
+        return i if i < u else 2 * i + self.raw(1) - u
 
     def tree(self, mixer, kind, n):
         node = 1
@@ -370,7 +372,7 @@ class Region:
             for _ in range((z >> 1) + 1):
                 node = node.before if z & 1 else node.next
             return node
-        return self.live[self.stream.below(len(self.live))]
+        return self.live[self.stream.index(len(self.live))]
 
     def split(self, r):
         if r >= 8:
@@ -647,7 +649,7 @@ def grid_points(payload, faces, near):
     return grid.points, []
 
 
-# ---- §5.10: exact coordinates ---------------------------------------------------------------
+# ---- §5.12: exact coordinates ---------------------------------------------------------------
 
 
 class Form:
@@ -794,7 +796,7 @@ class Axis:
 
 
 def coordinates(payload, faces, near):
-    """§5.10: the coordinates as integers of 64 bits, and the bytes before the stream."""
+    """§5.12: the coordinates as integers of 64 bits, and the bytes before the stream."""
     table, guesses = Bytes(payload), parallelograms(faces)
     (width,) = table.unpack("B")
     check(width in (32, 64), "width")
@@ -810,7 +812,7 @@ def coordinates(payload, faces, near):
     return [struct.unpack("<3q", struct.pack("<3d", *row)) for row in rows], [tuple(forms)]
 
 
-# ---- §5.9: order ----------------------------------------------------------------------------
+# ---- §5.11: order ---------------------------------------------------------------------------
 
 FIRST, OLDEST, NEWEST = 0, 1, 2
 NEXT, NEAR, ANY = 0, 1, 2
@@ -845,7 +847,7 @@ class Steps:
         return way
 
     def any(self):
-        return self.left[self.stream.below(len(self.left))]
+        return self.left[self.stream.index(len(self.left))]
 
     def anchor(self):
         before, node = tuple(self.ways[-3:-1]), 1
@@ -1018,12 +1020,309 @@ def read_order(payload, faces, near):
     return [vertex[v] for v in order], *face_order
 
 
+# ---- §5.9, §5.10: from the manifold to the mesh ----------------------------------------------
+
+
+def neighbours_of(faces, n):
+    graph = [set() for _ in range(n)]
+    for face in faces:
+        for v in face:
+            graph[v] |= {w for w in face if w != v}
+    return [sorted(neighbours) for neighbours in graph]
+
+
+def turned_over(face):
+    return face[0], face[2], face[1]
+
+
+class Manifold:
+    """The faces of CONN; `across` has (face, place) of the half-edge that runs back along one."""
+
+    def __init__(self, faces, n):
+        self.faces, self.near = faces, neighbours_of(faces, n)
+        sides = {}
+        for f, face in enumerate(faces):
+            for i in range(3):
+                check((face[i], face[i - 2]) not in sides, "faces that disagree along an edge")
+                sides[face[i], face[i - 2]] = f, i
+        back = {place: sides.get((b, a)) for (a, b), place in sides.items()}
+        self.across = back
+        self.border = {v for (a, b), at in sides.items() if back[at] is None for v in (a, b)}
+        self.fans = [self.fan(v) for v in range(n)]
+
+    def fan(self, v):
+        """The corners (face, place) of a vertex, and whether its fan is closed (§5.10)."""
+        corners = [(f, face.index(v)) for f, face in enumerate(self.faces) if v in face]
+        first = [(f, i) for f, i in corners if self.across[f, (i + 2) % 3] is None]
+        check(len(first) <= 1 and corners, "a vertex of several fans, or of none")
+        fan = (first or corners)[:1]
+        while (at := self.across[fan[-1]]) is not None and (at[0], (at[1] + 1) % 3) != fan[0]:
+            fan.append((at[0], (at[1] + 1) % 3))
+        check(len(fan) == len(corners), "a vertex of several fans")
+        return fan, not first
+
+
+class Stitching:
+    """§5.9; without a payload the mesh is the manifold."""
+
+    def __init__(self, payload, manifold, used, total, face_count):
+        self.m, self.total = manifold, total
+        n, faces = len(manifold.near), len(manifold.faces)
+        self.points, self.turned = list(range(n)), [0] * faces
+        self.repeats, self.degenerate = [(0, 0)] * faces, []
+        if payload is not None:
+            table = Bytes(payload)
+            _, _, turned, repeated = (table.varint() for _ in range(4))
+            check(turned <= 1 and repeated <= face_count - faces, "counts of STCH")
+            self.stream = Stream(payload[table.at :])
+            self.stitch()
+            check(max(self.points, default=-1) + 1 == used, "number of points")
+            self.turned = self.turn() if turned else self.turned
+            self.repeats = self.repeat(repeated) if repeated else self.repeats
+            self.collapse(face_count - faces - repeated)
+            self.stream.end()
+            check(turned == max(self.turned, default=0), "nothing is turned")
+            check(face_count > faces or turned or used < n, "nothing to describe")
+        self.surface = [tuple(self.points[v] for v in face) for face in manifold.faces]
+        own = zip(self.surface, self.turned, strict=True)
+        self.faces = [turned_over(face) if turned else face for face, turned in own]
+        for f, counts in enumerate(self.repeats):
+            face = self.faces[f]
+            self.faces += counts[0] * [face] + counts[1] * [turned_over(face)]
+        self.faces += [(a, a, b) for a, b in self.degenerate]
+
+    def bit(self, name, *contexts):
+        keys = [(name, i, context) for i, context in enumerate(contexts)]
+        return self.stream.predicted(name, keys, 255)
+
+    def stitch(self):
+        self.points, members, flags = [], [], [0, 0]
+        for v, neighbours in enumerate(self.m.near):
+            below = [u for u in neighbours if u < v]
+            taken = {self.points[u] for u in below}
+            found = self.candidates(v, below, taken, members)
+            b, s = v in self.m.border, sum(len(members[self.points[u]]) > 1 for u in below)
+            g, f = flags[-2:]
+            votes = min(found[0][1], 7) if found else 0
+            first = b, min(s, 3), min(len(below), 3)
+            point = len(members)
+            if v and self.bit("stitched", first, (b, f, g, min(s, 1)), (b, votes, f)):
+                point = self.match(found, len(members))
+                check(point not in taken, "a face with two corners at one point")
+            else:
+                members.append([])
+            flags.append(int(point < len(members) - 1 or members[point] != []))
+            members[point].append(v)
+            self.points.append(point)
+
+    def candidates(self, v, below, taken, members):
+        """[point, votes] in their order."""
+        found, looks, border = [], 0, self.m.border
+        for u in below:
+            for t in reversed(members[self.points[u]]):
+                if looks == 256:
+                    break
+                looks += 1
+                for w in self.m.near[t]:
+                    if w >= v or looks == 256:
+                        break
+                    looks += 1
+                    point = self.points[w]
+                    if point in taken or (t == u and not {u, v, w} <= border):
+                        continue
+                    k = next((k for k, one in enumerate(found) if one[0] == point), len(found))
+                    if k == 16:
+                        continue
+                    if k == len(found):
+                        found.append([point, 0])
+                    found[k][1] += 2 if (v in border) == (w in border) else 1
+                    found.sort(key=lambda one: -one[1])  # stable
+        return found
+
+    def match(self, found, count):
+        for k, (point, votes) in enumerate(found):
+            rival = min(found[k + 1][1], 7) if k + 1 < len(found) else 0
+            if self.bit("matched", (min(k, 7), min(votes, 15)), (min(votes, 7), rival)):
+                return point
+        point = self.stream.index(count)
+        check(point not in [one[0] for one in found], "a candidate read as an index")
+        return point
+
+    def lower(self, f):
+        """The faces across the edges of a face that come before it."""
+        sides = [self.m.across[f, i] for i in range(3)]
+        return [side[0] for side in sides if side and side[0] < f]
+
+    def turn(self):
+        bits = [0, 0]
+        for f in range(len(self.m.faces)):
+            t2, t1 = bits[-2:]
+            lower = self.lower(f)
+            cd = len(lower), sum(bits[2 + g] for g in lower)
+            bits.append(self.bit("turned", (t1, t2), cd, (cd, t1, t2)))
+        return bits[2:]
+
+    def repeat(self, rest):
+        all_counts = []
+        for f in range(len(self.m.faces)):
+            counts = []
+            for way in range(2):
+                a = min(all_counts[-1][way], 3) if f else 0
+                m = min(max((all_counts[g][way] for g in self.lower(f)), default=0), 3)
+                k = 0
+                while rest and self.bit("repeated", (way, min(k, 3), a), (way, min(k, 3), m)):
+                    k, rest = k + 1, rest - 1
+                counts.append(k)
+            all_counts.append(counts)
+        check(rest == 0, "number of repeats")
+        return all_counts
+
+    def collapse(self, count):
+        near = neighbours_of([[self.points[v] for v in f] for f in self.m.faces], self.total)
+        last = 0, -1
+        for _ in range(count):
+            a = last[0] + self.stream.number("gap", "gap") - 1
+            check(a < self.total, "a degenerate face")
+            if near[a] and self.bit("adjacent", ()):
+                b = near[a][self.stream.index(len(near[a]))]
+            else:
+                b = self.stream.index(self.total)
+                check(b not in near[a], "a neighbour read as a point")
+            check((a, b) >= last, "degenerate faces out of order")
+            last = a, b
+            self.degenerate.append(last)
+
+
+class Copies:
+    """§5.10: `faces` over vertices, and the point of each vertex."""
+
+    def __init__(self, payload, s, vertex_count):
+        table = Bytes(payload)
+        total, loose = table.varint(), table.varint()
+        self.stream, self.s = Stream(payload[table.at :]), s
+        self.r1 = self.r2 = self.several = 0
+        self.at_ends = {}  # (face, place) of a half-edge: 1 or 2
+        visits = self.visits()
+        base, counts, classes = 0, [], {}
+        for point in range(total):
+            here = self.classes(visits[point])
+            classes |= {corner: base + one for corner, one in here.items()}
+            counts.append(len(set(here.values())))
+            self.several = int(counts[-1] > 1)
+            base += counts[-1]
+        more = self.loose(loose, total) if loose else [0] * total
+        self.stream.end()
+        first, base, shift = 0, 0, []
+        self.points = []
+        for point in range(total):
+            size = max(counts[point], 1) + more[point]
+            self.points += [point] * size
+            shift.append(first - base)
+            first, base = first + size, base + counts[point]
+        check(first == vertex_count and total < vertex_count, "number of vertices")
+        self.faces = [
+            tuple(classes[f, i] + shift[p] for i, p in enumerate(face))
+            for f, face in enumerate(s.faces)
+        ]
+
+    def place(self, f, i):
+        """The place in the face of the mesh of a corner of the manifold."""
+        return f, (0, 2, 1)[i] if self.s.turned[f] else i
+
+    def visits(self):
+        """For each point: (corner of the mesh, kind, half-edge, closing half-edge, like)."""
+        s = self.s
+        out = [[] for _ in range(s.total)]
+        for v, (fan, closed) in enumerate(s.m.fans):
+            closing = fan[-1] if closed else None
+            for k, (f, i) in enumerate(fan):
+                spoke = fan[k - 1] if k else None
+                out[s.points[v]].append((self.place(f, i), int(k == 0), spoke, closing, None))
+        at = len(s.m.faces)
+        for f, counts in enumerate(s.repeats):
+            for way in counts[0] * [0] + counts[1] * [1]:
+                for i, point in enumerate(s.faces[at]):
+                    like = f, (0, 2, 1)[i] if way else i
+                    out[point].append(((at, i), 2, None, None, like))
+                at += 1
+        for f in range(at, len(s.faces)):
+            for i, point in enumerate(s.faces[f]):
+                out[point].append(((f, i), 3, None, None, None))
+        return out
+
+    def far(self, half_edge):
+        back = half_edge and self.s.m.across[half_edge]
+        return self.at_ends.get(back, 0) if back else 3
+
+    def classes(self, visits):
+        """The class of each corner of a point."""
+        found = [self.far(spoke) for _, _, spoke, _, _ in visits]
+        seen = found.count(2)
+        seen += sum(kind == 1 and self.far(closing) == 2 for _, kind, _, closing, _ in visits)
+        out, x, y, before, start = {}, 0, 0, None, 0
+        for at, (corner, kind, spoke, closing, like) in enumerate(visits):
+            one = 0
+            if out:
+                expected = out[like or before]
+                rest = found[at + 1 :]
+                z = rest.index(2) + 1 if 2 in rest else 0
+                n = found[at:].count(0)
+                numbers = found[at], min(seen, 3), min(x, 3)
+                c, back = len(set(out.values())), self.far(closing)
+                contexts = (
+                    (kind, found[at], self.r1, self.r2),
+                    (numbers, kind),
+                    (numbers, min(n, 3)),
+                    (found[at], min(y, 7), min(z, 7)),
+                    (kind, min(c, 4), self.several, back == 2),
+                )
+                same = self.bit("same", *contexts)
+                self.r1, self.r2 = self.r2, same
+                y += y > 0
+                one = expected
+                if not same:
+                    one, x, y = (
+                        self.other(expected, c, (kind, back, min(c, 4)), found[at]),
+                        x + 1,
+                        1,
+                    )
+                if spoke:
+                    self.at_ends[spoke] = 1 if same else 2
+            if spoke is None:
+                start = one
+            if closing:
+                self.at_ends[closing] = 1 if start == one else 2
+            out[corner] = one
+            before = corner
+        return out
+
+    def bit(self, name, *contexts):
+        keys = [(name, i, context) for i, context in enumerate(contexts)]
+        return self.stream.predicted(name, keys, 255)
+
+    def other(self, expected, c, context, far):
+        if c == 1 or self.bit("new", context, (min(c, 15), far)):
+            return c
+        one = self.stream.index(c - 1)
+        return one + (one >= expected)
+
+    def loose(self, rest, total):
+        out = [0]
+        for _ in range(total):
+            k = 0
+            while rest and self.bit("more", (min(k, 3), min(out[-1], 3)), min(k, 15)):
+                k, rest = k + 1, rest - 1
+            out.append(k)
+        check(rest == 0, "number of further vertices")
+        return out[1:]
+
+
 # ---- Positions ------------------------------------------------------------------------------
 
 
 def least_squares(delta, near, anchors, points):
     """§5.4: [L; S] x = [delta; p], about the mean of the anchors, for the digits."""
-    n, centre = len(near), points.mean(axis=0)
+    n, centre = len(near), points.sum(axis=0) / max(len(points), 1)
     system = np.zeros((n + len(anchors), n))
     for i, neighbours in enumerate(near):
         system[i, i] = len(neighbours)
@@ -1048,7 +1347,7 @@ def normals(x, faces, step):
 def positions(p, faces, near, exact):
     """§5.3 to §5.6: the positions that the integers stand for."""
     origin, step = np.array([p["x"], p["y"], p["z"]]), p["step"]
-    largest = max(abs(x) for name in EXACT[1:] if name != "anchors" for x in chain(*exact[name]))
+    largest = max(abs(x) for name in EXACT[2:] if name != "anchors" for x in chain(*exact[name]))
     steps = step * p["coarse"], p["anchor_step"]
     check(largest * max(steps) + max(map(abs, origin)) <= 1e152, "positions that are too large")
     names = "vectors", "points", "isolated"
@@ -1062,7 +1361,9 @@ def positions(p, faces, near, exact):
     x = least_squares(delta, *system)
     if p["method"] == REFINED:
         delta += (
-            np.array(exact["refinements"], float) * step * normals(x, faces, p["coarse"] * step)
+            np.array(exact["refinements"], float).reshape(-1, 1)
+            * step
+            * normals(x, faces, p["coarse"] * step)
         )
         x = least_squares(delta, *system)
     if exact["corrections"]:
@@ -1073,7 +1374,10 @@ def positions(p, faces, near, exact):
 # ---- All of it ------------------------------------------------------------------------------
 
 # §5.7, in the order of the digest
-EXACT = "faces", "vectors", "anchors", "points", "isolated", "refinements", "corrections", "forms"
+EXACT = (
+    *("faces", "copied", "vectors", "anchors", "points", "isolated", "refinements", "corrections"),
+    "forms",
+)
 
 
 def decode(data):
@@ -1082,22 +1386,43 @@ def decode(data):
     p = parameters(sections["PARM"], vertex_count)
     if "meta" in sections:
         check_meta(sections["meta"])
-    n = vertex_count - p["isolated"]
-    payload = sections[{CARTESIAN: "CART", LOSSLESS: "EXAC"}.get(p["method"], "ANCH")]
-    # A predicted bit takes log2(65536 / 65512) bits or more, a vertex at least one such bit.
-    bits = p["isolated"] * (3 if p["method"] == LOSSLESS else 1)
-    check(bits <= 15200 * (len(payload) + 4), "more vertices than fit into the file")
-    faces = Region(sections["CONN"], n, face_count).faces
-    graph = [set() for _ in range(n)]
-    for face in faces:
-        for v in face:
-            graph[v] |= {w for w in face if w != v}
-    near = [sorted(neighbours) for neighbours in graph]
-    everywhere = near + [[] for _ in range(p["isolated"])]
-    exact = {name: [] for name in EXACT} | {"faces": faces}
+    total = vertex_count
+    if "COPY" in sections:
+        total = Bytes(sections["COPY"]).varint()
+        check(p["isolated"] <= total < vertex_count, "counts of COPY")
+    n, m = total - p["isolated"], face_count
+    if "STCH" in sections:
+        table = Bytes(sections["STCH"])
+        n, m = table.varint(), table.varint()
+        check(total - p["isolated"] <= n <= 3 * m and m <= face_count, "counts of STCH")
+    geometry = {CARTESIAN: "CART", LOSSLESS: "EXAC"}.get(p["method"], "ANCH")
+    # A predicted bit takes log2(65536 / 65512) bits or more, an element at least one such bit.
+    held = {
+        "CONN": m,
+        geometry: p["isolated"] * (3 if p["method"] == LOSSLESS else 1),
+        "STCH": face_count - m,
+        "COPY": vertex_count - total,
+    }
+    for name, elements in held.items():
+        check(elements <= 15200 * (len(sections.get(name, b"")) + 4), "more than fits into " + name)
+    faces = Region(sections["CONN"], n, m).faces
+    points, used = range(total), total - p["isolated"]
+    surface = final = faces
+    if "STCH" in sections or "COPY" in sections:
+        manifold = Manifold(faces, n)
+        stitching = Stitching(sections.get("STCH"), manifold, used, total, face_count)
+        surface, final = stitching.surface, stitching.faces
+    exact = {name: [] for name in EXACT}
+    if "COPY" in sections:
+        copies = Copies(sections["COPY"], stitching, vertex_count)
+        points, final = copies.points, copies.faces
+        exact["copied"] = [points]
+    exact["faces"] = final
+    near = neighbours_of(surface, used)
     if p["method"] in (CARTESIAN, LOSSLESS):
+        everywhere = near + [[] for _ in range(p["isolated"])]
         read = grid_points if p["method"] == CARTESIAN else coordinates
-        exact["vectors"], exact["forms"] = read(payload, faces, everywhere)
+        exact["vectors"], exact["forms"] = read(sections[geometry], surface, everywhere)
     else:
         exact |= read_anchors(sections["ANCH"], p, near)
         exact["vectors"] = deltas(sections["DELT"], p["step"], near)
@@ -1108,12 +1433,12 @@ def decode(data):
         exact["corrections"] = vectors_of(sections["FIXS"], near)
     kept = []
     if "ORDR" in sections:
-        kept = read_order(sections["ORDR"], faces, everywhere)
+        kept = read_order(sections["ORDR"], final, neighbours_of(final, vertex_count))
     words = [struct.pack("<q", x) for name in EXACT for row in exact[name] for x in row]
     words += [struct.pack("<q", x) for x in chain(*kept)]
     digest = hashlib.blake2b(b"".join(words), digest_size=8).digest()
     check(digest == sections["CHEK"], "digest")
-    x, result = positions(p, faces, near, exact), np.array(faces)
+    x, result = positions(p, surface, near, exact)[list(points)], np.array(final)
     if kept:
         order, face_order, begins = map(np.array, kept)
         corners = (begins[:, None] + np.arange(3)) % 3

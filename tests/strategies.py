@@ -107,7 +107,36 @@ def surfaces(draw: st.DrawFn) -> Arrays:
     return mesh.vertices, mesh.faces
 
 
+@st.composite
+def complexes(draw: st.DrawFn) -> Arrays:
+    """Triangles of any kind: non-manifold, turned, repeated, degenerate; vertices at one place."""
+    seed = draw(SMALL)
+    rng = np.random.default_rng(seed)
+    if draw(st.booleans()):
+        n = draw(st.integers(1, 12))
+        F = np.array(draw(st.lists(st.tuples(*[st.integers(0, n - 1)] * 3), min_size=1)))
+    else:
+        V, F = draw(surfaces())
+        n = len(V)
+        glued = rng.random(n) < draw(st.sampled_from([0.0, 0.1, 0.5]))
+        F = np.where(glued, rng.integers(0, n, n), np.arange(n))[F]
+    again = rng.random(len(F)) < draw(st.sampled_from([0.0, 0.1, 1.0]))
+    F = np.concatenate((F, F[again]))
+    turned = rng.random(len(F)) < draw(st.sampled_from([0.0, 0.1, 0.5]))
+    F = np.where(turned[:, None], F[:, [0, 2, 1]], F)
+    n += draw(st.integers(0, 4))  # isolated ones
+    places = draw(st.sampled_from([2, 4, 100]))
+    on_grid = rng.integers(0, places, (n, 3)).astype(float)
+    V = on_grid if draw(st.booleans()) else rng.normal(size=(n, 3))
+    if draw(st.booleans()):
+        to = rng.integers(0, n, draw(st.integers(1, n)))
+        for i, v in enumerate(to.tolist(), start=n):
+            F[np.equal(F, v) & (rng.random(F.shape) < 0.4)] = i
+        V = np.concatenate((V, V[to]))
+    mesh, _ = meshes.shuffled(V, F, seed)
+    return mesh.vertices, mesh.faces
+
+
 def canonical(faces: NDArray[np.int64]) -> list[tuple[int, ...]]:
-    """The faces as a sorted list, each rotated to begin with its lowest vertex: winding counts."""
-    turned = (np.argmin(faces, axis=1)[:, None] + np.arange(3)) % 3
-    return sorted(map(tuple, np.take_along_axis(faces, turned, axis=1).tolist()))
+    """The faces as a sorted list, each in the least of its rotations: winding counts."""
+    return sorted(min((a, b, c), (b, c, a), (c, a, b)) for a, b, c in faces.tolist())

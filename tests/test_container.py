@@ -142,8 +142,9 @@ def containers(draw):
         draw(hundredths),
         draw(hundredths),
     )
-    required = layout.REQUIRED[method][1:]
-    required += (layout.ORDER,) if draw(st.booleans()) else ()
+    further = layout.FURTHER[method]
+    needed = draw(st.sets(st.sampled_from((*layout.AFTER_CONNECTIVITY, *further))))
+    required = layout.required(method, needed)[1:]
     payloads = {name: draw(st.binary(max_size=300)) for name in required}
     ids = st.from_regex(r"[a-z][A-Za-z]{3}", fullmatch=True).filter(lambda i: i != "meta")
     payloads |= draw(st.dictionaries(ids, st.binary(max_size=20), max_size=3))
@@ -333,12 +334,15 @@ def test_a_section_longer_than_the_file():
         ("PARM CONN CONN ANCH DELT CHEK", "CONN comes a second time"),
         ("PARM CONN ANCH DELT meta meta CHEK", "meta comes a second time"),
         ("PARM CONN ANCH DELT CHEK meta", "bytes follow the last section"),
+        ("PARM CONN COPY STCH ANCH DELT CHEK", "STCH is missing, COPY is in its place"),
+        ("PARM STCH CONN ANCH DELT CHEK", "CONN is missing, STCH is in its place"),
+        ("PARM CONN ANCH DELT STCH CHEK", "STCH is missing, ANCH is in its place"),
         ("PARM CONN ANCH DELT WXYZ CHEK", "WXYZ is unknown: it needs a newer deltamesh"),
     ],
 )
 def test_sections_out_of_order(order, message):
     start, parts = pieces(written())
-    parts |= {name: section(name, b"?") for name in ("CART", "abcd", "WXYZ")}
+    parts |= {name: section(name, b"?") for name in ("CART", "STCH", "COPY", "abcd", "WXYZ")}
     refused(start + b"".join(parts[name] for name in order.split()), message)
 
 
@@ -570,6 +574,14 @@ def test_spec_section_order():
     for column, method in ((2, "highpass"), (3, "cartesian"), (4, "refined"), (5, "lossless")):
         numbered = sorted((int(row[column]), row[0]) for row in rows if row[column].isdigit())
         assert [name for _, name in numbered] == list(layout.REQUIRED[method])
+        everything = sorted(
+            (int(row[column].strip("()")), row[0])
+            for row in rows
+            if row[column].strip("()").isdigit()
+        )
+        present = {name for _, name in everything}
+        assert tuple(name for _, name in everything) == layout.required(method, present)
+        assert [number for number, _ in everything] == list(range(1, len(everything) + 1))
     assert {row[0] for row in rows} == layout.KNOWN
     assert rows[-1][0] == layout.CHECK
 

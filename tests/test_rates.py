@@ -65,12 +65,12 @@ def test_a_measurement_is_what_encode_decode_and_compare_say(torus, method, rate
 @pytest.mark.parametrize(
     ("options", "label"),
     [
-        (Options(), "highpass"),
+        (Options(), "auto"),
         (Options(method="refined", coarse=4.0), "refined coarse=4.0"),
-        (Options(bits=4, diffusion=False), "highpass bits=4 diffusion=False"),
+        (Options(method="highpass", bits=4, diffusion=False), "highpass bits=4 diffusion=False"),
         (Options(step=1e-3, anchors=0.01, anchor_method="random", seed=7), None),
         (Options(method="cartesian", max_error_rel=1e-4, drop_isolated=True), None),
-        (Options(solver="scipy", threads=2, source_format="ply"), "highpass"),
+        (Options(solver="scipy", threads=2, source_format="ply"), "auto"),
     ],
 )
 def test_labels_say_everything_that_bytes_depend_on(torus, options, label):

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from deltamesh import (
     FormatError,
-    MeshError,
     OptionError,
     codec,
     decode,
@@ -83,7 +82,7 @@ def test_solvers_agree_where_the_coarse_surface_collapses(step):
 def test_the_positions_are_those_of_two_dense_least_squares_problems():
     V, _ = TORUS
     one = refined(TORUS, anchors=3, coarse=5.0)
-    surface, integers, _ = codec._read(info(one.data), 10**9, 2**40, codec.silent)
+    _, surface, integers, _ = codec._read(info(one.data), 10**9, 2**40, codec.silent)
     p = info(one.data).parameters
     L = oracle.laplacian(surface.faces, len(V))
     anchored = np.array(p.origin) + integers.positions * p.anchor_step
@@ -99,10 +98,7 @@ def test_the_positions_are_those_of_two_dense_least_squares_problems():
 @pytest.mark.parametrize("name", sorted(meshes.every()))
 def test_round_trip(name):
     V, F = meshes.every()[name]
-    try:
-        one = refined((V, F), threads=1)
-    except MeshError as error:
-        pytest.skip(f"not a manifold: {error}")
+    one = refined((V, F), threads=1)
     assert refined((V, F), threads=2).data == one.data
     for solver in ("rslab", "scipy"):
         mesh = decode(one.data, solver=solver)
@@ -217,7 +213,8 @@ def corrected(method, V, F, bound):
 
 @pytest.mark.parametrize("method", ["highpass", "refined"])
 def test_corrections_are_where_the_error_is_too_large_and_nowhere_else(method):
-    V, F = TORUS
+    # A step is too long for what high-pass coding errs by on a torus.
+    V, F = TORUS if method == "refined" else meshes.grid(15, 15)
     W = corrected(method, V, F, np.inf)[2][2]
     bound = np.median(np.linalg.norm(W - V, axis=1))
     surface, module, (parameters, integers, X) = corrected(method, V, F, bound)

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from deltamesh import decode, encode, highpass, verify
 from deltamesh.codec import _read, silent
-from deltamesh.geometry import Integers, digest
+from deltamesh.geometry import NONE, Integers, digest
 from deltamesh.limits import memory_needed
 from deltamesh_formats import layout
 from deltamesh_formats.errors import DeltameshError, FormatError, LimitError, SolveError
@@ -37,6 +37,13 @@ FILES = {
     "isolated lossless": encode(*meshes.with_isolated(), method="lossless"),
     "boundary": encode(*meshes.grid(5, 6), method="highpass"),
     "order": encode(*meshes.grid(5, 6), keep_order=True, method="highpass"),
+    "stitched": encode(
+        *meshes.union(meshes.crossing(), meshes.with_degenerate()), method="highpass"
+    ),
+    "turned seams, cartesian": encode(
+        *meshes.union(meshes.seams(), meshes.moebius(6)), method="cartesian"
+    ),
+    "doubled soup": encode(*meshes.union(meshes.doubled(), meshes.soup()), method="highpass"),
     "genus 2 of two": encode(
         *meshes.union(meshes.double_torus(), meshes.tetrahedron()), method="highpass"
     ),
@@ -203,7 +210,7 @@ def digest_of_points(n, cartesian, forms):
     zeros, none = np.zeros((n, 3), dtype=np.int64), np.zeros(0, dtype=np.int64)
     values, isolated = (zeros, zeros[:0]) if cartesian else (zeros[:0], zeros)
     told = np.array(list(forms), dtype=np.int64)
-    return digest(zeros[:0], Integers(values, none, zeros[:0], isolated, forms=told))
+    return digest(zeros[:0], NONE, Integers(values, none, zeros[:0], isolated, forms=told))
 
 
 # ---- Limits ------------------------------------------------------------------------------------
@@ -250,7 +257,8 @@ def payloads():
     return [
         (name, section)
         for name, data in FILES.items()
-        for section in layout.REQUIRED[read_container(data).parameters.method][1:]
+        for section in read_container(data).sections
+        if section not in (layout.PARAMETERS, layout.META, layout.CHECK)
     ]
 
 
@@ -324,14 +332,14 @@ def test_sections_of_another_mesh() -> None:
 def test_component_without_an_anchor() -> None:
     mesh = meshes.union(SPHERE, (SPHERE[0] + 9, SPHERE[1]))
     data = encode(*mesh, anchors=2, anchor_method="greedy", method="highpass")
-    surface, integers, _ = _read(read_container(data), 10**9, 10**12, silent)
+    _, surface, integers, _ = _read(read_container(data), 10**9, 10**12, silent)
     parameters = read_container(data).parameters
     for anchors in ([0, 1], [42, 83], [80, 81]):
         one_sided = Integers(
             integers.values, np.array(anchors), integers.positions, integers.isolated
         )
         payload = highpass.write(surface, parameters, one_sided)["ANCH"]
-        checksum = digest(surface.faces, one_sided)
+        checksum = digest(surface.faces, NONE, one_sided)
         error = refusal(forging.forged(data, ANCH=payload, checksum=checksum))
         assert "anchor" in str(error)
     for method in ("farthest", "random"):
@@ -342,7 +350,7 @@ def test_component_without_an_anchor() -> None:
 
 def test_anchors_that_are_no_vertices() -> None:
     data = FILES["greedy"]
-    surface, integers, _ = _read(read_container(data), 10**9, 10**12, silent)
+    _, surface, integers, _ = _read(read_container(data), 10**9, 10**12, silent)
     parameters = read_container(data).parameters
     outside = Integers(
         integers.values, np.array([0, 1, 2, 42]), integers.positions, integers.isolated

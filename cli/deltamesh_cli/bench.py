@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 from click.core import ParameterSource
 
-from deltamesh.options import RATES, Options
+from deltamesh.options import BOUNDS, RATES, Options
 from deltamesh_cli import files, measuring, options
 from deltamesh_cli.encode import command as encode
 from deltamesh_cli.failures import DONE, tried
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from deltamesh.rates import Row
 
 # Of the options that say how to encode: those that may be lists, and those that are not encode's.
-_LISTS: Final = ("method", *RATES)
+_LISTS: Final = ("method", *RATES, *BOUNDS)
 _OWN: Final = ("solver", "threads", "source_format", "drop_isolated")
 
 _COLUMNS: Final = """\

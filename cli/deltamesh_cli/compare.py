@@ -59,8 +59,9 @@ def command(
     """Measure how far mesh B is from mesh A.
 
     Each is a mesh file or a .dmesh file. Vertices and faces may be in another order, repeated
-    positions and isolated vertices may be gone. Where even so the vertices do not correspond, for
-    the connectivity is another one, only the distance between the surfaces is measured.
+    positions and isolated vertices may be gone; each position and each face counts once. Where even
+    so the vertices do not correspond, for the connectivity is another one, only the distance
+    between the surfaces is measured.
     """
     if first == second == files.STDIO:
         raise click.UsageError("A and B cannot both be standard input.")
@@ -85,34 +86,40 @@ def command(
 def _errors(a: Loaded, b: Loaded, stage: Stage) -> dict[str, float | None]:
     """Return every metric by its name, None for those that need vertices that correspond."""
     from deltamesh import correspondence, metrics
+    from deltamesh.complexes import distinct_faces
     from deltamesh.mesh import Mesh
 
     stage("matching vertices")
-    for reference, other in _as_read_and_as_encoded(a, b):
+    containers = [one.container for one in (a, b) if one.container]
+    exact = any(container.parameters.method == "lossless" for container in containers)
+    for reference, other in _corresponding(a.mesh, b.mesh, exact):
         vertex_map = correspondence.match(reference, other)
         if vertex_map is not None:
             stage("measuring")
-            paired = Mesh(other.vertices[vertex_map], reference.faces)
-            return vars(metrics.compare(reference, paired))
+            faces = distinct_faces(reference.faces)
+            paired = Mesh(other.vertices[vertex_map], faces)
+            return vars(metrics.compare(Mesh(reference.vertices, faces), paired))
     stage("measuring surfaces")
     surfaces = {"hausdorff": metrics.hausdorff(a.mesh, b.mesh)}
     diagonal = metrics.diagonal(a.mesh.vertices)
     return {**dict.fromkeys([*_LENGTHS, *_ANGLES]), **surfaces, "diagonal": diagonal}
 
 
-def _as_read_and_as_encoded(a: Loaded, b: Loaded) -> Iterator[tuple[Mesh, Mesh]]:
-    """Yield both meshes as they are, then as an encoder sees them: it welds, and may drop vertices.
+def _corresponding(a: Mesh, b: Mesh, exact: bool) -> Iterator[tuple[Mesh, Mesh]]:
+    """Yield what may correspond: the meshes with each position once, as they are, without points.
 
-    What has been decoded is not welded: coarse steps may put two of its vertices into one place.
+    Coarse steps may put several vertices of a decoded mesh into one place.
     """
     from deltamesh.welding import welded, without_isolated
 
-    yield a.mesh, b.mesh
-    containers = [one.container for one in (a, b) if one.container]
-    exact = any(container.parameters.method == "lossless" for container in containers)
-    first, second = (one.mesh if one.container else welded(one.mesh, exact) for one in (a, b))
+    first, second = welded(a, exact), welded(b, exact)
     yield first, second
+    if len(first.vertices) < len(a.vertices) or len(second.vertices) < len(b.vertices):
+        yield a, b
+        yield first, b
+        yield a, second
     yield without_isolated(first), without_isolated(second)
+    yield without_isolated(first), without_isolated(b)
 
 
 def _described(name: str, loaded: Loaded) -> dict[str, object]:

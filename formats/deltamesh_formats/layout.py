@@ -64,6 +64,8 @@ CRC_SIZE: Final = 4
 MAX_SECTIONS: Final = 64
 PARAMETERS: Final = "PARM"
 CONNECTIVITY: Final = "CONN"
+STITCHES: Final = "STCH"
+COPIES: Final = "COPY"
 ANCHORS: Final = "ANCH"
 DELTAS: Final = "DELT"
 NORMALS: Final = "NORM"
@@ -80,7 +82,8 @@ REQUIRED: Final[Mapping[str, tuple[str, ...]]] = {
     "refined": (PARAMETERS, CONNECTIVITY, ANCHORS, DELTAS, NORMALS),
     "lossless": (PARAMETERS, CONNECTIVITY, EXACT),
 }
-# What may come next, in this order.
+# What follows `CONN`, and what comes after all of these, in this order, where it is needed.
+AFTER_CONNECTIVITY: Final = (STITCHES, COPIES)
 FURTHER: Final[Mapping[str, tuple[str, ...]]] = {
     "highpass": (CORRECTIONS, ORDER),
     "cartesian": (ORDER,),
@@ -88,7 +91,9 @@ FURTHER: Final[Mapping[str, tuple[str, ...]]] = {
     "lossless": (ORDER,),
 }
 KNOWN: Final = frozenset(
-    {META, CHECK}.union(*map(set, REQUIRED.values()), *map(set, FURTHER.values()))
+    {META, CHECK, *AFTER_CONNECTIVITY}.union(
+        *map(set, REQUIRED.values()), *map(set, FURTHER.values())
+    )
 )
 
 # SPEC.md#41-parm
@@ -143,7 +148,11 @@ DIGEST_SIZE: Final = 8
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:
     """Return the sections that a file of a method begins with, where those `present` are."""
-    return (*REQUIRED[method], *(name for name in FURTHER[method] if name in present))
+    ids = REQUIRED[method]
+    after = ids.index(CONNECTIVITY) + 1
+    needed = tuple(name for name in AFTER_CONNECTIVITY if name in present)
+    further = tuple(name for name in FURTHER[method] if name in present)
+    return (*ids[:after], *needed, *ids[after:], *further)
 
 
 @dataclass(frozen=True)
@@ -173,7 +182,7 @@ class Parameters:
     anchor_count : int
         Number of anchors; 0 for the methods without.
     isolated : int
-        Number of vertices without a face.
+        Number of points without a face.
     coarse : float
         The step of the deltas over `step`; 1 unless they are refined.
     dead_zone, normal_dead_zone : float

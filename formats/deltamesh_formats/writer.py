@@ -28,9 +28,9 @@ def write_container(
         Counts of the decoded mesh.
     parameters : Parameters
     payloads : mapping of section id to bytes
-        The sections that are the codec's own: `CONN`, then `ANCH` and `DELT`, or `CART`, by the
-        method, then `ORDR` if the order is kept. Ids unknown to this version must be optional
-        ones; they come last, in their order.
+        The sections that are the codec's own: `CONN`, `STCH` and `COPY` where they are needed,
+        those of the method, `FIXS` and `ORDR` where they are needed. Ids unknown to this version
+        must be optional ones; they come last, in their order.
     meta : Meta or None
     digest : bytes, 8
         Of the decoded integers.

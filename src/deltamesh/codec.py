@@ -1,7 +1,7 @@
 """Both pipelines, mirrored: a mesh to bytes, and bytes to a mesh.
 
-encode: weld -> topology -> connectivity -> quantize -> write -> container
-decode: container -> limits -> connectivity -> read -> digest -> reconstruct
+encode: structure -> quantize -> write -> container
+decode: container -> limits -> structure -> read -> digest -> reconstruct
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from deltamesh import cartesian, highpass, lossless, refined
-from deltamesh.connectivity import decode_connectivity, encode_connectivity
 from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
 from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_limits
 from deltamesh.mesh import LARGEST, Mesh, checked_mesh
@@ -25,8 +24,8 @@ from deltamesh.order import decode_order, encode_order
 from deltamesh.reordering import Order, arrays, order_of, reordered
 from deltamesh.search import Trial, smallest
 from deltamesh.solve import factorization
+from deltamesh.structure import Structure, announced, decode_structure, encode_structure
 from deltamesh.targets import bounds_of
-from deltamesh.topology import Topology, build_topology, weld
 from deltamesh.version import __version__
 from deltamesh_formats.errors import FormatError, MeshError
 from deltamesh_formats.layout import Container, Meta
@@ -56,13 +55,17 @@ class Encoded:
     data : bytes
         The file.
     order : int64 (n,)
-        The input vertex that each vertex of the file was; the first, where several were welded.
+        The input vertex that each vertex of the file was.
+    face_order, rotation : int64 (m,)
+        The input face that each face of the file was, and which of its corners comes first.
     mesh : Mesh
         What a decoder will make of it.
     """
 
     data: bytes
     order: NDArray[np.int64]
+    face_order: NDArray[np.int64]
+    rotation: NDArray[np.int64]
     mesh: Mesh
 
 
@@ -93,15 +96,16 @@ def encode(
 ) -> bytes:
     """Compress a triangle mesh.
 
-    Connectivity is kept exactly; vertices at one position become one, the first; vertices and
-    faces come back in an order of the codec's own unless `keep_order` says otherwise.
+    Connectivity is kept exactly, whatever it is; vertices and faces come back in an order of the
+    codec's own unless `keep_order` says otherwise. Vertices at one position stay there, each for
+    itself.
 
     Parameters
     ----------
     vertices : array_like (n, 3)
         Finite real numbers.
     faces : array_like (m, 3)
-        Vertex indices from 0, of an oriented manifold, with or without boundary.
+        Vertex indices from 0, of any triangles.
     method : {"auto", "refined", "highpass", "cartesian", "lossless"}
         What is quantized: differential coordinates, coarsely, and their component along the normal
         finely; these coordinates alike; x, y and z; or nothing: positions come back bit for bit,
@@ -157,7 +161,7 @@ def encode(
     Raises
     ------
     MeshError
-        If the mesh is not such a manifold; the first element at fault is named.
+        If the arrays are no mesh; the first element at fault is named.
     OptionError
     TargetError
         If nothing keeps the errors within their bounds; the message tells what could be had.
@@ -195,41 +199,38 @@ def encode_mesh(mesh: Mesh, options: Options, progress: Progress = silent) -> En
     """Compress a checked mesh; see `encode`."""
     if len(mesh.faces) == 0:
         raise MeshError("the mesh has no faces")
-    progress("topology")
-    keep, welded = weld(mesh.vertices, exact=options.method == "lossless")
-    topology = build_topology(welded[mesh.faces], len(keep), keep)
-    progress("connectivity")
-    payload, connectivity = encode_connectivity(topology)
-    used, isolated = _vertices(mesh, topology, keep, connectivity.order, options.drop_isolated)
+    exact = options.method == "lossless"
+    payloads, structure, origin = encode_structure(mesh, options.drop_isolated, exact, progress)
     progress("geometry")
-    surface = surface_of(connectivity.faces, len(used), len(isolated))
-    V, order = mesh.vertices, np.concatenate([used, isolated])
+    surface = surface_of(structure.surface, structure.used, structure.isolated)
+    V = mesh.vertices[origin.points]
+    used, isolated = V[: structure.used], V[structure.used :]
     factor = factorization(surface.laplacian, options.solver, options.threads)
-    bounds = bounds_of(options, diagonal(V[order]))
-
-    errors_of = errors_from(V[order], surface.faces)
+    bounds, errors_of = bounds_of(options, diagonal(V)), errors_from(V, surface.faces)
 
     def attempt(settings: Settings) -> Trial:
         progress(f"geometry, {settings.method}")
         coder = _METHODS[settings.method]
-        quantized = coder.quantize(surface, V[used], V[isolated], settings, factor)
-        parameters, integers, decoded = quantized
+        parameters, integers, decoded = coder.quantize(surface, used, isolated, settings, factor)
         write = partial(coder.write, surface, parameters, integers)
         return Trial(settings, parameters, integers, write, decoded, errors_of(decoded))
 
-    trial = smallest(options, bounds, mean_edge(V[used], surface.faces), attempt)
-    payloads = {"CONN": payload, **trial.payloads}
-    meta = _meta(trial.errors, diagonal(V[order]), options.source_format)
-    result, kept = Mesh(trial.vertices, surface.faces), None
+    trial = smallest(options, bounds, mean_edge(used, surface.faces), attempt)
+    payloads |= trial.payloads
+    result, order = Mesh(trial.vertices[structure.points], structure.faces), origin.vertices
+    face_order, rotation = np.divmod(origin.corners[:, 0], 3)
+    kept = None
     if options.keep_order:
         progress("order")
-        kept = order_of(order, surface.faces, keep[welded[mesh.faces]])
-        payloads["ORDR"] = encode_order(surface.faces, kept)
+        kept = order_of(order, structure.faces, mesh.faces)
+        payloads["ORDR"] = encode_order(structure.faces, kept)
         result, order = reordered(result, kept), order[kept.vertices]
-    checksum = digest(surface.faces, trial.integers, arrays(kept))
-    n, m = len(order), len(surface.faces)
+        face_order, rotation = np.arange(len(face_order)), np.zeros_like(rotation)
+    checksum = digest(structure.faces, structure.copied, trial.integers, arrays(kept))
+    n, m = len(structure.points), len(structure.faces)
+    meta = _meta(trial.errors, diagonal(V), options.source_format)
     data = write_container(n, m, trial.parameters, payloads, meta, checksum)
-    return Encoded(data, order, result)
+    return Encoded(data, order, face_order, rotation, result)
 
 
 def decode(
@@ -274,37 +275,36 @@ def decode(
     """
     progress = progress or silent
     container = read_container(data)
-    surface, integers, order = _read(container, max_vertices, memory, progress)
+    structure, surface, integers, order = _read(container, max_vertices, memory, progress)
     progress("positions")
     coder = _METHODS[container.parameters.method]
     _check_scale(container, integers)
     factor = factorization(surface.laplacian, solver, threads)
-    vertices = coder.reconstruct(surface, container.parameters, integers, factor)
-    mesh = Mesh(vertices, surface.faces)
+    points = coder.reconstruct(surface, container.parameters, integers, factor)
+    mesh = Mesh(points[structure.points], structure.faces)
     return mesh if order is None else reordered(mesh, order)
 
 
 def _read(
     container: Container, max_vertices: int, memory: int, progress: Progress
-) -> tuple[Surface, Integers, Order | None]:
+) -> tuple[Structure, Surface, Integers, Order | None]:
     """Return everything exact in a file, checked."""
-    check_limits(container, max_vertices, memory)
+    counts = announced(container)
+    check_limits(container, counts, max_vertices, memory)
     parameters, sections = container.parameters, container.sections
     progress("connectivity")
-    count = container.vertices - parameters.isolated
-    with payload_of(sections["CONN"]) as payload:
-        faces = decode_connectivity(payload, count, container.faces)
+    structure = decode_structure(container, counts)
     progress("geometry")
-    surface = surface_of(faces, count, parameters.isolated)
+    surface = surface_of(structure.surface, structure.used, structure.isolated)
     integers = _METHODS[parameters.method].read(surface, parameters, sections)
     order = None
     if "ORDR" in sections:
         progress("order")
         with payload_of(sections["ORDR"]) as payload:
-            order = decode_order(payload, faces, container.vertices)
-    if digest(faces, integers, arrays(order)) != container.digest:
+            order = decode_order(payload, structure.faces, container.vertices)
+    if digest(structure.faces, structure.copied, integers, arrays(order)) != container.digest:
         raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)
-    return surface, integers, order
+    return structure, surface, integers, order
 
 
 def _check_scale(container: Container, integers: Integers) -> None:
@@ -316,19 +316,6 @@ def _check_scale(container: Container, integers: Integers) -> None:
     steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
     if not values * steps + origin <= 100 * LARGEST:
         raise FormatError("positions that are too large", container.sections["PARM"].offset)
-
-
-def _vertices(
-    mesh: Mesh,
-    topology: Topology,
-    keep: NDArray[np.int64],
-    order: NDArray[np.int64],
-    drop_isolated: bool,
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the vertices of the faces in coding order, and the isolated ones by x, y, z."""
-    isolated = keep[topology.valence[: len(keep)] == 0]
-    isolated = isolated[np.lexsort(mesh.vertices[isolated].T[::-1])]
-    return keep[order], isolated[:0] if drop_isolated else isolated
 
 
 def _meta(errors: VertexErrors, scale: float, source_format: str) -> Meta:

@@ -31,10 +31,13 @@ class Connectivity:
         In the order in which both sides visit them.
     order : int64 (n,)
         The vertex of the topology that each vertex was; isolated ones are not among them.
+    starts : int64 (m,)
+        The half-edge of the topology with which each face begins.
     """
 
     faces: NDArray[np.int64]
     order: NDArray[np.int64]
+    starts: NDArray[np.int64]
 
 
 def encode_connectivity(topology: Topology) -> tuple[bytes, Connectivity]:
@@ -97,6 +100,7 @@ def _region(
         faces=np.empty((faces, 3), dtype=np.int64),
         vertices=np.zeros(vertices, dtype=NEW_VERTEX),
         model=model,
+        starts=np.empty(len(halfedges) // 3, dtype=np.int64),
     )
 
 
@@ -104,5 +108,6 @@ def _open(region: Region) -> Connectivity:
     """Take away the vertices that close the boundary loops, and their faces."""
     real = ~region.vertices["is_loop"]
     index = np.cumsum(real) - 1
-    faces = region.faces if real.all() else region.faces[real[region.faces].all(axis=1)]
-    return Connectivity(index[faces], region.vertices["old"][real])
+    kept = real[region.faces].all(axis=1)
+    starts = region.starts[kept] if len(region.starts) else region.starts
+    return Connectivity(index[region.faces[kept]], region.vertices["old"][real], starts)

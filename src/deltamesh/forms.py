@@ -164,7 +164,7 @@ def to_values(classes: _Ints, integers: _Ints, how: Spelling, single: bool) -> _
 
 
 def spelling_fault(how: Spelling) -> str:
-    """Tell what is wrong with a spelling from a file, by the rules of SPEC.md 5.10; else ""."""
+    """Tell what is wrong with a spelling from a file, by the rules of SPEC.md 5.12; else ""."""
     if len(how.forms) > 2 or not (how.forms or how.raw):
         return f"{len(how.forms)} forms of coordinates"
     for form, usual in zip(how.forms, how.usual, strict=True):

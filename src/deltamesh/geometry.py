@@ -94,13 +94,26 @@ NO_POINTS = np.zeros((0, 3), dtype=np.int64)
 
 
 def digest(
-    faces: NDArray[np.int64], integers: Integers, order: Iterable[NDArray[np.int64]] = ()
+    faces: NDArray[np.int64],
+    copied: NDArray[np.int64],
+    integers: Integers,
+    order: Iterable[NDArray[np.int64]] = (),
 ) -> bytes:
-    """Return the checksum of everything exact that a decoder makes (SPEC.md 5.7)."""
+    """Return the checksum of everything exact that a decoder makes (SPEC.md 5.7).
+
+    Parameters
+    ----------
+    faces : int64 (m, 3)
+    copied : int64 (n,) or (0,)
+        The point of each vertex, where some have several.
+    integers : Integers
+    order : int64 arrays
+        Of vertices, faces and corners, where it is kept.
+    """
     i = integers
     arrays = (
-        *(faces, i.values, i.anchors, i.positions, i.isolated, i.refinements, i.corrections),
-        *(i.forms, *order),
+        *(faces, copied, i.values, i.anchors, i.positions, i.isolated, i.refinements),
+        *(i.corrections, i.forms, *order),
     )
     result = hashlib.blake2b(digest_size=8)
     for array in arrays:

@@ -161,7 +161,7 @@ def step_of(vertices: NDArray[np.float64], delta: NDArray[np.float64], settings:
     """Return the quantization step that is asked for, 0 for 0 bits."""
     if settings.bits is not None:
         return delta_step(delta, settings.bits) if settings.bits else 0.0
-    return settings.step or DEFAULT_HIGHPASS_STEP * diagonal(vertices)
+    return settings.step or DEFAULT_HIGHPASS_STEP * diagonal(vertices) or 1.0
 
 
 def _anchor_step(vertices: NDArray[np.float64], step: float) -> float:
@@ -181,7 +181,7 @@ def _choose(
     factor: Factor,
 ) -> NDArray[np.int64]:
     """Return the anchors that are asked for, ascending where their indices are stored."""
-    components = int(surface.labels.max()) + 1
+    components = int(surface.labels.max(initial=-1)) + 1
     try:
         k = choice.count_anchors(settings.anchors, surface.vertex_count, components)
     except ValueError as error:
@@ -262,7 +262,8 @@ def _read_anchors(
             raise FormatError("an anchor that is no vertex", 3)
     else:
         anchors = _computed(surface, str(parameters.anchor_method), k, parameters.seed)
-    if len(np.unique(surface.labels[anchors])) <= surface.labels.max() or len(anchors) != k:
+    labels = surface.labels
+    if len(np.unique(labels[anchors])) <= labels.max(initial=-1) or len(anchors) != k:
         raise FormatError("a component without an anchor", 3)
     points.code_points(coder, positions, bits)
     if len(isolated) and not points.code_sorted_points(coder, isolated, bits):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from deltamesh_formats.errors import FormatError, LimitError
-from deltamesh_formats.layout import Container
+from deltamesh_formats.layout import Container, Section
 
 # As many as a 32-bit index can name, were there memory for them.
 DEFAULT_MAX_VERTICES = 1 << 32
@@ -25,6 +27,26 @@ PER_VERTEX = {"cartesian": 400, "lossless": 600, "highpass": 4000, "refined": 40
 PER_BYTE = 15200
 
 
+@dataclass(frozen=True)
+class Counts:
+    """What a file announces, before anything of it is decoded.
+
+    Attributes
+    ----------
+    points : int
+        Positions; several vertices may share one.
+    isolated : int
+        Points that are in no face of the manifold.
+    vertices, faces : int
+        Of the manifold that CONN describes.
+    """
+
+    points: int
+    isolated: int
+    vertices: int
+    faces: int
+
+
 def memory_needed(container: Container) -> int:
     """Estimate the memory that decoding takes, in bytes, from counts alone."""
     method = container.parameters.method
@@ -32,7 +54,7 @@ def memory_needed(container: Container) -> int:
     return fixed + per_vertex * container.vertices + PER_FACE * container.faces
 
 
-def check_limits(container: Container, max_vertices: int, memory: int) -> None:
+def check_limits(container: Container, counts: Counts, max_vertices: int, memory: int) -> None:
     """Refuse a file whose counts are above the limits, or cannot be true.
 
     Raises
@@ -40,26 +62,33 @@ def check_limits(container: Container, max_vertices: int, memory: int) -> None:
     LimitError
         For more vertices, or more memory, than allowed.
     FormatError
-        For none or more faces, or more isolated vertices, than the bytes of a section can hold.
+        For none or more faces, or more of anything else, than the bytes of a section can hold.
     """
     n, m = container.vertices, container.faces
     if n > max_vertices:
         raise LimitError(f"{n} vertices are more than the limit of {max_vertices}")
-    section = container.sections["CONN"]
+    section, used = container.sections["CONN"], counts.points - counts.isolated
     if m == 0:
         raise FormatError("a file without faces", section.offset)
-    if m > PER_BYTE * (len(section.payload) + 4) or n - container.parameters.isolated > 3 * m:
+    if counts.faces > _most(section) or not used <= counts.vertices <= 3 * counts.faces:
         raise FormatError(f"{n} vertices and {m} faces do not fit into this file", section.offset)
-    _check_isolated(container)
+    method = container.parameters.method
+    geometry = {"cartesian": "CART", "lossless": "EXAC"}.get(method, "ANCH")
+    bits = 3 if method == "lossless" else 1  # a coordinate has one or more
+    _check_held(container, geometry, counts.isolated, "isolated vertices", bits)
+    _check_held(container, "STCH", m - counts.faces, "faces beside the manifold")
+    _check_held(container, "COPY", n - counts.points, "copies of vertices")
     needed = memory_needed(container)
     if needed > memory:
         raise LimitError(f"decoding takes about {needed} bytes, more than the limit of {memory}")
 
 
-def _check_isolated(container: Container) -> None:
-    method = container.parameters.method
-    name = {"cartesian": "CART", "lossless": "EXAC"}.get(method, "ANCH")
-    section, count = container.sections[name], container.parameters.isolated
-    bits = 3 * count if method == "lossless" else count  # one a coordinate
-    if bits > PER_BYTE * (len(section.payload) + 4):
-        raise FormatError(f"{count} isolated vertices do not fit into this file", section.offset)
+def _check_held(container: Container, name: str, count: int, what: str, bits: int = 1) -> None:
+    if count and bits * count > _most(container.sections[name]):
+        offset = container.sections[name].offset
+        raise FormatError(f"{count} {what} do not fit into this file", offset)
+
+
+def _most(section: Section) -> int:
+    """Return how many elements of at least one coded bit a section may hold."""
+    return PER_BYTE * (len(section.payload) + 4)

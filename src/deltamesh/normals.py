@@ -29,7 +29,7 @@ def vertex_normals(
         s / (|s| + FADE * (a + step^2)), s the sum of the cross products of the faces and a that of
         their lengths: of length 1, nearly, or less where there is little to go by.
     """
-    extent = float(np.ptp(V, axis=0).max(initial=0.0)) or 1.0
+    extent = (float(np.ptp(V, axis=0).max()) if len(V) else 0.0) or 1.0
     V = (V - V[:1]) / extent  # products of coordinates then neither overflow nor vanish
     a, b, c = V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
     cross = np.cross(b - a, c - a)

@@ -84,7 +84,9 @@ class Options:
         if rates:
             _require(len(rates + bounds) == 1, f"{' and '.join(rates + bounds)} exclude each other")
         meaningless = self.method == "lossless" and rates + bounds
-        _require(not meaningless, f"{' and '.join(rates + bounds)} mean nothing with lossless")
+        _require(
+            not meaningless, f"{' and '.join(rates + bounds)} mean nothing with method lossless"
+        )
         for name in ("step", *BOUNDS[1:]):
             value = getattr(self, name)
             fits = value is None or (math.isfinite(value) and value > 0)

@@ -18,7 +18,7 @@ LARGEST = 1 << 30
 
 def delta_step(delta: NDArray[np.float64], bits: int) -> float:
     """Return range / 2^bits of the coordinate with the largest range; 1 when all are constant."""
-    extent = float(np.ptp(delta, axis=0).max())
+    extent = float(np.ptp(delta, axis=0).max()) if len(delta) else 0.0
     return extent / 2.0**bits or 1.0
 
 

@@ -11,9 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.kernels.topology import first_split_vertex
-from deltamesh_formats.errors import MeshError
-
 
 @dataclass(frozen=True)
 class Topology:
@@ -80,46 +77,38 @@ def weld(
     return np.sort(first), welded
 
 
-def build_topology(
-    faces: NDArray[np.int64], vertex_count: int, names: NDArray[np.int64]
-) -> Topology:
-    """Pair the half-edges, close the boundary loops and check that the mesh is a manifold.
-
-    This is where a later version cuts a mesh into a manifold instead of refusing it.
+def build_topology(faces: NDArray[np.int64], opposite: NDArray[np.int64], n: int) -> Topology:
+    """Close the boundary loops of an oriented manifold.
 
     Parameters
     ----------
-    faces : int64 (m, 3), welded
-    vertex_count : int
-    names : int64 (vertex_count,)
-        What to call each vertex in a message: its index in the user's mesh.
-
-    Raises
-    ------
-    MeshError
-        For the first degenerate or duplicate face, edge with more than two faces, edge whose two
-        faces disagree in winding, or vertex with more than one fan of faces.
+    faces : int64 (m, 3)
+        With one fan of faces around each vertex, and no two edges between the same two vertices,
+        as of `complexes.cut`.
+    opposite : int64 (3 m,)
+        As of `pair_halfedges`.
+    n : int
+        Number of vertices.
     """
-    _refuse_degenerate(faces, names)
-    _refuse_edges(faces, vertex_count, names)
-    opposite = pair_halfedges(faces, vertex_count)
-    closing, loops = _close(faces, opposite, vertex_count, names)
+    border = np.flatnonzero(opposite < 0)
+    start, end = faces.ravel()[border], np.roll(faces, -1, axis=1).ravel()[border]
+    successor = np.full(n, -1, dtype=np.int64)
+    successor[start] = end
+    loop = _loop_labels(successor, start)
+    loops = int(loop.max()) + 1 if len(loop) else 0
+    # A face (end, start, loop vertex) for each; those of a loop meet at the edges to its vertex.
+    closing = np.stack([end, start, n + loop], axis=1)
+    across = np.full(3 * len(closing), -1, dtype=np.int64)
+    first = 3 * (len(faces) + np.arange(len(border)))
+    into = np.empty(n, dtype=np.int64)
+    into[end] = first
+    across[0::3], across[1::3] = border, into[start] + 2
+    across[(into[start] - 3 * len(faces)) + 2] = first + 1
+    opposite = np.concatenate([opposite, across])
+    opposite[border] = first
     closed = np.concatenate([faces, closing])
-    if loops:
-        opposite = pair_halfedges(closed, vertex_count + loops)
-    valence = np.bincount(closed.ravel(), minlength=vertex_count + loops)
-    split = first_split_vertex(closed, opposite, valence)
-    if split >= 0:
-        name = names[split] if split < vertex_count else "on a boundary"
-        raise MeshError(f"vertex {name} is not manifold: its faces form more than one fan")
-    return Topology(closed, opposite, valence, len(faces), vertex_count)
-
-
-def _refuse_degenerate(F: NDArray[np.int64], names: NDArray[np.int64]) -> None:
-    bad = (F[:, 0] == F[:, 1]) | (F[:, 1] == F[:, 2]) | (F[:, 2] == F[:, 0])
-    if bad.any():
-        i = int(np.argmax(bad))
-        raise MeshError(f"face {i} is degenerate: two of its corners are at one position")
+    valence = np.bincount(closed.ravel(), minlength=n + loops)
+    return Topology(closed, opposite, valence, len(faces), n)
 
 
 def pair_halfedges(faces: NDArray[np.int64], n: int) -> NDArray[np.int64]:
@@ -127,56 +116,14 @@ def pair_halfedges(faces: NDArray[np.int64], n: int) -> NDArray[np.int64]:
 
     Of an edge with more than two half-edges, the first two in the order of the faces are a pair.
     """
-    order, same = _sorted_edges(faces, n)
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    key = np.minimum(start, end) * n + np.maximum(start, end)
+    order = np.argsort(key, kind="stable")
+    same = key[order[1:]] == key[order[:-1]]
     first = np.flatnonzero(same & ~np.concatenate(([False], same[:-1])))
     opposite = np.full(3 * len(faces), -1, dtype=np.int64)
     opposite[order[first]], opposite[order[first + 1]] = order[first + 1], order[first]
     return opposite
-
-
-def _sorted_edges(F: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Return the half-edges by edge, and whether each is on the edge of the next in that order."""
-    start, end = F.ravel(), np.roll(F, -1, axis=1).ravel()
-    key = np.minimum(start, end) * n + np.maximum(start, end)
-    order = np.argsort(key, kind="stable")
-    key = key[order]
-    return order, key[1:] == key[:-1]
-
-
-def _refuse_edges(F: NDArray[np.int64], n: int, names: NDArray[np.int64]) -> None:
-    """Refuse edges with three faces or more, then faces that run along an edge the same way."""
-    order, same = _sorted_edges(F, n)
-    start, end = F.ravel(), np.roll(F, -1, axis=1).ravel()
-    triple = same[1:] & same[:-1]
-    if triple.any():
-        h = order[np.flatnonzero(triple) + 2].min()
-        edge = f"{names[start[h]]}-{names[end[h]]}"
-        raise MeshError(f"edge {edge} is not manifold: face {h // 3} is at least its third")
-    first, second = order[:-1][same], order[1:][same]
-    twisted = start[first] == start[second]
-    if twisted.any():
-        i = np.argmin(np.where(twisted, second, np.iinfo(np.int64).max))
-        edge = f"{names[start[first[i]]]}-{names[end[first[i]]]}"
-        raise MeshError(
-            f"faces {first[i] // 3} and {second[i] // 3} disagree in winding along edge {edge}"
-        )
-
-
-def _close(
-    F: NDArray[np.int64], opposite: NDArray[np.int64], n: int, names: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], int]:
-    """Return the faces that close the boundary loops, and the number of loops."""
-    border = np.flatnonzero(opposite < 0)
-    start, end = F.ravel()[border], np.roll(F, -1, axis=1).ravel()[border]
-    count = np.bincount(start, minlength=n)
-    if len(border) and count.max() > 1:
-        v = int(np.argmax(count > 1))
-        raise MeshError(f"vertex {names[v]} is not manifold: it is on a boundary more than once")
-    successor = np.full(n, -1, dtype=np.int64)
-    successor[start] = end
-    loop = _loop_labels(successor, start)
-    closing = np.stack([end, start, n + loop], axis=1)
-    return closing, int(loop.max()) + 1 if len(loop) else 0
 
 
 def _loop_labels(successor: NDArray[np.int64], start: NDArray[np.int64]) -> NDArray[np.int64]:

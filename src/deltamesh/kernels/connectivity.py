@@ -68,6 +68,8 @@ class Region(NamedTuple):
         The closed mesh in the order of the visit.
     model : int64 (MODEL_SIZE,)
         What the valence model remembers.
+    starts : int64 (f,)
+        The half-edge with which each face begins; empty when decoding.
     """
 
     halfedges: Any
@@ -75,6 +77,7 @@ class Region(NamedTuple):
     faces: NDArray[np.int64]
     vertices: Any
     model: NDArray[np.int64]
+    starts: NDArray[np.int64]
 
 
 @kernel
@@ -107,11 +110,14 @@ def _is_done(r: Region, h: Int) -> Flag:
 
 
 @inlined
-def _add_face(front: Front, r: Region, a: Int, b: Int, c: Int) -> None:
+def _add_face(front: Front, r: Region, start: Int, a: Int, b: Int, c: Int) -> None:
+    """Add the face (a, b, c), which begins with the half-edge `start`."""
     counts = front.counts
     f = counts[FACES]
     counts[FACES] = f + 1
     r.faces[f, 0], r.faces[f, 1], r.faces[f, 2] = a, b, c
+    if f < r.starts.size:
+        r.starts[f] = start
 
 
 @inlined
@@ -170,7 +176,7 @@ def _begin(c: Coder, front: Front, r: Region, seed: Int) -> Int:
     n1 = _add_vertex(c, front, r, halfedges[3 * seed + 1].origin if encoding else 0, mixer)
     n2 = _add_vertex(c, front, r, halfedges[3 * seed + 2].origin if encoding else 0, mixer)
     v0, v1, v2 = nodes[n0].vertex, nodes[n1].vertex, nodes[n2].vertex
-    _add_face(front, r, v0, v1, v2)
+    _add_face(front, r, 3 * seed, v0, v1, v2)
     if encoding:
         halfedges[3 * seed].node = DONE
     _set_gate(c, front, r, n1, n0, v2, 3 * seed)
@@ -184,8 +190,8 @@ def _close(c: Coder, front: Front, r: Region, node: Int) -> Int:
     """Add the one face left at a node without free edges."""
     nodes = front.nodes
     before, after = nodes[node].predecessor, nodes[node].successor
-    _add_face(front, r, nodes[before].vertex, nodes[node].vertex, nodes[after].vertex)
     gate = nodes[before].gate
+    _add_face(front, r, gate, nodes[before].vertex, nodes[node].vertex, nodes[after].vertex)
     if c.state[DECODING] == 0:
         r.halfedges[gate - gate % 3].node = DONE
     remove_node(front, node)
@@ -228,7 +234,7 @@ def _expand(c: Coder, front: Front, r: Region, pivot: Int, loops: Int, loop_star
         node = _add_vertex(c, front, r, vertex, mixer)
         r.model[RECENT + 1] = r.model[RECENT]
         r.model[RECENT] = min(r.vertices[nodes[node].vertex].valence, VALENCE_CAP)
-    _add_face(front, r, nodes[pivot].vertex, nodes[after].vertex, nodes[node].vertex)
+    _add_face(front, r, gate, nodes[pivot].vertex, nodes[after].vertex, nodes[node].vertex)
     set_free(front, pivot, nodes[pivot].free - 1)
     set_free(front, after, nodes[after].free - 1)
     _set_gate(c, front, r, pivot, node, behind_pivot, previous_halfedge(gate))
@@ -279,9 +285,8 @@ def _join(c: Coder, front: Front, r: Region, pivot: Int, gate: Int) -> Int:
     side = code_side(c, rest, side) if rest >= 0 else 0
     if rest < side:
         return CORRUPT
-    _add_face(
-        front, r, front.nodes[pivot].vertex, front.nodes[after].vertex, front.nodes[target].vertex
-    )
+    nodes = front.nodes
+    _add_face(front, r, gate, nodes[pivot].vertex, nodes[after].vertex, nodes[target].vertex)
     twin = add_node(front, front.nodes[target].vertex, rest - side)
     set_free(front, target, side)
     set_free(front, pivot, front.nodes[pivot].free - 1)
