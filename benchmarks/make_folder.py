@@ -18,8 +18,7 @@ from scipy.sparse import coo_array, csgraph
 
 from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
-from deltamesh.topology import build_topology, weld
-from deltamesh_formats.errors import MeshError
+from deltamesh.topology import weld
 from deltamesh_formats.meshfile import write_mesh
 from deltamesh_formats.polymesh import from_triangles
 
@@ -83,9 +82,7 @@ def pieces(mesh: Mesh, most: int, least: int) -> Iterator[Mesh]:
         for component in components(piece):
             if len(component) >= least:
                 used, faces = np.unique(component, return_inverse=True)
-                part = Mesh(V[used], faces.reshape(component.shape))
-                if is_manifold(part):
-                    yield part
+                yield Mesh(V[used], faces.reshape(component.shape))
 
 
 def halved(V: NDArray[np.float64], F: NDArray[np.int64], most: int) -> Iterator[NDArray[np.int64]]:
@@ -109,15 +106,6 @@ def components(F: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
     of_face = label[F[:, 0]]
     for which in np.unique(of_face):
         yield F[of_face == which]
-
-
-def is_manifold(mesh: Mesh) -> bool:
-    """Tell whether the mesh can be encoded: a cut may leave two parts that share a vertex."""
-    try:
-        build_topology(mesh.faces, len(mesh.vertices), np.arange(len(mesh.vertices)))
-    except MeshError:
-        return False
-    return True
 
 
 if __name__ == "__main__":

@@ -54,7 +54,7 @@ def section(name, payload):
     return raw + struct.pack("<I", zlib.crc32(raw))
 
 
-def with_header(data, *, magic=layout.MAGIC, version=1, reserved=0):
+def with_header(data, *, magic=layout.MAGIC, version=layout.VERSION, reserved=0):
     """The file under another header, whose checksum is right."""
     container = read_container(data)
     start = next(iter(container.sections.values())).offset

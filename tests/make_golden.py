@@ -345,7 +345,7 @@ def refused():
     }
     header = {
         "version-0": forging.with_header(h, version=0),
-        "version-2": forging.with_header(h, version=2),
+        "version-3": forging.with_header(h, version=3),
         "reserved-bit": forging.with_header(h, reserved=0x8000),
         "long-varint": long_varint(h),
         "terabytes": forging.forged(h, vertices=2**38, faces=2**39),

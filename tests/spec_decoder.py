@@ -64,7 +64,7 @@ class Bytes:
 def container(data):
     """§2, §3: the counts of vertices and faces, the payloads by their id."""
     file, sections = Bytes(data), {}
-    check(file.unpack("8sHH") == (b"\x89DMS\r\n\x1a\n", 1, 0), "magic, version, reserved")
+    check(file.unpack("8sHH") == (b"\x89DMS\r\n\x1a\n", 2, 0), "magic, version, reserved")
     vertices, faces = file.varint(), file.varint()
     check(vertices <= 1 << 40 and 1 <= faces <= 1 << 40, "counts")
     file.crc(0)

@@ -44,7 +44,7 @@ def section(name, payload):
     return raw + struct.pack("<I", zlib.crc32(raw))
 
 
-def header(vertices=1000, faces=2000, version=1, reserved=0):
+def header(vertices=1000, faces=2000, version=layout.VERSION, reserved=0):
     counts = write_varint(vertices) + write_varint(faces)
     raw = layout.MAGIC + struct.pack("<HH", version, reserved) + counts
     return raw + struct.pack("<I", zlib.crc32(raw))
@@ -71,7 +71,11 @@ def test_reader_mirrors_writer(parameters, meta):
     data = written(parameters, meta)
     container = read_container(data)
     assert (container.vertices, container.faces) == (1000, 2000)
-    assert (container.version, container.digest, container.size) == (1, DIGEST, len(data))
+    assert (container.version, container.digest, container.size) == (
+        layout.VERSION,
+        DIGEST,
+        len(data),
+    )
     assert (container.parameters, container.meta) == (parameters, meta)
     for name, payload in PAYLOADS[parameters.method].items():
         assert container.sections[name].payload == payload
@@ -89,7 +93,7 @@ def test_payloads_are_views_of_any_buffer():
 
 PINNED = bytes.fromhex(
     """
-    89444d530d0a1a0a 0100 0000 e807 d00f e30fb27d
+    89444d530d0a1a0a 0200 0000 e807 d00f 00083df3
     5041524d 3c 01 00 ff ff 000000000000e03f
         0000000000000000 0000000000000000 0000000000000000
         0000000000000000 0000000000000000 0000803f 00 00 00 00 38cae788
@@ -295,7 +299,7 @@ def test_other_files_are_named(data, message):
 def test_versions_and_reserved_bits():
     rest = b"".join(pieces(written())[1].values())
     assert read_container(header() + rest)
-    assert refused(header(version=2) + b"anything", "version 2 needs a newer deltamesh") == 8
+    assert refused(header(version=3) + b"anything", "version 3 needs a newer deltamesh") == 8
     assert refused(header(version=0) + rest, "no container version 0") == 8
     for bit in range(16):
         assert refused(header(reserved=1 << bit) + rest, "reserved .* newer deltamesh") == 10

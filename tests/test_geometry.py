@@ -272,7 +272,7 @@ EXTREME = 2**31 - 1
 
 
 def in_coding_order(F, n):
-    return encode_connectivity(build_topology(F, n, np.arange(n)))[1].faces
+    return encode_connectivity(build_topology(F, pair_halfedges(F, n), n))[1].faces
 
 
 @pytest.mark.parametrize("pattern", ["away", "there and back", "random"])

@@ -39,8 +39,7 @@ def assert_kept(V, F):
     assert decoded.vertices.dtype == np.float64
     assert decoded.vertices.tobytes() == V[encoded.order].tobytes()
     faces = strategies.canonical(encoded.order[decoded.faces])
-    first = {row.tobytes(): i for i, row in reversed(list(enumerate(V)))}
-    assert faces == strategies.canonical(np.array([[first[V[v].tobytes()] for v in f] for f in F]))
+    assert faces == strategies.canonical(F)
     return encoded
 
 
@@ -359,7 +358,7 @@ def test_a_file_of_other_forms_is_as_good() -> None:
     "rate", [{"bits": 8}, {"step": 0.1}, {"max_error": 1.0}, {"normal_error": 1.0}, {"coarse": 4.0}]
 )
 def test_rates_contradict_it(rate: dict) -> None:
-    with pytest.raises(OptionError, match="means? nothing with method lossless"):
+    with pytest.raises(OptionError, match=r"means? nothing with method lossless"):
         Options(method="lossless", **rate)
 
 

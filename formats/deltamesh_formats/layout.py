@@ -45,7 +45,7 @@ STRING_MAX_BYTES: Final = 255
 # In the manner of PNG: a byte above 127 shows a seven-bit channel, CR LF and LF show a translation
 # of line ends, 1A stops `type` on Windows.
 MAGIC: Final = b"\x89DMS\r\n\x1a\n"
-VERSION: Final = 1
+VERSION: Final = 2
 HEADER_FIELDS: Final = (
     Field("magic", "bytes8"),
     Field("version", "u16"),

@@ -316,7 +316,8 @@ def test_a_record_tells_everything(scans: Path) -> None:
 
 def test_resuming_does_what_is_left_and_nothing_else(scans: Path) -> None:
     line = "batch -q -r scans --output-dir-mirror out --manifest run.jsonl --resume"
-    mesh_file("scans/z.ply", meshes.three_pages())
+    V, F = meshes.tetrahedron()
+    mesh_file("scans/z.ply", (1e200 * V, F))
     assert cli(line) == 1
     assert sorted(sources()) == NAMES
     mesh_file("scans/z.ply", meshes.tetrahedron())  # mended

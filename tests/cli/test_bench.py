@@ -109,7 +109,7 @@ def test_what_cannot_be_measured_is_reported_and_the_rest_goes_on(folder, capsys
     output = capsys.readouterr()
     objects = [json.loads(line) for line in output.out.splitlines()]
     assert [one.get("file") for one in objects] == ["a.ply", "nowhere.ply", "huge.obj", None]
-    assert "huge.obj: cannot measure cartesian: " in output.err
+    assert "huge.obj: cannot read: vertex 1 is beyond" in output.err
     assert [row["mesh"] for row in saved()] == ["torus.ply"]
     assert cli("bench torus.ply --max-error 1e-300,1 --method cartesian") == 4
     assert "cannot measure cartesian max_error=1e-300: " in capsys.readouterr().err
