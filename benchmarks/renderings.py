@@ -30,7 +30,7 @@ MOST_DOUBLINGS, MOST_TRIES = 10, 12
 DRACO_BITS = range(5, 15)
 
 # Pixels of two rows of three panels, and of one of four.
-_SIZE, _WIDE = (1140, 800), (1480, 480)
+_SIZE, _WIDE = (1080, 750), (1480, 480)
 # Where the well-known meshes are looked at from: the whole, and a part.
 LOOKS: Mapping[str, tuple[Look, Look]] = {
     "bunny": (

@@ -1,7 +1,7 @@
 """Pictures of meshes: panels side by side, flat-shaded, rendered by pyvista without a display.
 
-VTK's wheels for Linux render by EGL, or by Mesa's own rasterizer where there is no GPU. The extra `view`,
-pyvista, is imported where it is used.
+pyvista, the extra `view`, is imported where it is used. Without a display its VTK renders by the
+system's EGL, with or without a GPU.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 # What is rendered larger and averaged has smooth silhouettes and lettering; faces stay flat.
 SUPERSAMPLING = 2
-# Shades of grey and one colour map need no more, and a file takes a fraction of the bytes.
-COLOURS = 64
-_SURFACE = {"color": "#e6e2d9", "ambient": 0.12, "diffuse": 0.85, "specular": 0.1}
+# Of each channel. Bands cannot be seen yet, and files are smaller than with 8.
+BITS = 7
+_SURFACE = {"color": "#e2e2e2", "ambient": 0.12, "diffuse": 0.85, "specular": 0.1}
 _LIT = {"specular_power": 25, "interpolation": "flat", "smooth_shading": False}
 # In the camera's frame. The main light grazes, so that a small change of a normal is a large one of
 # its shade; the other keeps shadows readable.
@@ -120,11 +120,13 @@ def draw(rows: Sequence[Sequence[Panel]], size: tuple[int, int], scale: Scale | 
 
 def save(image: Image, path: Path) -> None:
     """Write a small PNG."""
+    from PIL import ImageOps
     from PIL.Image import Dither, Quantize
 
-    # A palette spread over all shades that occur, however rare: dark ones and both ends of a scale.
-    small = image.quantize(COLOURS, method=Quantize.MAXCOVERAGE, dither=Dither.NONE)
-    small.save(path, optimize=True)
+    # Greys stay as they are. Maximum coverage: colours that are rare count, as a scale's ends are.
+    image = ImageOps.posterize(image, BITS)
+    image = image.quantize(method=Quantize.MAXCOVERAGE, dither=Dither.NONE)
+    image.save(path, optimize=True)
 
 
 def _show(plotter: Any, panel: Panel, scale: Scale | None) -> None:
