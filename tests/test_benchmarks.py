@@ -36,6 +36,7 @@ SCRIPTS = (
     "memory",
     "make_folder",
     "batch",
+    "renderings",
 )
 TORUS = corpus.GENERATED
 FILE = corpus.path(TORUS).name
