@@ -620,7 +620,7 @@ class Grid:
         E = self.errors.setdefault((a, self.kind), [0] * 5)
         P, F, q = self.P[a], self.fates[a], 0  # noqa: N806
         for i in range(1, 5):
-            if E[i] * (8 if q else 10) < 8 * E[q]:
+            if E[i] * (1 if q else 3) < E[q]:
                 q = i
         W = [x - P[q] for x in self.C[a]]
 
