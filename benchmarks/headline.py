@@ -60,7 +60,7 @@ class Comparison(NamedTuple):
 @corpus.selection
 @click.option(
     "--codec",
-    default="refined",
+    default="auto",
     show_default=True,
     metavar="LABEL",
     help="Method and options of ours, as deltamesh bench prints them.",

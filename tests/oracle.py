@@ -563,7 +563,7 @@ def code_positions(coder, neighbours, corners, residual_of):
 
 
 def choose(errors, predictions):
-    """The prediction of the least error; the first gives way only to one with a third of its error."""
+    """The prediction of the least error; the first gives way to one that errs a third as much."""
     best = min(range(1, 5), key=lambda k: errors[k])
     chosen = best if 3 * errors[best] < errors[0] else 0
     return predictions[chosen], chosen
