@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from deltamesh.mesh import Mesh, checked_mesh
-from deltamesh_formats.meshfile import read_mesh
+from deltamesh_formats.meshfile import FORMATS, read_mesh
 
 Arrays = tuple[NDArray[np.float64], NDArray[np.int64]]
 
@@ -257,6 +257,14 @@ def folder() -> Path:
     """Where larger meshes are, if anywhere: tests that want one skip without it."""
     beside = Path(__file__).parents[2] / "shared" / "meshes"
     return Path(os.environ.get("DELTAMESH_MESHES", beside))
+
+
+def names(most_bytes: int) -> list[str]:
+    """The mesh files of the folder, but for the largest; none where there is no folder."""
+    files = (path for path in sorted(folder().rglob("*.*")) if path.suffix[1:].lower() in FORMATS)
+    return [
+        path.relative_to(folder()).as_posix() for path in files if path.stat().st_size <= most_bytes
+    ]
 
 
 def real(name: str) -> Mesh:
