@@ -31,6 +31,8 @@ MOST_TRIES, LOOSE_TRIES, TRIES = 16, 8, 4
 LOOSE: Final = 0.75
 # How far one guess may go beyond what has been measured.
 FURTHEST: Final = 32.0
+# The least power of the step that errors are taken to grow with.
+FLATTEST: Final = 0.25
 # Bytes a vertex that halving the errors costs, at most: a bit for each of four numbers.
 PER_OCTAVE: Final = 0.5
 # How coarse the deltas may be, by effort, the likeliest first.
@@ -238,8 +240,23 @@ def _next(excess: dict[float, float], aim: float) -> float:
         share = math.log(aim / low) / math.log(high / low) if 0 < low < aim else 0.5
         return float(good * (bad / good) ** min(max(share, 0.1), 0.9))
     step = good or bad
-    factor = aim / excess[step] if excess[step] > 0 else FURTHEST
+    factor = FURTHEST
+    if excess[step] > 0:
+        factor = (aim / excess[step]) ** (1 / _power(excess, step))
     return step * min(max(factor, 1 / FURTHEST), FURTHEST)
+
+
+def _power(excess: dict[float, float], step: float) -> float:
+    """Return the power of the step that errors grow with, from the step measured next to it.
+
+    It is 1 but where slivers have lost their normals: there, errors fall slowly at first.
+    """
+    others = [s for s, x in excess.items() if s != step and x > 0]
+    if not others:
+        return 1.0
+    other = min(others, key=lambda s: abs(math.log(s / step)))
+    power = math.log(excess[step] / excess[other]) / math.log(step / other)
+    return min(max(power, FLATTEST), 1.0)
 
 
 def _with_corrections(best: Trial, bounds: Bounds, attempt: Attempt) -> Trial:
