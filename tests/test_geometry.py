@@ -8,7 +8,7 @@ import strategies
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh import cartesian, entropy, highpass
+from deltamesh import cartesian, entropy, highpass, topology
 from deltamesh.connectivity import encode_connectivity
 from deltamesh.geometry import NO_POINTS, NONE, Integers, surface_of
 from deltamesh.kernels import coder as coder_kernels
@@ -175,7 +175,7 @@ def test_parallelograms_equal_their_oracle() -> None:
     for V, F in MESHES.values():
         if F is MESHES["three_pages"][1]:
             continue
-        first, corners = cartesian.parallelograms(F, len(V))
+        first, corners = topology.parallelograms(F, len(V))
         expected = oracle.parallelograms(F)
         for i in range(len(V)):
             rows = corners[first[i] : first[i + 1]].tolist()
@@ -184,7 +184,7 @@ def test_parallelograms_equal_their_oracle() -> None:
 
 def corners_of(F, n):
     """The parallelograms of each vertex as lists, in their order."""
-    first, corners = cartesian.parallelograms(F, n)
+    first, corners = topology.parallelograms(F, n)
     rows = [corners[first[i] : first[i + 1]].tolist() for i in range(n)]
     return {i: row for i, row in enumerate(rows) if row}
 
@@ -193,7 +193,7 @@ def positions_of(data, F, n):
     """What the decoder makes of any bytes, and its state."""
     values, graph = np.zeros((n, 3), dtype=np.int64), adjacency(F, n)
     decoder = entropy.decoder(data, parallelogram.SLOTS, parallelogram.MIXERS)
-    parallelogram.code_positions(decoder, *graph, *cartesian.parallelograms(F, n), values)
+    parallelogram.code_positions(decoder, *graph, *topology.parallelograms(F, n), values)
     return values, decoder
 
 
@@ -212,7 +212,7 @@ def assert_positions_of_the_oracle(data, F, n):
 def test_prediction_equals_its_oracle(mesh: meshes.Arrays, seed: int, most: int) -> None:
     V, F = mesh
     n, graph = len(V), adjacency(F, len(V))
-    first, corners = cartesian.parallelograms(F, n)
+    first, corners = topology.parallelograms(F, n)
     values = np.random.default_rng(seed).integers(0, most, (n, 3))
     around, rows = neighbours_of(F, n), corners_of(F, n)
     known = np.zeros(residual.KNOWN, dtype=np.int64)

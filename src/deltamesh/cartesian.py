@@ -18,7 +18,6 @@ from deltamesh.kernels.coder import Coder
 from deltamesh.options import DEFAULT_CARTESIAN_BITS, Settings
 from deltamesh.quantize import from_grid, grid_step, to_grid
 from deltamesh.solve import Factor
-from deltamesh.topology import pair_halfedges
 from deltamesh_formats.layout import Parameters, Section
 
 
@@ -95,37 +94,7 @@ def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Sectio
 
 
 def _code(coder: Coder, surface: Surface, values: NDArray[np.int64]) -> None:
-    n = surface.vertex_count + surface.isolated_count
-    first, corners = parallelograms(surface.faces, n)
+    first, corners = surface.parallelograms
     indptr, indices = surface.graph
     indptr = np.pad(indptr, (0, surface.isolated_count), mode="edge")
     parallelogram.code_positions(coder, indptr, indices, first, corners, values)
-
-
-def parallelograms(faces: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return, for each vertex, the parallelograms that predict it.
-
-    Parameters
-    ----------
-    faces : int64 (m, 3), of an oriented manifold
-    n : int
-
-    Returns
-    -------
-    first : int64 (n + 1,)
-    corners : int64 (p, 3)
-        Rows first[i] to first[i + 1] are (a, b, o), all below i: (a, b, i) is a face, (b, a, o)
-        another.
-    """
-    opposite = pair_halfedges(faces, n)
-    a, b, apex = (
-        faces.ravel(),
-        np.roll(faces, -1, axis=1).ravel(),
-        np.roll(faces, -2, axis=1).ravel(),
-    )
-    across = np.where(opposite >= 0, apex[opposite], n)
-    known = np.flatnonzero(np.maximum(np.maximum(a, b), across) < apex)
-    known = known[np.argsort(apex[known], kind="stable")]
-    first = np.zeros(n + 1, dtype=np.int64)
-    np.cumsum(np.bincount(apex[known], minlength=n), out=first[1:])
-    return first, np.stack([a[known], b[known], across[known]], axis=1)

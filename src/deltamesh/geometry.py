@@ -13,6 +13,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from deltamesh.laplacian import adjacency, adjacency_labels, adjacency_laplacian
+from deltamesh.topology import parallelograms
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.layout import CRC_SIZE, Parameters, Section
 
@@ -48,6 +49,11 @@ class Surface:
     def labels(self) -> NDArray[np.int64]:
         """The component of each vertex of the faces."""
         return adjacency_labels(*self.graph)
+
+    @cached_property
+    def parallelograms(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """What predicts each vertex, the isolated ones too, as of `topology.parallelograms`."""
+        return parallelograms(self.faces, self.vertex_count + self.isolated_count)
 
 
 def surface_of(faces: NDArray[np.int64], vertex_count: int, isolated_count: int) -> Surface:

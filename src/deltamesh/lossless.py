@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import entropy
-from deltamesh.cartesian import parallelograms
 from deltamesh.forms import Form, Spelling, spelling, spelling_fault, to_integers, to_values
 from deltamesh.geometry import NO_POINTS, NONE, Integers, Quantized, Surface, payload_of
 from deltamesh.kernels import exact
@@ -72,7 +71,7 @@ def quantize(
     V = np.concatenate([vertices, isolated])
     with np.errstate(over="ignore"):
         single = bool((V.astype(np.float32) == V).all())
-    errors = _errors(V, *parallelograms(surface.faces, len(V)))
+    errors = _errors(V, *surface.parallelograms)
     axes = [spelling(V[:, a].copy(), errors[:, a], single) for a in range(3)]
     integers = exactly(V.view(np.int64), packed(SINGLE if single else DOUBLE, axes))
     return parameters, integers, V
@@ -151,7 +150,7 @@ def _code(
     classes: NDArray[np.int64],
     values: NDArray[np.int64],
 ) -> None:
-    corners = parallelograms(surface.faces, len(values))
+    corners = surface.parallelograms
     indptr, indices = surface.graph
     indptr = np.pad(indptr, (0, surface.isolated_count), mode="edge")
     table: list[tuple[int, ...]] = []

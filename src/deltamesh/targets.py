@@ -35,7 +35,7 @@ class Bounds:
 
     def excess(self, errors: VertexErrors) -> float:
         """Return the largest of the shares."""
-        return max(self.shares(errors).values())
+        return max(self.drift(errors), self.look(errors))
 
     def drift(self, errors: VertexErrors) -> float:
         """Return the largest share of a distance."""

@@ -134,3 +134,32 @@ def _loop_labels(successor: NDArray[np.int64], start: NDArray[np.int64]) -> NDAr
         lowest[start] = np.minimum(lowest[start], lowest[jump[start]])
         jump[start] = jump[jump[start]]
     return np.unique(lowest[start], return_inverse=True)[1].astype(np.int64)
+
+
+def parallelograms(faces: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return, for each vertex, the parallelograms that predict it.
+
+    Parameters
+    ----------
+    faces : int64 (m, 3), of an oriented manifold
+    n : int
+
+    Returns
+    -------
+    first : int64 (n + 1,)
+    corners : int64 (p, 3)
+        Rows first[i] to first[i + 1] are (a, b, o), all below i: (a, b, i) is a face, (b, a, o)
+        another.
+    """
+    opposite = pair_halfedges(faces, n)
+    a, b, apex = (
+        faces.ravel(),
+        np.roll(faces, -1, axis=1).ravel(),
+        np.roll(faces, -2, axis=1).ravel(),
+    )
+    across = np.where(opposite >= 0, apex[opposite], n)
+    known = np.flatnonzero(np.maximum(np.maximum(a, b), across) < apex)
+    known = known[np.argsort(apex[known], kind="stable")]
+    first = np.zeros(n + 1, dtype=np.int64)
+    np.cumsum(np.bincount(apex[known], minlength=n), out=first[1:])
+    return first, np.stack([a[known], b[known], across[known]], axis=1)
