@@ -9,10 +9,10 @@ import click
 import corpus
 from processes import deltamesh
 
-from deltamesh.codec import encode_mesh
 from deltamesh.limits import memory_needed
 from deltamesh.mesh import checked_mesh
 from deltamesh.options import Options
+from deltamesh.pipeline import encode_mesh
 from deltamesh_cli.output import table
 from deltamesh_formats.reader import read_container
 

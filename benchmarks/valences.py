@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import MeshError
-from deltamesh.codec import Encoded, encode_mesh
 from deltamesh.laplacian import adjacency
 from deltamesh.options import Options
+from deltamesh.pipeline import Encoded, encode_mesh
 from deltamesh_cli.output import table
 from deltamesh_formats.reader import read_container
 

@@ -6,7 +6,7 @@ import dataclasses
 import struct
 import zlib
 
-from deltamesh import codec
+from deltamesh import pipeline
 from deltamesh.geometry import digest, payload_of, surface_of
 from deltamesh.order import decode_order
 from deltamesh.reordering import arrays
@@ -40,7 +40,7 @@ def consistent(data):
     container = read_container(data)
     s = decode_structure(container, announced(container))
     surface = surface_of(s.surface, s.used, s.isolated)
-    method = codec._METHODS[container.parameters.method]
+    method = pipeline._METHODS[container.parameters.method]
     integers = method.read(surface, container.parameters, container.sections)
     order = None
     if "ORDR" in container.sections:

@@ -19,14 +19,15 @@ import numpy as np
 import oracle
 import strategies
 
-from deltamesh import codec, highpass, lossless
-from deltamesh.codec import decode, encode_mesh
+from deltamesh import highpass, lossless, pipeline
+from deltamesh.codec import decode
 from deltamesh.forms import Spelling
 from deltamesh.geometry import NONE, Integers, digest
 from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
 from deltamesh.options import Options
 from deltamesh.order import encode_order
+from deltamesh.pipeline import encode_mesh
 from deltamesh.quantize import from_grid
 from deltamesh.reordering import Order
 from deltamesh_formats.errors import FormatError, LimitError
@@ -182,7 +183,7 @@ def assert_right(encoded, V, F):
     decoded = decode(encoded.data)
     assert strategies.canonical(encoded.order[decoded.faces]) == strategies.canonical(F)
     container = read_container(encoded.data)
-    structure, surface, integers, kept = codec._read(container, 10**9, 2**40, codec.silent)
+    structure, surface, integers, kept = pipeline._read(container, 10**9, 2**40, pipeline.silent)
     p, n = container.parameters, surface.vertex_count
     origin = np.array(p.origin)
     if p.method == "lossless":
@@ -272,7 +273,7 @@ def one_sided_anchors():
     """Two components, both anchors in the first, and the digest right."""
     data = encoded(meshes.two_components(), bits=6, anchors=2, anchor_method="greedy")
     container = read_container(data)
-    _, surface, integers, _ = codec._read(container, 10**9, 2**40, codec.silent)
+    _, surface, integers, _ = pipeline._read(container, 10**9, 2**40, pipeline.silent)
     anchors = np.array([0, 1])
     wrong = Integers(integers.values, anchors, integers.positions, integers.isolated)
     payload = highpass.write(surface, container.parameters, wrong)["ANCH"]
@@ -298,7 +299,7 @@ def long_varint(data):
 def infinite(data):
     """A file of raw coordinates, one of which is infinite, and the digest right."""
     container = read_container(data)
-    _, surface, integers, _ = codec._read(container, 10**9, 2**40, codec.silent)
+    _, surface, integers, _ = pipeline._read(container, 10**9, 2**40, pipeline.silent)
     values = integers.values.copy()
     values[7, 1] = np.float64("inf").view(np.int64)
     raw = Spelling((), (), 0, raw=True, zeros=False)

@@ -17,9 +17,9 @@ import oracle
 import pytest
 
 from deltamesh import metrics
-from deltamesh.codec import encode_mesh
 from deltamesh.mesh import Mesh
 from deltamesh.options import Options
+from deltamesh.pipeline import encode_mesh
 
 
 def coded(mesh, **options):

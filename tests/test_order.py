@@ -15,13 +15,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import decode, encode, info
-from deltamesh.codec import encode_mesh
 from deltamesh.kernels import remaining
 from deltamesh.mesh import Mesh
 from deltamesh.options import Options
 from deltamesh.order import decode_order, encode_order
+from deltamesh.pipeline import encode_mesh
+from deltamesh.polygons import plain
 from deltamesh.reordering import Order, arrays, order_of, reordered
 from deltamesh_formats.errors import FormatError
+from deltamesh_formats.polymesh import from_triangles
 
 MANIFOLDS = {name: mesh for name, mesh in meshes.every().items() if name != "three_pages"}
 
@@ -132,11 +134,12 @@ def test_any_order_of_any_triangles(mesh: tuple[np.ndarray, int], seed: int, nea
 def test_order_of_finds_what_reordered_does(mesh: tuple[np.ndarray, int], seed: int) -> None:
     faces, n = mesh
     V = np.arange(3.0 * n).reshape(-1, 3)
-    other = reordered(Mesh(V, faces), scrambled(n, len(faces), seed))
+    whole = from_triangles(V, faces), plain(len(faces))
+    other = reordered(*whole, scrambled(n, len(faces), seed))
     # What the vertices are called in the other order.
     places = np.argsort(other.vertices[:, 0] / 3)
     found = order_of(places, faces, other.faces)
-    again = reordered(Mesh(V, faces), found)
+    again = reordered(*whole, found)
     np.testing.assert_array_equal(again.vertices, other.vertices)
     np.testing.assert_array_equal(again.faces, other.faces)
 

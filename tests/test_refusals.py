@@ -14,9 +14,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import decode, encode, highpass, verify
-from deltamesh.codec import _read, silent
 from deltamesh.geometry import NONE, Integers, digest
 from deltamesh.limits import memory_needed
+from deltamesh.pipeline import _read, silent
 from deltamesh_formats import layout
 from deltamesh_formats.errors import DeltameshError, FormatError, LimitError, SolveError
 from deltamesh_formats.reader import read_container

@@ -13,7 +13,7 @@ from deltamesh_cli.output import print_json, shown
 from deltamesh_cli.progress import Stage, progress
 
 if TYPE_CHECKING:
-    from deltamesh.mesh import Mesh
+    from deltamesh_formats.polymesh import PolyMesh
 
 # What a file that names no format of its own is written as: binary, exact, read by everything.
 _FALLBACK_FORMAT = "ply"
@@ -98,12 +98,12 @@ def decode_into(
     data: bytes,
     stage: Stage,
     parameters: dict[str, Any],
-) -> tuple[Mesh, tuple[str, ...]]:
+) -> tuple[PolyMesh, tuple[str, ...]]:
     """Write the mesh of a `.dmesh` file, whose bytes are `data`.
 
     Returns
     -------
-    mesh : Mesh
+    mesh : PolyMesh
     lost : tuple of str
         Words for what the format of the target has no place for.
 
@@ -131,7 +131,9 @@ def destination(
     return (name if named else f"{name}.{file_format}"), file_format
 
 
-def _print_summary(source: str, target: str, mesh: Mesh, file_format: str, as_json: bool) -> None:
+def _print_summary(
+    source: str, target: str, mesh: PolyMesh, file_format: str, as_json: bool
+) -> None:
     vertices, faces = len(mesh.vertices), len(mesh.faces)
     if as_json:
         counts = {"vertices": vertices, "faces": faces}

@@ -271,8 +271,7 @@ def _encoded(mesh: PolyMesh, stage: Stage, parameters: dict[str, Any]) -> bytes:
     import deltamesh
 
     return deltamesh.encode(
-        mesh.vertices,
-        mesh.faces,
+        mesh,
         source_format=mesh.format,
         progress=stage,
         **options.given(parameters),

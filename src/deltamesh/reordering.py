@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh.correspondence import canonical
-from deltamesh.mesh import Mesh
+from deltamesh.polygons import Polygons
+from deltamesh_formats.polymesh import Attribute, PolyMesh
 
 _Ints = NDArray[np.int64]
 
@@ -59,11 +60,60 @@ def order_of(names: _Ints, faces: _Ints, others: _Ints) -> Order:
     return Order(np.argsort(names), order, turns)
 
 
-def reordered(mesh: Mesh, order: Order) -> Mesh:
-    """Return a mesh in the other order."""
-    corners = (order.turns[:, None] + np.arange(3)) % 3
-    turned = np.take_along_axis(mesh.faces[order.faces], corners, axis=1)
-    return Mesh(mesh.vertices[order.vertices], inverse(order.vertices)[turned])
+def reordered(mesh: PolyMesh, polygons: Polygons, order: Order) -> PolyMesh:
+    """Return a mesh in the other order of its vertices and triangles.
+
+    Polygons come in the order of their first triangles, and begin where these do.
+
+    Parameters
+    ----------
+    mesh : PolyMesh
+        Of these polygons.
+    polygons : Polygons
+    order : Order
+        Of the triangles.
+    """
+    place, first = inverse(order.faces), polygons.offsets[:-1]
+    of_polygons = np.minimum.reduceat(place[polygons.corners // 3], first)
+    faces = np.argsort(of_polygons)
+    lowest = order.faces[of_polygons[faces]]
+    begin = polygons.of_corners[3 * lowest + order.turns[of_polygons[faces]]] - first[faces]
+    sizes = mesh.sizes[faces]
+    offsets = np.concatenate(([0], np.cumsum(sizes)))
+    within = np.arange(len(mesh.corners)) - np.repeat(offsets[:-1], sizes)
+    corners = np.repeat(first[faces], sizes)
+    corners += (within + np.repeat(begin, sizes)) % np.repeat(sizes, sizes)
+    return rearranged(mesh, order.vertices, faces, corners, offsets)
+
+
+def rearranged(
+    mesh: PolyMesh, vertices: _Ints, faces: _Ints, corners: _Ints, offsets: _Ints
+) -> PolyMesh:
+    """Return the mesh of these vertices, faces and corners of it, in this order.
+
+    Parameters
+    ----------
+    mesh : PolyMesh
+    vertices, faces, corners : int64 (n,), (p,), (c,)
+        Permutations; the corners are those of the faces.
+    offsets : int64 (p + 1,)
+    """
+    rows = {"vertex": vertices, "corner": corners, "face": faces}
+    return replace(
+        mesh,
+        vertices=mesh.vertices[vertices],
+        corners=inverse(vertices)[mesh.corners[corners]],
+        offsets=offsets,
+        attributes=tuple(at(a, rows[a.domain]) for a in mesh.attributes),
+        parts=tuple(replace(p, of_face=p.of_face[faces]) for p in mesh.parts),
+    )
+
+
+def at(attribute: Attribute, elements: _Ints) -> Attribute:
+    """Return an attribute of these elements, in this order."""
+    if attribute.index is None:
+        return replace(attribute, values=attribute.values[elements])
+    return replace(attribute, index=attribute.index[elements])
 
 
 def inverse(permutation: _Ints) -> _Ints:

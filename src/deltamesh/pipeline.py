@@ -1,0 +1,184 @@
+"""Both pipelines, mirrored: a mesh to bytes, and bytes to a mesh.
+
+encode: structure -> quantize -> write -> container
+decode: container -> limits -> structure -> read -> digest -> reconstruct
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh import cartesian, highpass, lossless, refined
+from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
+from deltamesh.limits import check_limits
+from deltamesh.mesh import LARGEST, Mesh
+from deltamesh.metrics import VertexErrors, diagonal, errors_from, mean_edge
+from deltamesh.options import Options, Settings
+from deltamesh.order import decode_order, encode_order
+from deltamesh.polygons import assembled, plain
+from deltamesh.reordering import Order, arrays, order_of, reordered
+from deltamesh.search import Trial, smallest
+from deltamesh.solve import factorization
+from deltamesh.structure import Structure, announced, decode_structure, encode_structure
+from deltamesh.targets import bounds_of
+from deltamesh.version import __version__
+from deltamesh_formats.errors import FormatError, MeshError
+from deltamesh_formats.layout import Container, Meta
+from deltamesh_formats.polymesh import PolyMesh, from_triangles
+from deltamesh_formats.reader import read_container
+from deltamesh_formats.writer import write_container
+
+Progress = Callable[[str], None]
+
+_METHODS: Final = {
+    "highpass": highpass,
+    "refined": refined,
+    "cartesian": cartesian,
+    "lossless": lossless,
+}
+
+
+def silent(stage: str) -> None:
+    """Tell nobody."""
+
+
+@dataclass(frozen=True)
+class Encoded:
+    """What an encoder made.
+
+    Attributes
+    ----------
+    data : bytes
+        The file.
+    order : int64 (n,)
+        The input vertex that each vertex of the file was.
+    face_order, rotation : int64 (m,)
+        The input face that each face of the file was, and which of its corners comes first.
+    mesh : PolyMesh
+        What a decoder will make of it.
+    """
+
+    data: bytes
+    order: NDArray[np.int64]
+    face_order: NDArray[np.int64]
+    rotation: NDArray[np.int64]
+    mesh: PolyMesh
+
+
+def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = silent) -> Encoded:
+    """Compress a checked mesh; see `codec.encode`."""
+    if isinstance(mesh, Mesh):
+        mesh = from_triangles(mesh.vertices, mesh.faces)
+    cut = mesh.triangles()
+    triangles = Mesh(mesh.vertices, cut.faces)
+    if len(cut.faces) == 0:
+        raise MeshError("the mesh has no faces")
+    exact = options.method == "lossless"
+    payloads, structure, origin = encode_structure(
+        triangles, options.drop_isolated, exact, progress
+    )
+    progress("geometry")
+    surface = surface_of(structure.surface, structure.used, structure.isolated)
+    V = triangles.vertices[origin.points]
+    used, isolated = V[: structure.used], V[structure.used :]
+    factor = factorization(surface.laplacian, options.solver, options.threads)
+    bounds, errors_of = bounds_of(options, diagonal(V)), errors_from(V, surface.faces)
+
+    def attempt(settings: Settings) -> Trial:
+        progress(f"geometry, {settings.method}")
+        coder = _METHODS[settings.method]
+        parameters, integers, decoded = coder.quantize(surface, used, isolated, settings, factor)
+        write = partial(coder.write, surface, parameters, integers)
+        return Trial(settings, parameters, integers, write, decoded, errors_of(decoded))
+
+    trial = smallest(options, bounds, mean_edge(used, surface.faces), attempt)
+    payloads |= trial.payloads
+    polygons = plain(len(structure.faces))
+    result = assembled(trial.vertices[structure.points], structure.faces, polygons)
+    order = origin.vertices
+    face_order, rotation = np.divmod(origin.corners[:, 0], 3)
+    kept = None
+    if options.keep_order:
+        progress("order")
+        kept = order_of(order, structure.faces, cut.faces)
+        payloads["ORDR"] = encode_order(structure.faces, kept)
+        result, order = reordered(result, polygons, kept), order[kept.vertices]
+        face_order, rotation = np.arange(len(face_order)), np.zeros_like(rotation)
+    checksum = digest(structure.faces, structure.copied, trial.integers, arrays(kept))
+    n, m = len(structure.points), len(structure.faces)
+    meta = _meta(trial.errors, diagonal(V), options.source_format)
+    data = write_container(n, m, trial.parameters, payloads, meta, checksum)
+    return Encoded(data, order, face_order, rotation, result)
+
+
+def decode_mesh(
+    data: bytes | bytearray | memoryview,
+    *,
+    solver: str,
+    threads: int | None,
+    max_vertices: int,
+    memory: int,
+    progress: Progress = silent,
+) -> PolyMesh:
+    """Decompress a file; see `codec.decode`."""
+    container = read_container(data)
+    structure, surface, integers, order = _read(container, max_vertices, memory, progress)
+    progress("positions")
+    coder = _METHODS[container.parameters.method]
+    _check_scale(container, integers)
+    factor = factorization(surface.laplacian, solver, threads)
+    points = coder.reconstruct(surface, container.parameters, integers, factor)
+    polygons = plain(len(structure.faces))
+    mesh = assembled(points[structure.points], structure.faces, polygons)
+    return mesh if order is None else reordered(mesh, polygons, order)
+
+
+def _read(
+    container: Container, max_vertices: int, memory: int, progress: Progress
+) -> tuple[Structure, Surface, Integers, Order | None]:
+    """Return everything exact in a file, checked."""
+    counts = announced(container)
+    check_limits(container, counts, max_vertices, memory)
+    parameters, sections = container.parameters, container.sections
+    progress("connectivity")
+    structure = decode_structure(container, counts)
+    progress("geometry")
+    surface = surface_of(structure.surface, structure.used, structure.isolated)
+    integers = _METHODS[parameters.method].read(surface, parameters, sections)
+    order = None
+    if "ORDR" in sections:
+        progress("order")
+        with payload_of(sections["ORDR"]) as payload:
+            order = decode_order(payload, structure.faces, container.vertices)
+    if digest(structure.faces, structure.copied, integers, arrays(order)) != container.digest:
+        raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)
+    return structure, surface, integers, order
+
+
+def _check_scale(container: Container, integers: Integers) -> None:
+    """Refuse steps and origins that no mesh has: the positions would overflow."""
+    p = container.parameters
+    i = integers
+    numbers = (i.values, i.positions, i.isolated, i.refinements, i.corrections)
+    values = max(int(np.abs(a).max(initial=0)) for a in numbers)
+    steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
+    if not values * steps + origin <= 100 * LARGEST:
+        raise FormatError("positions that are too large", container.sections["PARM"].offset)
+
+
+def _meta(errors: VertexErrors, scale: float, source_format: str) -> Meta:
+    return Meta(
+        rms=errors.rms,
+        max=errors.max,
+        normal=errors.normal_deviation,
+        dihedral=errors.dihedral,
+        diagonal=scale,
+        encoder=f"deltamesh {__version__}",
+        source=source_format,
+    )
