@@ -18,6 +18,7 @@ from deltamesh import (
     entropy,
     highpass,
     info,
+    pipeline,
 )
 from deltamesh import refined as refined_method
 from deltamesh.geometry import surface_of

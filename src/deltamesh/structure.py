@@ -6,14 +6,23 @@ encode: weld -> cut -> connectivity -> stitching -> copies; decode is the mirror
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh.complexes import Cut, cut
 from deltamesh.connectivity import Connectivity, decode_connectivity, encode_connectivity
-from deltamesh.corners import copied_points, copies_of, corners_of, decode_copies, encode_copies
+from deltamesh.corners import (
+    Corners,
+    copied_points,
+    copies_of,
+    corners_of,
+    decode_copies,
+    encode_copies,
+)
 from deltamesh.geometry import payload_of
 from deltamesh.kernels import cutting
 from deltamesh.limits import Counts
@@ -33,6 +42,9 @@ from deltamesh_formats.layout import Container
 
 _Ints = NDArray[np.int64]
 
+# The sections that are told by the half-edges of the manifold.
+_NEED_MANIFOLD: Final = frozenset({"STCH", "COPY"})
+
 
 @dataclass(frozen=True)
 class Structure:
@@ -40,8 +52,10 @@ class Structure:
 
     Attributes
     ----------
-    surface : int64 (k, 3)
-        The faces of the manifold over points: what geometry is coded on.
+    manifold : int64 (k, 3)
+        The faces that CONN has, over vertices of its own.
+    stitching : Stitching
+        What makes a complex of them.
     used, isolated : int
         Points of these faces; further points, which come after them.
     faces : int64 (m, 3)
@@ -50,11 +64,28 @@ class Structure:
         The point of each vertex, ascending.
     """
 
-    surface: _Ints
+    manifold: _Ints
+    stitching: Stitching
     used: int
     isolated: int
     faces: _Ints
     points: _Ints
+
+    @cached_property
+    def surface(self) -> _Ints:
+        """The faces of the manifold over points, (k, 3): what geometry is coded on."""
+        return self.stitching.points[self.manifold]
+
+    @cached_property
+    def opposite(self) -> _Ints:
+        """Of the half-edges of the manifold, (3 k,), as of `topology.pair_halfedges`."""
+        return pair_halfedges(self.manifold, len(self.stitching.points))
+
+    @cached_property
+    def corners(self) -> Corners:
+        """The corners of the complex, point by point."""
+        count = self.used + self.isolated
+        return corners_of(self.manifold, self.opposite, self.stitching, count)
 
     @property
     def copied(self) -> _Ints:
@@ -124,7 +155,8 @@ def encode_structure(
 
     stitching, corners = _stitching(faces, manifold, coded, stitching_points, number)
     structure = Structure(
-        surface=stitching.points[coded.faces],
+        manifold=coded.faces,
+        stitching=stitching,
         used=len(used),
         isolated=len(others),
         faces=complex_faces(coded.faces, stitching),
@@ -137,12 +169,11 @@ def encode_structure(
     has_copies = len(last) > len(places)
     if stitching.is_trivial and not has_copies:
         return payloads, structure, origin
-    opposite = pair_halfedges(coded.faces, len(coded.order))
     if not stitching.is_trivial:
-        payloads["STCH"] = encode_stitching(coded.faces, opposite, stitching, len(places))
+        payloads["STCH"] = encode_stitching(coded.faces, structure.opposite, stitching, len(places))
     if not has_copies:
         return payloads, structure, origin
-    all_corners = corners_of(coded.faces, opposite, stitching, len(places))
+    all_corners = structure.corners
     source = mesh.faces.ravel()[corners.ravel()]
     loose = np.flatnonzero(kept & ~in_face)
     count = np.bincount(number[welded[loose]], minlength=len(places))
@@ -152,7 +183,7 @@ def encode_structure(
     vertices = np.full(len(copies.points), -1, dtype=np.int64)
     vertices[copies.faces.ravel()] = source
     vertices[vertices < 0] = loose[np.argsort(number[welded[loose]], kind="stable")]
-    structure = Structure(structure.surface, len(used), len(others), copies.faces, copies.points)
+    structure = replace(structure, faces=copies.faces, points=copies.points)
     return payloads, structure, Origin(places, vertices, corners)
 
 
@@ -229,23 +260,23 @@ def decode_structure(container: Container, counts: Counts) -> Structure:
     with payload_of(sections["CONN"]) as payload:
         faces = decode_connectivity(payload, counts.vertices, counts.faces)
     points, stitching = np.arange(counts.points), trivial(counts.vertices, counts.faces)
-    if "STCH" not in sections and "COPY" not in sections:
-        return Structure(faces, used, counts.isolated, faces, points)
-    opposite = pair_halfedges(faces, counts.vertices)
-    if not _is_manifold(faces, opposite, counts.vertices):
+    structure = Structure(faces, stitching, used, counts.isolated, faces, points)
+    if not _NEED_MANIFOLD & sections.keys():
+        return structure
+    if not _is_manifold(faces, structure.opposite, counts.vertices):
         raise FormatError("the connectivity is no manifold", sections["CONN"].offset)
     if "STCH" in sections:
         with payload_of(sections["STCH"]) as payload:
             stitching = decode_stitching(
-                payload, faces, opposite, used, counts.points, container.faces
+                payload, faces, structure.opposite, used, counts.points, container.faces
             )
-    surface, final = stitching.points[faces], complex_faces(faces, stitching)
+        final = complex_faces(faces, stitching)
+        structure = Structure(faces, stitching, used, counts.isolated, final, points)
     if "COPY" not in sections:
-        return Structure(surface, used, counts.isolated, final, points)
-    corners = corners_of(faces, opposite, stitching, counts.points)
+        return structure
     with payload_of(sections["COPY"]) as payload:
-        copies = decode_copies(payload, corners, container.vertices)
-    return Structure(surface, used, counts.isolated, copies.faces, copies.points)
+        copies = decode_copies(payload, structure.corners, container.vertices)
+    return replace(structure, faces=copies.faces, points=copies.points)
 
 
 def _is_manifold(faces: _Ints, opposite: _Ints, n: int) -> bool:
