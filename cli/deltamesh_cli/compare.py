@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
@@ -16,7 +16,10 @@ from deltamesh_cli.signals import interruptible
 from deltamesh_cli.summary import bits_per_vertex, relative
 
 if TYPE_CHECKING:
-    from deltamesh.mesh import Mesh
+    from deltamesh.likeness import Difference
+
+    _Errors: TypeAlias = dict[str, float | None]
+    _Differences: TypeAlias = tuple[Difference, ...]
 
 # The metrics of deltamesh.metrics.Errors, and what they are called here.
 _LENGTHS = {"rms": "RMS", "max": "max", "hausdorff": "Hausdorff", "visual": "visual"}
@@ -29,7 +32,8 @@ Metrics, in the unit of A and as a fraction of its bounding box diagonal:
   visual           0.15 Mq + 0.85 Sq of the papers: position and smoothness
 and in degrees:
   face normals     mean deviation, weighted by area
-  dihedral angles  mean change over the interior edges"""
+  dihedral angles  mean change over the interior edges
+Of each attribute of A the largest difference, of normals the largest angle."""
 _EXAMPLES = """\
 deltamesh compare bunny.ply bunny.ply.dmesh
 deltamesh compare --json a.obj b.obj | jq .errors.hausdorff
@@ -71,55 +75,47 @@ def command(
             a = load_any(name, input_format, stage, **parameters)
             b = load_any(second, input_format, stage, **parameters)
             with attempt(second, f"cannot compare with {shown(name)}"):
-                errors = interruptible(lambda: _errors(a, b, stage))
+                errors, attributes = interruptible(lambda: _measured(a, b, stage))
         loaded = {"a": (name, a), "b": (second, b)}
         if as_json:
             described = {key: _described(*one) for key, one in loaded.items()}
-            print_json({**described, "errors": _with_relatives(errors)})
+            listed = None if attributes is None else [_as_object(one) for one in attributes]
+            print_json({**described, "errors": _with_relatives(errors), "attributes": listed})
         elif not quiet:
             click.echo("\n".join(_line(*one) for one in loaded.values()))
             click.echo("\n" + table(_rows(errors)))
+            if attributes:
+                click.echo("\n" + table(_attribute_rows(attributes)))
 
     each([first], compare, as_json=as_json)
 
 
-def _errors(a: Loaded, b: Loaded, stage: Stage) -> dict[str, float | None]:
-    """Return every metric by its name, None for those that need vertices that correspond."""
-    from deltamesh import correspondence, metrics
+def _measured(a: Loaded, b: Loaded, stage: Stage) -> tuple[_Errors, _Differences | None]:
+    """Return every metric by its name, None for those that need vertices that correspond.
+
+    Beside them, how far attributes differ, None where faces do.
+    """
+    from deltamesh import likeness, metrics
     from deltamesh.complexes import distinct_faces
-    from deltamesh.mesh import Mesh
+    from deltamesh.mesh import Mesh, triangulated
 
     stage("matching vertices")
     containers = [one.container for one in (a, b) if one.container]
     exact = any(container.parameters.method == "lossless" for container in containers)
-    for reference, other in _corresponding(a.mesh, b.mesh, exact):
-        vertex_map = correspondence.match(reference, other)
-        if vertex_map is not None:
-            stage("measuring")
-            faces = distinct_faces(reference.faces)
-            paired = Mesh(other.vertices[vertex_map], faces)
-            return vars(metrics.compare(Mesh(reference.vertices, faces), paired))
-    stage("measuring surfaces")
-    surfaces = {"hausdorff": metrics.hausdorff(a.mesh, b.mesh)}
-    diagonal = metrics.diagonal(a.mesh.vertices)
-    return {**dict.fromkeys([*_LENGTHS, *_ANGLES]), **surfaces, "diagonal": diagonal}
-
-
-def _corresponding(a: Mesh, b: Mesh, exact: bool) -> Iterator[tuple[Mesh, Mesh]]:
-    """Yield what may correspond: the meshes with each position once, as they are, without points.
-
-    Coarse steps may put several vertices of a decoded mesh into one place.
-    """
-    from deltamesh.welding import welded, without_isolated
-
-    first, second = welded(a, exact), welded(b, exact)
-    yield first, second
-    if len(first.vertices) < len(a.vertices) or len(second.vertices) < len(b.vertices):
-        yield a, b
-        yield first, b
-        yield a, second
-    yield without_isolated(first), without_isolated(second)
-    yield without_isolated(first), without_isolated(b)
+    found = likeness.corresponding(a.mesh, b.mesh, exact)
+    if found is None:
+        stage("measuring surfaces")
+        first, second = triangulated(a.mesh), triangulated(b.mesh)
+        surfaces = {"hausdorff": metrics.hausdorff(first, second)}
+        diagonal = metrics.diagonal(first.vertices)
+        return {**dict.fromkeys([*_LENGTHS, *_ANGLES]), **surfaces, "diagonal": diagonal}, None
+    stage("measuring")
+    faces = distinct_faces(found.a.mesh.faces)
+    reference = Mesh(found.a.mesh.vertices, faces)
+    paired = Mesh(found.b.mesh.vertices[found.sites], faces)
+    errors = vars(metrics.compare(reference, paired))
+    pairs = likeness.matched_corners(a.mesh, b.mesh, found)
+    return errors, None if pairs is None else likeness.differences(a.mesh, b.mesh, pairs)
 
 
 def _described(name: str, loaded: Loaded) -> dict[str, object]:
@@ -160,3 +156,17 @@ def _rows(errors: dict[str, float | None]) -> Iterator[tuple[str, str, str]]:
     yield "", "degrees", ""
     for name, label in _ANGLES.items():
         yield label, cell(errors[name]), ""
+
+
+def _as_object(one: Difference) -> dict[str, object]:
+    a = one.attribute
+    kind = {"type": str(a.values.dtype), "width": a.width}
+    return {"name": a.name, "domain": a.domain, **kind, "largest_difference": one.largest}
+
+
+def _attribute_rows(attributes: _Differences) -> Iterator[tuple[str, str, str, str]]:
+    yield "attribute", "of", "type", "largest difference"
+    for one in attributes:
+        a = one.attribute
+        largest = "not in B" if one.largest is None else number(one.largest)
+        yield shown(a.name), a.domain, f"{a.values.dtype} x {a.width}", largest
