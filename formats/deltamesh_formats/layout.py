@@ -147,6 +147,11 @@ META_FIELDS: Final = (
 CHECK_FIELDS: Final = (Field("digest", "bytes8"),)
 DIGEST_SIZE: Final = 8
 
+# SPEC.md#515-part
+
+# Bytes of all the text of a file, before it is packed: bounds what a small file can grow to.
+MAX_TEXT: Final = 2**24
+
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:
     """Return the sections that a file of a method begins with, where those `present` are."""

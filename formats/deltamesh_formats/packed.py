@@ -25,7 +25,7 @@ def packed(data: bytes) -> bytes:
 
 def unpacked_size(view: Buffer, position: int) -> int:
     """Return how many bytes a block says that it holds; nothing else of it is looked at."""
-    return read_varint(view, position + 1)[0]
+    return read_varint(view, position + len(take(view, position, 1)))[0]
 
 
 def unpacked(view: Buffer, position: int, most: int) -> tuple[bytes, int]:

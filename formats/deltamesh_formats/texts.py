@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Final, get_args
 
 from deltamesh_formats.errors import FormatError, MeshError
-from deltamesh_formats.layout import CRC_SIZE, PARTS, Container
+from deltamesh_formats.layout import CRC_SIZE, MAX_TEXT, PARTS, Container
 from deltamesh_formats.packed import packed, unpacked
 from deltamesh_formats.polymesh import Kind
 from deltamesh_formats.reader import Buffer, read_varint, take
@@ -22,8 +22,6 @@ KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
 _KIND: Final = 7
 _PARTLY: Final = 8
 _MOVED: Final = 16
-# Bytes of all the text of a file, before it is packed: bounds what a small file can grow to.
-MAX_TEXT: Final = 2**24
 # Any text of Python has one form: bytes of the source that were no UTF-8 are surrogates in it.
 _ENCODING: Final = ("utf-8", "surrogatepass")
 
