@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import zlib
 from dataclasses import replace
@@ -401,3 +402,36 @@ def test_everything_is_in_the_json() -> None:
         "metadata": {"header": ["x", "y"]},
         "not_kept": ["lines"],
     }
+
+
+# ---- Files ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("file_format", ["obj", "stl", "glb"])
+def test_files_of_several_meshes_keep_their_names(file_format: str) -> None:
+    V, F = meshes.union(meshes.icosphere(1), meshes.grid(4, 5), meshes.torus(6, 5))
+    V = V.astype("f4").astype("f8")
+    objects = np.repeat([0, 1, 2], [80, len(F) - 80 - 60, 60])
+    moves = np.array([np.eye(4), np.diag([2.0, 2.0, 2.0, 1.0]), np.eye(4)])
+    moves[2, :3, 3] = 1.0, -2.0, 0.5
+    part = Parts("object", ("left", "no ascii é", "left"), objects, moves)
+    if file_format != "glb":
+        part = replace(part, names=("left", "no ascii é", "right"), transforms=None)
+    mesh = replace(from_triangles(V, F), parts=(part,))
+    first = meshfile.read_mesh(io.BytesIO(meshfile.mesh_bytes(mesh, file_format)), file_format)
+    data = deltamesh.encode(first, method="lossless")
+    again = meshfile.mesh_bytes(deltamesh.decode(data), file_format)
+    second = meshfile.read_mesh(io.BytesIO(again), file_format)
+    for found in (first, second):
+        assert set(found.parts[0].names) == set(part.names)
+    assert by_object(second) == by_object(first) == by_object(mesh)
+
+
+def by_object(mesh: PolyMesh) -> list[Any]:
+    """Of each object its name, its transform, and where its faces are."""
+    (part,) = mesh.parts
+    points = mesh.vertices[mesh.corners.reshape(-1, 3)].round(5) + 0.0
+    moves = np.eye(4)[None].repeat(len(part.names), axis=0)
+    moves = moves if part.transforms is None else part.transforms
+    faces = [sorted(sorted(f) for f in points[part.of_face == i].tolist()) for i in range(3)]
+    return sorted(zip(part.names, moves.tolist(), faces, strict=True))
