@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import struct
 import zlib
 
 from deltamesh import pipeline
 from deltamesh.geometry import digest, payload_of, surface_of
 from deltamesh.order import decode_order
+from deltamesh.parts import decode_parts
+from deltamesh.polygons import plain
 from deltamesh.reordering import arrays
 from deltamesh.structure import announced, decode_structure
 from deltamesh_formats import layout
@@ -46,7 +49,13 @@ def consistent(data):
     if "ORDR" in container.sections:
         with payload_of(container.sections["ORDR"]) as payload:
             order = decode_order(payload, s.faces, container.vertices)
-    return forged(data, checksum=digest(s.faces, s.copied, integers, arrays(order)))
+    told = ()
+    if "PART" in container.sections:
+        polygons = plain(len(s.faces))
+        with payload_of(container.sections["PART"]) as payload:
+            by_face = functools.partial(pipeline._by_face, s, polygons)
+            told = decode_parts(payload, len(polygons.offsets) - 1, by_face).arrays()
+    return forged(data, checksum=digest(s.faces, s.copied, integers, (*arrays(order), *told)))
 
 
 def section(name, payload):

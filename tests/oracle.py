@@ -659,3 +659,126 @@ def orient(m, pairs):
             for i in members:
                 side[i] ^= True
     return component, side
+
+
+# ---- Labels ---------------------------------------------------------------------------------
+
+
+def beside(faces, polygon):
+    """Neighbours of polygons: on each edge, each of its triangles' polygons to the next one."""
+    last, links = {}, set()
+    for face, mine in zip(faces, polygon, strict=True):
+        for i in range(3):
+            edge = frozenset((face[i - 3], face[i - 2]))
+            if len(edge) == 2:
+                links.add(frozenset((mine, last.get(edge, mine))))
+                last[edge] = mine
+    around = [[] for _ in range(max(polygon, default=-1) + 1)]
+    for link in links:
+        for a, b in itertools.permutations(link, 2):
+            around[a].append(b)
+    return [sorted(row) for row in around]
+
+
+def joined(*parts):
+    whole = 0
+    for part in parts:
+        whole = whole * 0x2C1B3C6D + part
+    return whole
+
+
+def label_slots(number, *contexts):
+    return [slot(number + i, 0, x) % 2**18 for i, x in enumerate(contexts)]
+
+
+def code_labels(coder, neighbours, labels):
+    """The twin of `labels.code_labels`; None when a candidate was passed over and then named."""
+    done, outcomes, new = [], [0] * 6, [0] * 4
+    followers, match, length, right = {}, None, 0, [0] * 3
+    for i, wanted in enumerate(labels):
+        expected = None if match is None else done[match]
+        votes = {}
+        known = sorted((u for u in neighbours[i] if u < i), reverse=True)[:8]
+        for u in known:
+            votes[done[u]] = votes.get(done[u], 0) + 1
+        order = _by_votes([done[u] for u in known])
+        before, earlier = [*reversed(done[-2:]), -1, -1][:2]
+        unknown = [u for u in neighbours[i] if u > i]
+        ahead = [done[w] for u in unknown for w in neighbours[u] if w < i][:16]
+        for further in (before, expected, *ahead):
+            if further not in (*order, -1, None):
+                order.append(further)
+        found = None
+        for k, label in enumerate(order):
+            rank, last, vote = min(k, 3), int(label == before), votes.get(label, 0)
+            other = -1 if len(order) == 1 else order[1] if k == 0 else order[0]
+            matched = 0 if expected is None else 1 + (expected != label)
+            share = 0 if vote == 0 else 1 + (vote == len(known))
+            way = number_of(outcomes, 2)
+            same, differ = ahead.count(label), len(ahead) - ahead.count(label)
+            front = (min(same, 3) * 4 + min(differ, 3)) * 2 + last
+            slots = label_slots(
+                0,
+                (((min(vote, 7) * 16 + len(known)) * 8 + min(len(order) - k, 4)) * 4 + rank) * 2
+                + last,
+                ((min(length, 15) * 8 + number_of(right, 2)) * 3 + matched) * 4 + rank,
+                joined(label, before, earlier),
+                joined(label, other, front),
+                (front * 8 + min(vote, 7)) * 4 + min(len(known), 3),
+                (((way * 4 + rank) * 3 + share) * 2 + last) * 9 + min(same, 2) * 3 + min(differ, 2),
+                ((matched * 2 + last) * 3 + share) * 8 + min(length, 7),
+            )
+            if coder.bit(int(wanted == label), slots, min(k, 2)):
+                found = label
+                break
+        if order:
+            outcomes = [*outcomes[1:], int(found == order[0])]
+        if found is None:
+            seen = max(done, default=-1) + 1
+            found = _other(coder, wanted, seen, before, order, new)
+            if found in order:
+                return None
+            new = [*new[1:], int(found == seen)]
+        done.append(found)
+        if expected is not None:
+            right = [*right[1:], int(found == expected)]
+            length, match = (length + 1, match + 1) if found == expected else (0, None)
+        if i >= 3:
+            place = slot(16, 0, joined(*reversed(done[-4:]))) % 2**16
+            if match is None:
+                match = followers.get(place)
+            followers[place] = i + 1
+    return done
+
+
+def _by_votes(labels):
+    """Those that most have first; of equals, the one that had so many first."""
+    order = []
+    for end in range(1, len(labels) + 1):
+        count = collections.Counter(labels[:end])
+        label = labels[end - 1]
+        if label in order:
+            order.remove(label)
+        at = sum(count[other] >= count[label] for other in order)
+        order.insert(at, label)
+    return order
+
+
+def number_of(digits, base):
+    return sum(d * base**i for i, d in enumerate(reversed(digits)))
+
+
+def _other(coder, wanted, seen, before, order, new):
+    if len(order) == seen:
+        return seen
+    way = number_of(new, 2)
+    slots = label_slots(8, way, 2 * (way % 4) + (before == seen - 1), before)
+    if coder.bit(int(wanted == seen), slots, 3):
+        return seen
+    digits = ""  # the lowest is the last
+    while int("1" + digits, 2) < seen:
+        node = int("1" + digits, 2)
+        slots = label_slots(12, node, joined(node, before), joined(node, order[0]))
+        bit = (wanted >> len(digits)) & 1
+        digits = str(coder.bit(bit, slots, 4 + len(digits))) + digits
+    return int("0" + digits, 2)

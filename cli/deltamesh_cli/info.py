@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from deltamesh_cli import files, options, summary
-from deltamesh_cli.failures import each
+from deltamesh_cli.failures import attempt, each
 from deltamesh_cli.meshes import container_of
 from deltamesh_cli.output import print_json
 
@@ -22,7 +22,8 @@ deltamesh info --json *.dmesh | jq .bits_per_vertex
 def command(sources: tuple[str, ...], as_json: bool) -> None:
     """Show what .dmesh files hold, without decoding.
 
-    That is parameters, sizes and errors. The errors are those that the encoder measured: RMS and
+    That is parameters, sizes, names of parts, metadata, what of the source was not kept, and
+    errors. The errors are those that the encoder measured: RMS and
     largest distance of the vertices, as fractions of the bounding box diagonal, mean deviation of
     the face normals and of the dihedral angles, in degrees. With --json, which prints one object a
     file, lengths are in the unit of the mesh too.
@@ -33,9 +34,10 @@ def command(sources: tuple[str, ...], as_json: bool) -> None:
 
     def info(source: str) -> None:
         container = container_of(source, files.read_input(source), "cannot read")
-        if as_json:
-            print_json(summary.as_object(source, container))
-        else:
-            click.echo(summary.as_text(source, container))
+        with attempt(source, "cannot read"):
+            if as_json:
+                print_json(summary.as_object(source, container))
+            else:
+                click.echo(summary.as_text(source, container))
 
     each(sources, info, as_json=as_json)

@@ -30,7 +30,16 @@ def _header_bytes(container: Container) -> int:
 
 
 def as_object(name: str, container: Container) -> dict[str, object]:
-    """Return everything about a container for `--json`; lengths in units of the mesh."""
+    """Return everything about a container for `--json`; lengths in units of the mesh.
+
+    Raises
+    ------
+    FormatError
+        If the names in it are damaged.
+    """
+    from deltamesh_formats.listing import texts_object
+    from deltamesh_formats.texts import texts_of
+
     n, parameters, meta = container.vertices, container.parameters, container.meta
     return {
         "file": name,
@@ -41,7 +50,9 @@ def as_object(name: str, container: Container) -> dict[str, object]:
         "bits_per_vertex": bits_per_vertex(container.size, n),
         "parameters": _parameters(parameters),
         "header": {"bytes": _header_bytes(container)},
+        "precision": "float32" if parameters.single else "float64",
         "order_kept": ORDER in container.sections,
+        **texts_object(texts_of(container)),
         "sections": [
             {"id": s.id, "offset": s.offset, "bytes": s.size} for s in container.sections.values()
         ],
@@ -99,16 +110,26 @@ def achieved(meta: Meta) -> str:
 
 
 def as_text(name: str, container: Container) -> str:
-    """Return everything about a container as `deltamesh info` prints it."""
+    """Return everything about a container as `deltamesh info` prints it.
+
+    Raises
+    ------
+    FormatError
+        If the names in it are damaged.
+    """
     return "\n".join(_lines(name, container))
 
 
 def _lines(name: str, container: Container) -> Iterator[str]:
+    from deltamesh_formats.listing import text_lines
+    from deltamesh_formats.texts import texts_of
+
     meta = container.meta
     yield f"{shown(name)}: {container.size} bytes, {counts(container)}"
     yield from (f"  {line}" for line in _described(container.parameters))
     if ORDER in container.sections:
         yield "  order of vertices and faces: that of the source"
+    yield from (f"  {line}" for line in text_lines(texts_of(container)))
     if meta is not None:
         source = f", from {meta.source}" if meta.source else ""
         yield f"  errors: {achieved(meta)}"

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from deltamesh_formats.polymesh import Attribute, Domain, Kind, PolyMesh, Role
+from deltamesh_formats.texts import KIND_WORDS
 
 _ROLES: Final[dict[Role, str]] = {
     "normal": "normals",
@@ -15,13 +16,6 @@ _ROLES: Final[dict[Role, str]] = {
     "colour": "colours",
 }
 _DOMAINS: Final[dict[Domain, str]] = {"vertex": "vertices", "corner": "corners", "face": "faces"}
-_KINDS: Final[dict[Kind, str]] = {
-    "object": "objects",
-    "mesh": "names of meshes",
-    "group": "groups",
-    "material": "materials",
-    "smoothing": "smoothing groups",
-}
 # Comments and headers, in which programs speak of themselves, are not worth a warning.
 _METADATA: Final = {"mtllib": "material libraries", "copyright": "copyright"}
 
@@ -57,7 +51,7 @@ def unkept(
             words[attribute_words(attribute)] = None
     for group in mesh.parts:
         if group.kind not in parts:
-            words[_KINDS[group.kind]] = None
+            words[KIND_WORDS[group.kind]] = None
         if group.transforms is not None and not transforms and _moves(group.transforms):
             words["transforms"] = None
     return (*words, *_metadata_words(mesh, metadata))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from deltamesh_formats.errors import FormatError, LimitError
 from deltamesh_formats.layout import Container, Section
+from deltamesh_formats.texts import text_size, texts_of
 
 # As many as a 32-bit index can name, were there memory for them.
 DEFAULT_MAX_VERTICES = 1 << 32
@@ -20,6 +21,8 @@ BASE = {
     "refined": 256 << 20,
 }
 PER_FACE = 320
+PER_TEXT_BYTE = 24
+PER_TRANSFORM = 400
 PER_VERTEX = {"cartesian": 400, "lossless": 600, "highpass": 4000, "refined": 4000}
 
 # The range coder spends at least log2(65536 / (65536 - P_MIN)) bits on a bit, and at least one
@@ -78,7 +81,13 @@ def check_limits(container: Container, counts: Counts, max_vertices: int, memory
     _check_held(container, geometry, counts.isolated, "isolated vertices", bits)
     _check_held(container, "STCH", m - counts.faces, "faces beside the manifold")
     _check_held(container, "COPY", n - counts.points, "copies of vertices")
-    needed = memory_needed(container)
+    needed = memory_needed(container) + PER_TEXT_BYTE * text_size(container)
+    _check_memory(needed, memory)
+    moved = sum(len(one.names) for one in texts_of(container).divisions if one.moved)
+    _check_memory(needed + PER_TRANSFORM * moved, memory)
+
+
+def _check_memory(needed: int, memory: int) -> None:
     if needed > memory:
         raise LimitError(f"decoding takes about {needed} bytes, more than the limit of {memory}")
 

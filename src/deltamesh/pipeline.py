@@ -7,7 +7,7 @@ decode: container -> limits -> structure -> read -> digest -> reconstruct
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
@@ -15,13 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import cartesian, highpass, lossless, refined
+from deltamesh.elements import Elements, of_faces
 from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
 from deltamesh.limits import check_limits
 from deltamesh.mesh import LARGEST, Mesh
 from deltamesh.metrics import VertexErrors, diagonal, errors_from, mean_edge
 from deltamesh.options import Options, Settings
 from deltamesh.order import decode_order, encode_order
-from deltamesh.polygons import assembled, plain
+from deltamesh.parts import Told, decode_parts, encode_parts, told_of
+from deltamesh.polygons import Polygons, assembled, plain, sources_of
 from deltamesh.reordering import Order, arrays, order_of, reordered
 from deltamesh.search import Trial, smallest
 from deltamesh.solve import factorization
@@ -101,6 +103,13 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
     payloads |= trial.payloads
     polygons = plain(len(structure.faces))
     result = assembled(trial.vertices[structure.points], structure.faces, polygons)
+    result = replace(result, precision=mesh.precision)
+    sources = sources_of(polygons, origin.vertices, origin.corners, cut)
+    told = told_of(mesh, sources.faces)
+    if told is not None:
+        progress("parts")
+        payloads["PART"] = encode_parts(told, partial(_by_face, structure, polygons))
+        result = told.given_to(result)
     order = origin.vertices
     face_order, rotation = np.divmod(origin.corners[:, 0], 3)
     kept = None
@@ -110,10 +119,12 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
         payloads["ORDR"] = encode_order(structure.faces, kept)
         result, order = reordered(result, polygons, kept), order[kept.vertices]
         face_order, rotation = np.arange(len(face_order)), np.zeros_like(rotation)
-    checksum = digest(structure.faces, structure.copied, trial.integers, arrays(kept))
+    further = (*arrays(kept), *(() if told is None else told.arrays()))
+    checksum = digest(structure.faces, structure.copied, trial.integers, further)
     n, m = len(structure.points), len(structure.faces)
     meta = _meta(trial.errors, diagonal(V), options.source_format)
-    data = write_container(n, m, trial.parameters, payloads, meta, checksum)
+    parameters = replace(trial.parameters, single=mesh.precision == "float32")
+    data = write_container(n, m, parameters, payloads, meta, checksum)
     return Encoded(data, order, face_order, rotation, result)
 
 
@@ -128,7 +139,7 @@ def decode_mesh(
 ) -> PolyMesh:
     """Decompress a file; see `codec.decode`."""
     container = read_container(data)
-    structure, surface, integers, order = _read(container, max_vertices, memory, progress)
+    structure, surface, integers, told, order = _read(container, max_vertices, memory, progress)
     progress("positions")
     coder = _METHODS[container.parameters.method]
     _check_scale(container, integers)
@@ -136,12 +147,14 @@ def decode_mesh(
     points = coder.reconstruct(surface, container.parameters, integers, factor)
     polygons = plain(len(structure.faces))
     mesh = assembled(points[structure.points], structure.faces, polygons)
+    mesh = replace(mesh, precision="float32" if container.parameters.single else "float64")
+    mesh = mesh if told is None else told.given_to(mesh)
     return mesh if order is None else reordered(mesh, polygons, order)
 
 
 def _read(
     container: Container, max_vertices: int, memory: int, progress: Progress
-) -> tuple[Structure, Surface, Integers, Order | None]:
+) -> tuple[Structure, Surface, Integers, Told | None, Order | None]:
     """Return everything exact in a file, checked."""
     counts = announced(container)
     check_limits(container, counts, max_vertices, memory)
@@ -151,14 +164,27 @@ def _read(
     progress("geometry")
     surface = surface_of(structure.surface, structure.used, structure.isolated)
     integers = _METHODS[parameters.method].read(surface, parameters, sections)
+    told = None
+    if "PART" in sections:
+        progress("parts")
+        polygons = plain(len(structure.faces))
+        with payload_of(sections["PART"]) as payload:
+            by_face = partial(_by_face, structure, polygons)
+            told = decode_parts(payload, len(polygons.offsets) - 1, by_face)
     order = None
     if "ORDR" in sections:
         progress("order")
         with payload_of(sections["ORDR"]) as payload:
             order = decode_order(payload, structure.faces, container.vertices)
-    if digest(structure.faces, structure.copied, integers, arrays(order)) != container.digest:
+    further = (*arrays(order), *(() if told is None else told.arrays()))
+    if digest(structure.faces, structure.copied, integers, further) != container.digest:
         raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)
-    return structure, surface, integers, order
+    return structure, surface, integers, told, order
+
+
+def _by_face(structure: Structure, polygons: Polygons) -> Elements:
+    """Return the polygons of a file as elements."""
+    return of_faces(structure.points[structure.faces], polygons)
 
 
 def _check_scale(container: Container, integers: Integers) -> None:
