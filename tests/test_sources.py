@@ -5,7 +5,9 @@ from __future__ import annotations
 import io
 import mmap
 import os
+import pickle
 import threading
+from copy import deepcopy
 from pathlib import Path
 
 import meshes
@@ -108,6 +110,26 @@ def test_what_is_neither_is_refused_before_any_work(path: Path) -> None:
         deltamesh.info(path.with_name("none.dmesh"))
     with pytest.raises(deltamesh.MeshError, match="str without faces"):
         deltamesh.save(io.BytesIO(), "torus")
+
+
+def test_one_door_points_to_the_other(tmp_path: Path, path: Path) -> None:
+    with pytest.raises(deltamesh.OptionError, match="save writes .dmesh, write_mesh writes PLY"):
+        deltamesh.save(tmp_path / "torus.PLY", MESH)
+    with pytest.raises(deltamesh.MeshError, match="save and load are for it"):
+        deltamesh.read_mesh(path)
+    with pytest.raises(deltamesh.MeshError, match="save and load are for it"):
+        deltamesh.write_mesh(path, MESH)
+
+
+def test_meshes_and_what_is_known_of_files_go_to_other_processes(path: Path) -> None:
+    for copy in (deepcopy, lambda value: pickle.loads(pickle.dumps(value))):
+        mesh = copy(deltamesh.load(path))
+        np.testing.assert_array_equal(mesh.faces, deltamesh.load(path).faces)
+        assert mesh == mesh
+        assert mesh != deltamesh.load(path)
+        known = copy(deltamesh.info(path))
+        assert known == deltamesh.info(path)
+        assert known.sections["CONN"].payload == deltamesh.info(path).sections["CONN"].payload
 
 
 def test_mesh_files_have_a_door(tmp_path: Path) -> None:

@@ -241,6 +241,10 @@ class Section:
     payload: bytes | memoryview = field(repr=False)
     size: int
 
+    def __reduce__(self) -> tuple[type[Section], tuple[str, int, bytes, int]]:
+        """Copy the payload: a view of a file cannot go to another process."""
+        return Section, (self.id, self.offset, bytes(self.payload), self.size)
+
 
 @dataclass(frozen=True)
 class Container:

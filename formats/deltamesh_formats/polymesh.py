@@ -11,8 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
-from typing import Any, Final, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +23,6 @@ Domain: TypeAlias = Literal["vertex", "corner", "face"]
 Role: TypeAlias = Literal["normal", "uv", "colour", "other"]
 Kind: TypeAlias = Literal["object", "mesh", "group", "material", "smoothing"]
 Precision: TypeAlias = Literal["float32", "float64"]
-
-_NOTHING: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -98,7 +95,7 @@ class Parts:
     transforms: NDArray[np.float64] | None = None
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class PolyMesh:
     """What a mesh file holds.
 
@@ -127,7 +124,7 @@ class PolyMesh:
     offsets: NDArray[np.int64]
     attributes: tuple[Attribute, ...] = ()
     parts: tuple[Parts, ...] = ()
-    metadata: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: _NOTHING)
+    metadata: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     lost: tuple[str, ...] = ()
     precision: Precision = "float64"
     format: str = ""

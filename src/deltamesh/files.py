@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 from typing import Any, BinaryIO, TypeAlias
 
+from deltamesh_formats.errors import OptionError
 from deltamesh_formats.layout import Container
 from deltamesh_formats.polymesh import PolyMesh
 from deltamesh_formats.reader import read_container
@@ -119,6 +120,8 @@ def save(target: Target, mesh: PolyMesh, **options: Any) -> None:
     """
     from deltamesh.codec import encode
 
+    if isinstance(target, (str, os.PathLike)):
+        _check_extension(target)
     if isinstance(target, io.TextIOBase):
         raise TypeError(f"a file to write to has to be open in binary mode: {target!r}")
     data = encode(mesh, **options)
@@ -126,6 +129,16 @@ def save(target: Target, mesh: PolyMesh, **options: Any) -> None:
         _replace(Path(target), data)
     else:
         _write(target, data)
+
+
+def _check_extension(target: str | os.PathLike[str]) -> None:
+    """Refuse to write a `.dmesh` under the name of a mesh file."""
+    from deltamesh_formats.meshfile import FORMATS
+
+    extension = Path(target).suffix.lower().removeprefix(".")
+    if extension in FORMATS:
+        what = extension.upper()
+        raise OptionError(f"{os.fspath(target)}: save writes .dmesh, write_mesh writes {what}")
 
 
 def _replace(target: Path, data: bytes) -> None:

@@ -116,6 +116,11 @@ def test_a_file_and_back(tmp_path: Path) -> None:
         read_dmesh(str(path), max_vertices=10)
 
 
+def test_pyvista_fetches_what_is_elsewhere() -> None:
+    with pytest.raises(pyvista.LocalFileRequiredError):
+        read_dmesh("https://example.org/ball.dmesh")
+
+
 @pytest.mark.skipif(not wholes.codec_keeps_attributes(), reason="the codec keeps no attributes yet")
 def test_attributes_survive_a_file(tmp_path: Path) -> None:
     mesh = replace(wholes.sample(), precision="float32")

@@ -95,7 +95,7 @@ def from_pyvista(mesh: pyvista.PolyData) -> PolyMesh:
     """
     if not isinstance(mesh, pyvista.PolyData):
         what = type(mesh).__name__
-        raise MeshError(f"a {what} is not a mesh of faces; its extract_surface() is one")
+        raise MeshError(f"{what} is not a mesh of faces alone; its extract_surface() is one")
     if mesh.n_strips:
         raise MeshError("strips of triangles; triangulate() makes faces of them")
     lost = [
@@ -129,7 +129,12 @@ def from_pyvista(mesh: pyvista.PolyData) -> PolyMesh:
 
 
 def read_dmesh(path: str, **options: Any) -> pyvista.PolyData:
-    """Read a `.dmesh` file; the options are those of `deltamesh.decode`."""
+    """Read a `.dmesh` file; the options are those of `deltamesh.decode`.
+
+    PyVista fetches what is not on this machine.
+    """
+    if "://" in path:
+        raise pyvista.LocalFileRequiredError
     return to_pyvista(load(path, **options))
 
 
