@@ -50,6 +50,17 @@ def test_the_formats_do_not_need_the_codec() -> None:
     assert not modules_after("import deltamesh_formats.meshfile") & {"deltamesh", "deltamesh_cli"}
 
 
+@pytest.mark.parametrize("line", ["--help", "completion zsh", "info nothing.dmesh", "encode"])
+def test_the_package_runs_as_the_command(line: str) -> None:
+    said = []
+    for module in ("deltamesh", "deltamesh_cli"):
+        command = [sys.executable, "-m", module, *line.split()]
+        done = subprocess.run(command, capture_output=True, text=True)
+        said.append((done.returncode, done.stdout, done.stderr))
+    assert said[0] == said[1]
+    assert said[0][1:] != ("", "")
+
+
 @pytest.mark.parametrize("line", ["--help", "info nothing.dmesh"])
 def test_help_and_info_answer_at_once(line: str) -> None:
     def seconds() -> float:

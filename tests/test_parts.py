@@ -23,7 +23,7 @@ from deltamesh.limits import memory_needed
 from deltamesh_formats import meshfile, packed, texts
 from deltamesh_formats.errors import FormatError, LimitError, MeshError
 from deltamesh_formats.layout import MAX_TEXT
-from deltamesh_formats.listing import escaped, text_lines, texts_object
+from deltamesh_formats.listing import printable, text_lines, texts_object
 from deltamesh_formats.polymesh import Kind, Parts, PolyMesh, from_triangles
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.texts import Division, Texts
@@ -389,8 +389,8 @@ def test_lists_are_cut_and_control_characters_escaped() -> None:
 
 @given(ANY_TEXT)
 def test_escaped_text_is_one_printable_line(text: str) -> None:
-    assert escaped(text).isprintable()
-    assert escaped(text) == text or not text.isprintable()
+    assert printable(text).isprintable()
+    assert printable(text) == text or not text.isprintable()
 
 
 def test_everything_is_in_the_json() -> None:

@@ -43,12 +43,13 @@ The exit code is that of the worst file: the largest."""
 
 @with_options_of_both
 @click.command(epilog=options.epilog(_EXAMPLES, _CODE))
-@click.argument("inputs", metavar="[FILE|FOLDER]...", nargs=-1)
+@click.argument("inputs", type=options.FILE, metavar="[FILE|FOLDER]...", nargs=-1)
 @click.option("-d", "--decode", is_flag=True, help="Decode .dmesh files, instead of encoding.")
 @click.option("-r", "--recursive", is_flag=True, help="Take the files in folders, at any depth.")
 @click.option(
     "--filelist",
     "lists",
+    type=options.FILE,
     metavar="LIST",
     multiple=True,
     help="Take the files that are named in LIST too, one a line; - is standard input.",
@@ -69,12 +70,14 @@ The exit code is that of the worst file: the largest."""
 @click.option(
     "--output-dir-flat",
     "flat",
+    type=options.FOLDER,
     metavar="DIR",
     help="Write all files into DIR. Two of one name are refused before anything is done.",
 )
 @click.option(
     "--output-dir-mirror",
     "mirror",
+    type=options.FOLDER,
     metavar="DIR",
     help="Write files into folders in DIR that are named as those of the inputs.",
 )
@@ -129,6 +132,7 @@ The exit code is that of the worst file: the largest."""
 )
 @click.option(
     "--manifest",
+    type=options.FILE,
     metavar="FILE",
     help="Keep a record of each file in FILE, one JSON object a line.",
 )

@@ -14,6 +14,7 @@ from deltamesh_cli import decode as decoding
 from deltamesh_cli import encode as encoding
 from deltamesh_cli import options
 from deltamesh_cli.batch_work import Job
+from deltamesh_cli.failures import Settings
 
 # What `encode` and `decode` have that means something else here, or nothing.
 _NOT_SHARED: Final = frozenset(
@@ -78,15 +79,16 @@ def job_of(
             direction = "with -d" if decode else "without -d"
             raise click.UsageError(f"{_flag(context, name)} means nothing {direction}.")
     chosen = {name: parameters[name] for name in own}
+    debug = context.ensure_object(Settings).debug
     file_format = chosen.pop("output_format" if decode else "input_format")
     if one_thread and chosen["threads"] is None:
         chosen["threads"] = 1
     if decode:
-        return Job(True, file_format, {**chosen, "memory": memory})
+        return Job(True, file_format, {**chosen, "memory": memory}, debug)
     encoding.check_parameters(chosen)
     known = {field.name for field in fields(Options)}
     Options(**{name: value for name, value in options.given(chosen).items() if name in known})
-    return Job(False, file_format, chosen)
+    return Job(False, file_format, chosen, debug)
 
 
 def rank_of(rank: int | None, world_size: int | None, slurm: str | None) -> tuple[int, int]:

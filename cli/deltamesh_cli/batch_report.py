@@ -117,6 +117,7 @@ def _line(record: Record) -> str:
 def tell_record(record: Record, *, as_json: bool) -> None:
     """Tell a record to programs, and a failure to people."""
     if record["status"] == FAILED:
+        click.echo(record.get("traceback", ""), nl=False, err=True)
         click.echo(f"deltamesh: {record['message']}", err=True)
     if as_json:
         print_json(record)

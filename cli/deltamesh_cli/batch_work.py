@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import time
+import traceback
 import warnings
 from dataclasses import dataclass
 from typing import Any, Final
@@ -48,11 +49,14 @@ class Job:
         Of the mesh files; None where their names tell.
     parameters : dict
         The other options of `deltamesh encode` or `deltamesh decode`, by name.
+    debug : bool
+        Whether the record of a file that fails has the traceback.
     """
 
     decode: bool
     file_format: str | None
     parameters: dict[str, Any]
+    debug: bool = False
 
     @property
     def what(self) -> str:
@@ -100,6 +104,7 @@ def work(job: Job, task: Task) -> Record:
 def failed(job: Job, task: Task, failure: Failure, seconds: float | None = None) -> Record:
     """Return the record of a file that could not be processed."""
     told = as_object(failure)
+    trace = "".join(traceback.format_exception(failure.error)) if job.debug else None
     return {
         "status": FAILED,
         "source": task.source,
@@ -108,6 +113,7 @@ def failed(job: Job, task: Task, failure: Failure, seconds: float | None = None)
         "error": told["error"],
         "exit_code": told["exit_code"],
         "message": str(failure),
+        **({} if trace is None else {"traceback": trace}),
         "seconds": seconds,
         "options": job.options(),
         "version": __version__,

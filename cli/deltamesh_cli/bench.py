@@ -45,7 +45,7 @@ deltamesh bench scans -r --check rates.csv --tolerance 0.5%
 
 
 @click.command(epilog=options.epilog(_EXAMPLES, _COLUMNS))
-@click.argument("sources", metavar="FILE|FOLDER...", nargs=-1, required=True)
+@click.argument("sources", type=options.FILE, metavar="FILE|FOLDER...", nargs=-1, required=True)
 @click.option("-r", "--recursive", is_flag=True, help="Take the folders within folders, too.")
 @click.option(
     "--drop-isolated",
@@ -67,10 +67,16 @@ deltamesh bench scans -r --check rates.csv --tolerance 0.5%
     metavar="B,...",
     help="Bits per coordinate of draco and meshopt.",
 )
-@click.option("--save", metavar="CSV", help="Write bytes and errors, for --check, into a file.")
+@click.option(
+    "--save",
+    type=options.FILE,
+    metavar="CSV",
+    help="Write bytes and errors, for --check, into a file.",
+)
 @click.option("-f", "--force", is_flag=True, help="Overwrite the file of --save.")
 @click.option(
     "--check",
+    type=options.FILE,
     metavar="CSV",
     help="Compare with a file of --save: exit with 4, and tell what is worse.",
 )

@@ -41,8 +41,8 @@ deltamesh compare --json a.obj b.obj | jq .errors.hausdorff
 
 
 @click.command(epilog=options.epilog(_EXAMPLES, _METRICS))
-@click.argument("first", metavar="A")
-@click.argument("second", metavar="B")
+@click.argument("first", type=options.FILE, metavar="A")
+@click.argument("second", type=options.FILE, metavar="B")
 @options.input_format
 @options.solver
 @options.threads

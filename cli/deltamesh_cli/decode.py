@@ -28,7 +28,7 @@ deltamesh decode - --output-format off < mesh.dmesh | wc
 
 
 @click.command(epilog=options.epilog(_EXAMPLES))
-@click.argument("source", metavar="IN")
+@click.argument("source", type=options.FILE, metavar="IN")
 @options.output("IN without .dmesh")
 @click.option(
     "--output-format",

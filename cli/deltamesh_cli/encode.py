@@ -39,7 +39,7 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 
 
 @click.command(epilog=options.epilog(_EXAMPLES))
-@click.argument("source", metavar="IN")
+@click.argument("source", type=options.FILE, metavar="IN")
 @options.output("IN.dmesh")
 @click.option(
     "--quality",

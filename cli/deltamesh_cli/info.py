@@ -16,7 +16,7 @@ deltamesh info --json *.dmesh | jq .bits_per_vertex
 
 
 @click.command(epilog=options.epilog(_EXAMPLES))
-@click.argument("sources", metavar="FILE...", nargs=-1, required=True)
+@click.argument("sources", type=options.FILE, metavar="FILE...", nargs=-1, required=True)
 @options.as_json
 @options.debug
 def command(sources: tuple[str, ...], as_json: bool) -> None:

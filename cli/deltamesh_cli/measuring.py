@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
+from deltamesh.batch.finding import Selection, find
 from deltamesh_cli import files, options
 from deltamesh_cli.failures import DONE, MISSED, attempt
 from deltamesh_cli.meshes import parsed
@@ -61,16 +62,11 @@ def mesh_files(sources: Iterable[str], recursive: bool) -> dict[str, str]:
 
 def _below(source: str, recursive: bool) -> list[str]:
     """Return the mesh files of a folder, sorted; none of a file."""
-    found = []
-    for folder, folders, names in os.walk(source):
-        found += [
-            os.path.join(folder, name)
-            for name in names
-            if files.extension(name) in options.MESH_FORMATS
-        ]
-        if not recursive:
-            folders.clear()
-    return sorted(found)
+    if not os.path.isdir(source):
+        return []
+    chosen = Selection(options.MESH_FORMATS, recursive=recursive, shallow=not recursive)
+    with attempt(source, "cannot list"):
+        return find([source], chosen)
 
 
 def read(path: str, stage: Stage, *, bare: bool) -> Mesh:

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 import click
+from click.shell_completion import CompletionItem
 
 from deltamesh.options import MAX_COARSE, SOLVERS
 from deltamesh_cli.failures import EXIT_CODES, Settings
@@ -92,6 +93,30 @@ def several(one: Callable[[str], Any]) -> Callable[[str], tuple[Any, ...]]:
     return read
 
 
+class Place(click.types.StringParamType):
+    """A path: any text is one, and a shell completes it by the names that there are.
+
+    Parameters
+    ----------
+    kind : {"file", "dir"}
+    """
+
+    name = "path"
+
+    def __init__(self, kind: str) -> None:
+        self.kind = kind
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Leave it to the shell."""
+        return [CompletionItem(incomplete, type=self.kind)]
+
+
+FILE: Final = Place("file")
+FOLDER: Final = Place("dir")
+
+
 def epilog(examples: str, *more: str) -> str:
     """Return what a help page ends with: examples, explanations, exit codes, line by line."""
     blocks = [*more, f"Examples:\n{textwrap.indent(textwrap.dedent(examples).strip(), '  ')}"]
@@ -148,9 +173,13 @@ def output(default: str) -> Callable[[Command], Command]:
             "-f", "--force", is_flag=True, help="Overwrite OUT; write bytes to a terminal."
         )(command)
         command = click.option(
-            "-o", "--output", metavar="OUT", help=f"The file to write.  [default: {default}]"
+            "-o",
+            "--output",
+            type=FILE,
+            metavar="OUT",
+            help=f"The file to write.  [default: {default}]",
         )(command)
-        return click.argument("target", metavar="[OUT]", required=False)(command)
+        return click.argument("target", type=FILE, metavar="[OUT]", required=False)(command)
 
     return add
 

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Sequence
 
 import click
+
+from deltamesh_formats.listing import printable
+from deltamesh_formats.summary import number, table
+
+__all__ = ["number", "print_json", "shown", "table"]
 
 
 def shown(name: str) -> str:
     """Return a file name fit for a message: one line, no control characters."""
-    if name == "-":
-        return "standard input"
-    return name if name.isprintable() else ascii(name)[1:-1]
+    return "standard input" if name == "-" else printable(name)
 
 
 def _plain(value: object) -> object:
@@ -30,20 +32,3 @@ def _plain(value: object) -> object:
 def print_json(value: dict[str, object]) -> None:
     """Print one object on one line of standard output (JSON Lines when there are several)."""
     click.echo(json.dumps(_plain(value), allow_nan=False))
-
-
-def number(value: float) -> str:
-    """Return a measured number with four significant digits."""
-    return f"{value:.4g}"
-
-
-def table(rows: Iterable[Sequence[str]], indent: str = "  ") -> str:
-    """Return rows as aligned columns: the first to the left, all others to the right."""
-    cells = [list(row) for row in rows]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    return "\n".join((indent + "  ".join(_aligned(row, widths))).rstrip() for row in cells)
-
-
-def _aligned(row: Sequence[str], widths: Sequence[int]) -> list[str]:
-    first = row[0].ljust(widths[0])
-    return [first, *(cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True))]

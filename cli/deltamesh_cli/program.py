@@ -15,7 +15,7 @@ from deltamesh_cli import options
 from deltamesh_cli.failures import DONE, FAILED, SIGNALLED, USAGE, Settings, tell_bug
 from deltamesh_cli.signals import Stopped
 
-COMMANDS: Final = ("encode", "decode", "batch", "info", "test", "compare", "bench")
+COMMANDS: Final = ("encode", "decode", "batch", "info", "test", "compare", "bench", "completion")
 
 _INTERRUPTED: Final = SIGNALLED + 2  # SIGINT
 

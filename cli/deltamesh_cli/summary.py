@@ -2,31 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-from deltamesh_cli.output import number, shown, table
+from deltamesh_cli.output import shown
 from deltamesh_formats.layout import ORDER, Container, Meta, Parameters
+from deltamesh_formats.summary import (
+    achieved,
+    bits_per_vertex,
+    container_text,
+    counts,
+    header_bytes,
+    relative,
+)
 
-METHODS = {
-    "highpass": "high-pass",
-    "refined": "refined high-pass",
-    "cartesian": "Cartesian",
-    "lossless": "lossless",
-}
-
-
-def bits_per_vertex(size: int, vertices: int) -> float:
-    """Return bits per vertex of `size` bytes."""
-    return 8 * size / max(vertices, 1)
-
-
-def relative(length: float, diagonal: float) -> float:
-    """Return a length as a fraction of the bounding box diagonal; a point has none."""
-    return length / diagonal if diagonal else 0.0
-
-
-def _header_bytes(container: Container) -> int:
-    return container.size - sum(section.size for section in container.sections.values())
+__all__ = ["achieved", "as_object", "as_text", "bits_per_vertex", "counts", "errors", "relative"]
 
 
 def as_object(name: str, container: Container) -> dict[str, object]:
@@ -49,7 +36,7 @@ def as_object(name: str, container: Container) -> dict[str, object]:
         "faces": container.faces,
         "bits_per_vertex": bits_per_vertex(container.size, n),
         "parameters": _parameters(parameters),
-        "header": {"bytes": _header_bytes(container)},
+        "header": {"bytes": header_bytes(container)},
         "precision": "float32" if parameters.single else "float64",
         "order_kept": ORDER in container.sections,
         **texts_object(texts_of(container)),
@@ -94,21 +81,6 @@ def errors(meta: Meta) -> dict[str, object]:
     }
 
 
-def counts(container: Container) -> str:
-    """Return vertices, faces and bits per vertex, in words."""
-    rate = bits_per_vertex(container.size, container.vertices)
-    return f"{container.vertices} vertices, {container.faces} faces, {rate:.2f} bits per vertex"
-
-
-def achieved(meta: Meta) -> str:
-    """Return the errors that the encoder measured, in words."""
-    return (
-        f"RMS {number(relative(meta.rms, meta.diagonal))} and"
-        f" max {number(relative(meta.max, meta.diagonal))} of the diagonal,"
-        f" normals {number(meta.normal)} and dihedral angles {number(meta.dihedral)} degrees"
-    )
-
-
 def as_text(name: str, container: Container) -> str:
     """Return everything about a container as `deltamesh info` prints it.
 
@@ -117,46 +89,4 @@ def as_text(name: str, container: Container) -> str:
     FormatError
         If the names in it are damaged.
     """
-    return "\n".join(_lines(name, container))
-
-
-def _lines(name: str, container: Container) -> Iterator[str]:
-    from deltamesh_formats.listing import text_lines
-    from deltamesh_formats.texts import texts_of
-
-    meta = container.meta
-    yield f"{shown(name)}: {container.size} bytes, {counts(container)}"
-    yield from (f"  {line}" for line in _described(container.parameters))
-    if ORDER in container.sections:
-        yield "  order of vertices and faces: that of the source"
-    yield from (f"  {line}" for line in text_lines(texts_of(container)))
-    if meta is not None:
-        source = f", from {meta.source}" if meta.source else ""
-        yield f"  errors: {achieved(meta)}"
-        yield f"  written by {meta.encoder}{source}; format version {container.version}"
-    yield ""
-    yield table(_section_rows(container))
-
-
-def _described(parameters: Parameters) -> Iterator[str]:
-    words = [] if parameters.bits is None else [f"{parameters.bits} bits"]
-    if parameters.step:
-        words.append(f"step {number(parameters.step)}")
-        if parameters.method == "refined":
-            words.append(f"deltas {number(parameters.coarse)} times as coarse")
-        if parameters.method != "cartesian":
-            words.append("error diffusion" if parameters.diffusion else "plain rounding")
-    yield ": ".join(filter(None, (METHODS[parameters.method], ", ".join(words))))
-    if parameters.anchor_method is not None:
-        seed = f", seed {parameters.seed}" if parameters.anchor_method == "random" else ""
-        yield f"anchors: {parameters.anchor_count}, {parameters.anchor_method}{seed}"
-    if parameters.isolated:
-        yield f"isolated vertices: {parameters.isolated}"
-
-
-def _section_rows(container: Container) -> Iterator[tuple[str, str, str]]:
-    sizes = [("header", _header_bytes(container))]
-    sizes += [(section.id, section.size) for section in container.sections.values()]
-    yield "section", "bytes", "bits/vertex"
-    for name, size in [*sizes, ("total", container.size)]:
-        yield name, str(size), f"{bits_per_vertex(size, container.vertices):.3f}"
+    return f"{shown(name)}: {container_text(container)}"

@@ -20,7 +20,7 @@ deltamesh test -q archive/*.dmesh && echo all whole
 
 
 @click.command(epilog=options.epilog(_EXAMPLES))
-@click.argument("sources", metavar="FILE...", nargs=-1, required=True)
+@click.argument("sources", type=options.FILE, metavar="FILE...", nargs=-1, required=True)
 @options.solver
 @options.threads
 @options.limits

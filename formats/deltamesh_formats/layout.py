@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 
@@ -248,8 +248,12 @@ class Section:
 
     id: str
     offset: int
-    payload: bytes | memoryview
+    payload: bytes | memoryview = field(repr=False)
     size: int
+
+    def __reduce__(self) -> tuple[type[Section], tuple[str, int, bytes, int]]:
+        """Copy the payload: a view of a file cannot go to another process."""
+        return Section, (self.id, self.offset, bytes(self.payload), self.size)
 
 
 @dataclass(frozen=True)
@@ -264,6 +268,17 @@ class Container:
     sections: dict[str, Section]
     digest: bytes
     size: int
+
+    def __str__(self) -> str:
+        from deltamesh_formats.summary import container_text
+
+        return container_text(self)
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows."""
+        from deltamesh_formats.summary import container_html
+
+        return container_html(self)
 
 
 def parameter_faults(parameters: Parameters, vertices: int) -> Iterator[tuple[str, str]]:

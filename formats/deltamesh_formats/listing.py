@@ -15,7 +15,7 @@ _MOST_SHOWN: Final = 6
 _LONGEST_SHOWN: Final = 40
 
 
-def escaped(text: str) -> str:
+def printable(text: str) -> str:
     """Return a text fit for a line: no control characters, no ends of lines."""
     return text if text.isprintable() else ascii(text)[1:-1]
 
@@ -26,9 +26,9 @@ def text_lines(texts: Texts) -> Iterator[str]:
         placed = ", with transforms" if one.moved else ""
         yield f"{KIND_WORDS[one.kind]} ({len(one.names)}{placed}): {_listed(one.names)}"
     for key, lines in texts.metadata.items():
-        yield f"{escaped(key)} ({len(lines)}): {_listed(lines)}"
+        yield f"{printable(key)} ({len(lines)}): {_listed(lines)}"
     if texts.lost:
-        yield f"not kept of the source: {', '.join(map(escaped, texts.lost))}"
+        yield f"not kept of the source: {', '.join(map(printable, texts.lost))}"
 
 
 def texts_object(texts: Texts) -> dict[str, object]:
@@ -51,5 +51,5 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _cut(name: str) -> str:
-    text = escaped(name[: _LONGEST_SHOWN + 1])
+    text = printable(name[: _LONGEST_SHOWN + 1])
     return text if len(text) <= _LONGEST_SHOWN else f"{text[: _LONGEST_SHOWN - 3]}..."

@@ -11,8 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
-from typing import Any, Final, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +23,6 @@ Domain: TypeAlias = Literal["vertex", "corner", "face"]
 Role: TypeAlias = Literal["normal", "uv", "colour", "other"]
 Kind: TypeAlias = Literal["object", "mesh", "group", "material", "smoothing"]
 Precision: TypeAlias = Literal["float32", "float64"]
-
-_NOTHING: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -98,7 +95,7 @@ class Parts:
     transforms: NDArray[np.float64] | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False, eq=False)
 class PolyMesh:
     """What a mesh file holds.
 
@@ -127,7 +124,7 @@ class PolyMesh:
     offsets: NDArray[np.int64]
     attributes: tuple[Attribute, ...] = ()
     parts: tuple[Parts, ...] = ()
-    metadata: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: _NOTHING)
+    metadata: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     lost: tuple[str, ...] = ()
     precision: Precision = "float64"
     format: str = ""
@@ -142,6 +139,32 @@ class PolyMesh:
         """The triangles alone, int64 (t, 3)."""
         return self.triangles().faces
 
+    @property
+    def vertex_data(self) -> dict[str, NDArray[Any]]:
+        """The attributes of the vertices by name; `arrays.to_arrays` says how."""
+        return _arrays(self, "vertex")
+
+    @property
+    def corner_data(self) -> dict[str, NDArray[Any]]:
+        """Those of the corners, in the order of `corners`."""
+        return _arrays(self, "corner")
+
+    @property
+    def face_data(self) -> dict[str, NDArray[Any]]:
+        """Those of the polygons."""
+        return _arrays(self, "face")
+
+    def __repr__(self) -> str:
+        from deltamesh_formats.summary import mesh_text
+
+        return mesh_text(self)
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows."""
+        from deltamesh_formats.summary import mesh_html
+
+        return mesh_html(self)
+
     def triangles(self) -> Triangles:
         """Cut the polygons into triangles; `deltamesh_formats.triangles` says how."""
         return triangulate(self.vertices, self.corners, self.offsets)
@@ -154,6 +177,12 @@ class PolyMesh:
     def parts_of(self, kind: Kind) -> Parts | None:
         """Return the parts of a kind."""
         return next((parts for parts in self.parts if parts.kind == kind), None)
+
+
+def _arrays(mesh: PolyMesh, domain: Domain) -> dict[str, NDArray[Any]]:
+    from deltamesh_formats.arrays import to_arrays
+
+    return to_arrays(mesh, domain)
 
 
 def from_triangles(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> PolyMesh:

@@ -2,7 +2,9 @@
 
 `encode` and `decode` take and return arrays and bytes; `save` and `load` are the same on files;
 `info` tells what a file says of itself without decoding it; `verify` decodes it and tells whether
-it is whole. numba and scipy are imported when one of them is first used.
+it is whole. `from_arrays` makes a whole mesh, a `PolyMesh`, of polygons and attributes; `read_mesh`
+and `write_mesh` are for the files of other programs, `deltamesh.plugins` for other libraries.
+numba and scipy are imported when one of them is first used.
 """
 
 from __future__ import annotations
@@ -24,6 +26,9 @@ if TYPE_CHECKING:
     from deltamesh.codec import decode, encode
     from deltamesh.files import info, load, save, verify
     from deltamesh.mesh import Mesh
+    from deltamesh_formats.arrays import from_arrays
+    from deltamesh_formats.meshfile import read_mesh, write_mesh
+    from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh
 
 _HOME = {
     "decode": "deltamesh.codec",
@@ -33,24 +38,36 @@ _HOME = {
     "save": "deltamesh.files",
     "verify": "deltamesh.files",
     "Mesh": "deltamesh.mesh",
+    "from_arrays": "deltamesh_formats.arrays",
+    "read_mesh": "deltamesh_formats.meshfile",
+    "write_mesh": "deltamesh_formats.meshfile",
+    "Attribute": "deltamesh_formats.polymesh",
+    "Parts": "deltamesh_formats.polymesh",
+    "PolyMesh": "deltamesh_formats.polymesh",
 }
 
 __all__ = [
+    "Attribute",
     "DeltameshError",
     "FormatError",
     "LimitError",
     "Mesh",
     "MeshError",
     "OptionError",
+    "Parts",
+    "PolyMesh",
     "SolveError",
     "TargetError",
     "__version__",
     "decode",
     "encode",
+    "from_arrays",
     "info",
     "load",
+    "read_mesh",
     "save",
     "verify",
+    "write_mesh",
 ]
 
 

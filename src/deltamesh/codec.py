@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
+from deltamesh.files import Source, read_source
 from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh.mesh import checked_mesh, triangulated
 from deltamesh.options import DEFAULT_EFFORT, Options
 from deltamesh.pipeline import Progress, decode_mesh, encode_mesh, silent
+from deltamesh_formats.arrays import check_shapes
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh import PolyMesh, from_triangles
+from deltamesh_formats.polymesh import PolyMesh, checked, from_triangles
 
 
 def encode(
@@ -46,7 +48,7 @@ def encode(
     Parameters
     ----------
     vertices : array_like (n, 3), or PolyMesh
-        Finite real numbers; or a whole mesh.
+        Finite real numbers; or a whole mesh, which `deltamesh.from_arrays` makes of any arrays.
     faces : array_like (m, 3)
         Vertex indices from 0, of any triangles; nothing beside a whole mesh.
     method : {"auto", "refined", "highpass", "cartesian", "lossless"}
@@ -143,17 +145,22 @@ def _whole(vertices: ArrayLike | PolyMesh, faces: ArrayLike | None) -> PolyMesh:
     if isinstance(vertices, PolyMesh):
         if faces is not None:
             raise MeshError("faces beside a whole mesh")
-        triangles = triangulated(vertices)
+        check_shapes(vertices)
+        mesh = checked(vertices)
+        triangles = triangulated(mesh)
         checked_mesh(triangles.vertices, triangles.faces)
-        return vertices
+        return mesh
     if faces is None:
-        raise MeshError("vertices without faces")
-    checked = checked_mesh(vertices, faces)
-    return from_triangles(checked.vertices, checked.faces)
+        raise MeshError(
+            f"{type(vertices).__name__} without faces: give vertices and faces, or a PolyMesh, "
+            "which from_arrays and deltamesh.plugins make"
+        )
+    plain = checked_mesh(vertices, faces)
+    return from_triangles(plain.vertices, plain.faces)
 
 
 def decode(
-    data: bytes | bytearray | memoryview,
+    source: Source,
     *,
     solver: str = "auto",
     threads: int | None = None,
@@ -165,7 +172,7 @@ def decode(
 
     Parameters
     ----------
-    data : bytes-like
+    source : bytes-like, path or binary file object
     solver : {"auto", "rslab", "pardiso", "scipy"}
     threads : int, optional
         For the solver. Default: all cores.
@@ -193,7 +200,7 @@ def decode(
     D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
     """
     return decode_mesh(
-        data,
+        read_source(source),
         solver=solver,
         threads=threads,
         max_vertices=max_vertices,

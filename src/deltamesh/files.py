@@ -1,34 +1,74 @@
-"""`.dmesh` files: what they say of themselves, whether they are whole, from and to a path."""
+"""`.dmesh` files: what they say of themselves, whether they are whole, from and to anywhere."""
 
 from __future__ import annotations
 
+import io
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO, TypeAlias
 
+from deltamesh_formats.errors import OptionError
 from deltamesh_formats.layout import Container
 from deltamesh_formats.polymesh import PolyMesh
 from deltamesh_formats.reader import read_container
 
+Bytes: TypeAlias = bytes | bytearray | memoryview
+Source: TypeAlias = str | os.PathLike[str] | BinaryIO | Bytes
+Target: TypeAlias = str | os.PathLike[str] | BinaryIO
 
-def info(data: bytes | bytearray | memoryview) -> Container:
+
+def read_source(source: Source) -> bytes | memoryview:
+    """Return the bytes of a file, wherever it is.
+
+    Parameters
+    ----------
+    source : path, binary file object or bytes-like
+        A file object is read from where it is to its end, and need not be seekable; a bytes-like
+        object (bytearray, mmap, an array of bytes) is not copied.
+
+    Raises
+    ------
+    OSError
+        When the file cannot be opened or read.
+    TypeError
+        For anything else.
+    """
+    if isinstance(source, (str, os.PathLike)):
+        return Path(source).read_bytes()
+    if hasattr(source, "read"):
+        data = source.read()
+        if not isinstance(data, bytes):
+            raise TypeError(f"a file to read from has to be open in binary mode: {source!r}")
+        return data
+    try:
+        return memoryview(source).cast("B")
+    except TypeError:
+        what = type(source).__name__
+        raise TypeError(f"a path, a binary file or bytes are needed, not {what}") from None
+
+
+def info(source: Source) -> Container:
     """Return what a file says of itself: counts, sections, parameters, achieved errors.
 
     Every checksum of the bytes is verified; nothing is decoded.
+
+    Parameters
+    ----------
+    source : path, binary file object or bytes-like
 
     Raises
     ------
     FormatError
     """
-    return read_container(data)
+    return read_container(read_source(source))
 
 
-def verify(data: bytes | bytearray | memoryview, **options: Any) -> Container:
+def verify(source: Source, **options: Any) -> Container:
     """Decode a file and return what it says of itself; damage of any kind raises.
 
     Parameters
     ----------
-    data : bytes-like
+    source : path, binary file object or bytes-like
     **options
         Those of `deltamesh.decode`.
 
@@ -38,29 +78,80 @@ def verify(data: bytes | bytearray | memoryview, **options: Any) -> Container:
     """
     from deltamesh.codec import decode
 
+    data = read_source(source)
     decode(data, **options)
     return read_container(data)
 
 
-def load(path: str | os.PathLike[str], **options: Any) -> PolyMesh:
-    """Decode the `.dmesh` file at a path; the options are those of `deltamesh.decode`."""
+def load(source: Source, **options: Any) -> PolyMesh:
+    """Decode a `.dmesh` file.
+
+    Parameters
+    ----------
+    source : path, binary file object or bytes-like
+    **options
+        Those of `deltamesh.decode`, which is the same.
+
+    Raises
+    ------
+    FormatError, LimitError, SolveError, OSError
+    """
     from deltamesh.codec import decode
 
-    return decode(Path(path).read_bytes(), **options)
+    return decode(source, **options)
 
 
-def save(path: str | os.PathLike[str], mesh: PolyMesh, **options: Any) -> None:
-    """Encode a mesh into a file at a path; the options are those of `deltamesh.encode`.
+def save(target: Target, mesh: PolyMesh, **options: Any) -> None:
+    """Encode a mesh into a `.dmesh` file.
 
-    The file appears whole or not at all; one that exists is replaced.
+    A file at a path appears whole or not at all; one that exists is replaced. Nothing is written
+    to a file object before all bytes are there.
+
+    Parameters
+    ----------
+    target : path or binary file object
+    mesh : PolyMesh
+    **options
+        Those of `deltamesh.encode`.
+
+    Raises
+    ------
+    MeshError, OptionError, TargetError, SolveError, OSError
     """
     from deltamesh.codec import encode
 
+    if isinstance(target, (str, os.PathLike)):
+        _check_extension(target)
+    if isinstance(target, io.TextIOBase):
+        raise TypeError(f"a file to write to has to be open in binary mode: {target!r}")
     data = encode(mesh, **options)
-    target = Path(path)
+    if isinstance(target, (str, os.PathLike)):
+        _replace(Path(target), data)
+    else:
+        _write(target, data)
+
+
+def _check_extension(target: str | os.PathLike[str]) -> None:
+    """Refuse to write a `.dmesh` under the name of a mesh file."""
+    from deltamesh_formats.meshfile import FORMATS
+
+    extension = Path(target).suffix.lower().removeprefix(".")
+    if extension in FORMATS:
+        what = extension.upper()
+        raise OptionError(f"{os.fspath(target)}: save writes .dmesh, write_mesh writes {what}")
+
+
+def _replace(target: Path, data: bytes) -> None:
     temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
     try:
         temporary.write_bytes(data)
         os.replace(temporary, target)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def _write(target: BinaryIO, data: bytes) -> None:
+    rest = memoryview(data)
+    while rest:  # a file without a buffer, such as a pipe, may take a part
+        taken = target.write(rest)
+        rest = rest[len(rest) if taken is None else taken :]

@@ -36,6 +36,11 @@ def test_a_folder_needs_to_be_asked_for(tree: Path) -> None:
         find(["b.ply", "sub"], Selection(("ply",)))
 
 
+def test_of_a_folder_only_the_files_directly_in_it(tree: Path) -> None:
+    shallow = Selection(("ply", "obj"), shallow=True)
+    assert find([".", "sub"], shallow) == ["a.PLY", "b.ply", "sub/c.obj"]
+
+
 def test_an_empty_folder_holds_nothing(tree: Path) -> None:
     (tree / "empty").mkdir()
     assert find(["empty"], ALL) == []

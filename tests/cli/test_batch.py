@@ -506,3 +506,19 @@ def test_the_work_is_light_to_import() -> None:
     code = "import deltamesh_cli.batch, sys; print('numpy' in sys.modules, 'rich' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.stdout == "False False\n"
+
+
+@pytest.mark.parametrize("engine", ["", "-j 2"])
+def test_debug_shows_the_traceback_of_each_failure(
+    scans: Path, engine: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("bad.ply", "worse.obj"):
+        (scans / name).write_bytes(b"no mesh")
+    line = f"batch bad.ply worse.obj gone.ply --manifest x {engine}"
+    assert cli(f"{line} -f") == 1
+    assert "Traceback" not in capsys.readouterr().err
+    assert b"raceback" not in (scans / "x").read_bytes()
+    assert cli(f"{line} -f --debug") == 1
+    told = capsys.readouterr().err
+    assert told.count("Traceback (most recent call last)") >= 3
+    assert told.index("MeshError") < told.index("deltamesh: bad.ply: ")

@@ -29,6 +29,8 @@ class Selection:
         Whether folders are looked into.
     never : str
         A folder that is not looked into, unless it was named: where the output goes.
+    shallow : bool
+        Whether of a folder only the files directly in it are taken, instead.
     """
 
     extensions: tuple[str, ...]
@@ -36,6 +38,7 @@ class Selection:
     exclude: tuple[str, ...] = ()
     recursive: bool = False
     never: str | None = None
+    shallow: bool = False
 
 
 def find(
@@ -67,7 +70,7 @@ def find(
     Raises
     ------
     OptionError
-        For a folder when `selection` is not recursive.
+        For a folder when `selection` is neither recursive nor shallow.
     """
     found: dict[str, str] = {}
     for name in names:
@@ -85,7 +88,7 @@ def _expanded(
     name: str, selection: Selection, patterns: bool, failed: Callable[[OSError], None]
 ) -> Iterator[str]:
     if os.path.isdir(name):
-        if not selection.recursive:
+        if not (selection.recursive or selection.shallow):
             raise OptionError(f"{name!r} is a folder: -r takes the files in it")
         yield from _walk(name, selection, failed)
     elif patterns and _MAGIC & set(name) and not os.path.lexists(name):
@@ -118,6 +121,8 @@ def _walk(folder: str, selection: Selection, failed: Callable[[OSError], None]) 
         for entry in entries:
             path = entry.name if top == os.curdir else entry.path
             if entry.is_dir(follow_symlinks=False):
+                if selection.shallow:
+                    continue
                 if os.path.realpath(path) != never and not _matches(path, selection.exclude):
                     waiting.append(path)
             elif _extension(path) in selection.extensions and _is_file(entry):

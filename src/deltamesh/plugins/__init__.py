@@ -1,0 +1,8 @@
+"""Other libraries: their meshes to ours and back, and `.dmesh` among the files that they open.
+
+`deltamesh.plugins.trimesh` and `deltamesh.plugins.meshio` register the format when they are
+imported; PyVista finds `deltamesh.plugins.pyvista` by itself. Each has two functions, such as
+`to_trimesh` and `from_trimesh`, between its meshes and `PolyMesh`. Nothing is merged or put into
+another order: files are written with `keep_order`, so that arrays computed alongside still fit.
+What a library has no place for is told in a warning, and listed in docs/python.md.
+"""

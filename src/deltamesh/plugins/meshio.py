@@ -1,0 +1,190 @@
+"""meshio: `PolyMesh` to `meshio.Mesh` and back; `import deltamesh.plugins.meshio` registers.
+
+After that `meshio.read("x.dmesh")` and `mesh.write("x.dmesh")` work, with file objects too
+(`file_format="dmesh"`). Points and cells stay in their order: a block of cells is a run of faces
+of one size, "triangle", "quad" or "polygon".
+
+Attributes of vertices are `point_data`, those of faces `cell_data`. The part of each face is the
+cell array "material", "group", "object" and so on, and its names are in `field_data` in the manner
+of Gmsh: `{"material:steel": [0, 2]}`, the number and the dimension. meshio has no place for
+attributes of corners: those without seams become `point_data`, those with are named in a warning.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any, BinaryIO, Final
+
+import meshio
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh.files import load, save
+from deltamesh.plugins.fields import (
+    KINDS,
+    Arrays,
+    attributes_of,
+    dense,
+    in_order,
+    named,
+    parts_of,
+    tell,
+)
+from deltamesh_formats.arrays import check_shapes, distinct
+from deltamesh_formats.contents import attribute_words
+from deltamesh_formats.errors import MeshError
+from deltamesh_formats.polymesh import Parts, PolyMesh, checked
+from deltamesh_formats.seams import at_vertices
+
+_TYPES: Final = {3: "triangle", 4: "quad"}
+
+
+def to_meshio(mesh: PolyMesh) -> meshio.Mesh:
+    """Return a `meshio.Mesh`, its points and cells in the order of the mesh.
+
+    Warns
+    -----
+    UserWarning
+        Of attributes of corners that have seams.
+    """
+    points, lost = dense(mesh, "vertex"), []
+    for attribute in mesh.attributes:
+        if attribute.domain == "corner":
+            values = at_vertices(mesh, attribute)
+            if values is None:
+                lost.append(f"{attribute_words(attribute)} with seams")
+            else:
+                points.append((attribute.name, values))
+    tell(lost, "a mesh of meshio")
+    ends = [*(np.flatnonzero(np.diff(mesh.sizes)) + 1).tolist(), len(mesh.sizes)]
+    runs = [slice(a, b) for a, b in zip([0, *ends[:-1]], ends, strict=True)]
+    faces: Arrays = [(parts.kind, parts.of_face) for parts in mesh.parts]
+    faces += dense(mesh, "face")
+    return meshio.Mesh(
+        mesh.vertices,
+        [_block(mesh, run) for run in runs],
+        point_data=named(points),
+        cell_data={name: [A[run] for run in runs] for name, A in named(faces).items()},
+        field_data=_names(mesh),
+    )
+
+
+def from_meshio(mesh: meshio.Mesh) -> PolyMesh:
+    """Return the triangles, quads and polygons of a `meshio.Mesh` with all its points.
+
+    Two coordinates get a third, 0. Cells of other types, sets, and arrays that are not numbers,
+    are named in `lost`.
+
+    Raises
+    ------
+    MeshError
+        If there is no such cell.
+    """
+    taken = [i for i, block in enumerate(mesh.cells) if _is_face(block.type)]
+    lost = [f"cells of type {b.type}" for b in mesh.cells if not _is_face(b.type)]
+    if not taken:
+        there = ", ".join(dict.fromkeys(block.type for block in mesh.cells)) or "none"
+        raise MeshError(f"no triangles, quads or polygons among the cells: {there}")
+    V = np.asarray(mesh.points)
+    if V.ndim == 2 and V.shape[1] == 2:
+        V = np.pad(V, [(0, 0), (0, 1)])
+    tables = [_table(mesh.cells[i]) for i in taken]
+    sizes = np.concatenate([np.full(len(table), table.shape[1]) for table in tables])
+    face = {}
+    for name, blocks in mesh.cell_data.items():
+        try:
+            face[name] = np.concatenate([np.asarray(blocks[i]) for i in taken])
+        except ValueError:  # blocks of different widths
+            lost.append(f"the face array {name!r}")
+    parts = _parts(face, mesh.field_data, len(sizes), lost)
+    for what, names in (("point", mesh.point_sets), ("cell", mesh.cell_sets)):
+        lost += [f"the {what} set {name!r}" for name in names]
+    points = attributes_of("vertex", mesh.point_data, len(V), lost)
+    found = PolyMesh(
+        np.ascontiguousarray(V, dtype=np.float64),
+        np.concatenate([table.ravel() for table in tables]),
+        np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(sizes)]),
+        (*points, *attributes_of("face", face, len(sizes), lost)),
+        parts,
+        lost=tuple(lost),
+        precision="float32" if V.dtype == np.float32 else "float64",
+    )
+    check_shapes(found)
+    return checked(found)
+
+
+def read_dmesh(source: str | os.PathLike[str] | BinaryIO) -> meshio.Mesh:
+    """Read a `.dmesh` file; the reader of the format "dmesh"."""
+    return to_meshio(load(source))
+
+
+def write_dmesh(
+    target: str | os.PathLike[str] | BinaryIO, mesh: meshio.Mesh, **options: Any
+) -> None:
+    """Write a `.dmesh` file; the writer of the format "dmesh".
+
+    The options are those of `deltamesh.encode`, of which `keep_order` is True unless given.
+    """
+    found = from_meshio(mesh)
+    tell(found.lost, "a .dmesh")
+    save(target, found, **in_order(options))
+
+
+def register() -> None:
+    """Make `.dmesh` a format of meshio; importing this module does."""
+    meshio.deregister_format("dmesh")
+    meshio.register_format("dmesh", [".dmesh"], read_dmesh, {"dmesh": write_dmesh})
+
+
+def _is_face(kind: str) -> bool:
+    return kind in ("triangle", "quad") or kind.startswith("polygon")
+
+
+def _block(mesh: PolyMesh, run: slice) -> meshio.CellBlock:
+    size = int(mesh.sizes[run.start])
+    corners = mesh.corners[mesh.offsets[run.start] : mesh.offsets[run.stop]]
+    return meshio.CellBlock(_TYPES.get(size, "polygon"), corners.reshape(-1, size))
+
+
+def _table(block: meshio.CellBlock) -> NDArray[np.int64]:
+    table = np.asarray(block.data)
+    if table.ndim != 2 or table.dtype.kind not in "iu":
+        what = f"{table.dtype} {table.shape}"
+        raise MeshError(f"cells of type {block.type} must be a table of integers, not {what}")
+    return table.astype(np.int64)
+
+
+def _names(mesh: PolyMesh) -> dict[str, NDArray[np.int64]]:
+    """Return the names of all parts with their numbers and their dimension."""
+    names = [f"{parts.kind}:{name}" for parts in mesh.parts for name in parts.names]
+    numbers = [number for parts in mesh.parts for number in range(len(parts.names))]
+    return {
+        name: np.array([number, 2]) for name, number in zip(distinct(names), numbers, strict=True)
+    }
+
+
+def _parts(
+    face: dict[str, NDArray[Any]], field_data: Mapping[str, Any], faces: int, lost: list[str]
+) -> tuple[Parts, ...]:
+    """Take the parts out of the arrays of the faces."""
+    names: dict[str, dict[int, str]] = {}
+    for key, values in field_data.items():
+        kind, _, name = str(key).partition(":")
+        if kind in KINDS and kind in face and np.size(values) == 2:
+            names.setdefault(kind, {})[int(np.ravel(values)[0])] = name
+        else:
+            lost.append(f"the field {key!r}")
+    found = []
+    for kind in KINDS:
+        numbers = names.get(kind, {})
+        if set(numbers) == set(range(len(numbers))) and numbers:
+            in_turn = [numbers[i] for i in range(len(numbers))]
+            parts = parts_of(kind, face[kind], in_turn, faces)
+            if parts is not None:
+                found.append(parts)
+                del face[kind]
+    return tuple(found)
+
+
+register()

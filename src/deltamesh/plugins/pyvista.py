@@ -1,0 +1,200 @@
+"""PyVista: `PolyMesh` to `PolyData` and back; PyVista finds the reader and writer by itself.
+
+With deltamesh installed `pyvista.read("x.dmesh")` and `mesh.save("x.dmesh")` work, without an
+import. Points and faces stay in their order, polygons are polygons.
+
+Attributes of vertices are `point_data`, normals and texture coordinates the active ones; those of
+faces are `cell_data`. The part of each face is the cell array "material", "group", "object" and so
+on, with names in `user_dict["material_names"]`. VTK has no place for attributes of corners: those
+without seams become `point_data`, those with are named in a warning.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+import pyvista
+from numpy.typing import NDArray
+
+from deltamesh.files import load, save
+from deltamesh.plugins.fields import (
+    KINDS,
+    Arrays,
+    attributes_of,
+    dense,
+    in_order,
+    named,
+    names_key,
+    parts_of,
+    tell,
+)
+from deltamesh_formats.arrays import check_shapes
+from deltamesh_formats.contents import attribute_words
+from deltamesh_formats.errors import MeshError
+from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh, Role, checked
+from deltamesh_formats.seams import at_vertices
+
+_WIDTHS: Final[dict[Role, tuple[int, ...]]] = {"normal": (3,), "uv": (2, 3)}
+
+_ACTIVE: Final[dict[Role, str]] = {
+    "normal": "active_normals_name",
+    "uv": "active_texture_coordinates_name",
+}
+
+_DICTIONARY: Final = "_PYVISTA_USER_DICT"
+
+
+def to_pyvista(mesh: PolyMesh) -> pyvista.PolyData:
+    """Return a `PolyData`, its points and faces in the order of the mesh.
+
+    Points are float32 where those of the source were.
+
+    Warns
+    -----
+    UserWarning
+        Of attributes of corners that have seams.
+    """
+    points, lost = dense(mesh, "vertex"), []
+    roles: dict[str, Role] = {}
+    for attribute in mesh.attributes:
+        if attribute.domain == "corner":
+            values = at_vertices(mesh, attribute)
+            if values is None:
+                lost.append(f"{attribute_words(attribute)} with seams")
+            else:
+                points.append((attribute.name, values))
+        if attribute.domain != "face":
+            roles.setdefault(attribute.name, attribute.role)
+    tell(lost, "a PolyData")
+    faces = np.insert(mesh.corners, mesh.offsets[:-1], mesh.sizes)
+    made = pyvista.PolyData(mesh.vertices.astype(mesh.precision), faces=faces)
+    for name, values in named(points).items():
+        made.point_data.set_array(_known(values), name)
+    cells: Arrays = [(parts.kind, parts.of_face) for parts in mesh.parts]
+    for name, values in named(cells + dense(mesh, "face")).items():
+        made.cell_data.set_array(_known(values), name)
+    _activate(made, roles)
+    names = {names_key(parts.kind): parts.names for parts in mesh.parts}
+    for key, words in {**mesh.metadata, **names}.items():
+        if words:
+            made.user_dict[key] = list(words)
+    return made
+
+
+def from_pyvista(mesh: pyvista.PolyData) -> PolyMesh:
+    """Return the faces of a `PolyData` with all its points.
+
+    Lines and cells of single vertices, and arrays that are not numbers, are named in `lost`.
+
+    Raises
+    ------
+    MeshError
+        For anything but a `PolyData`, for strips of triangles, and if there are no faces.
+    """
+    if not isinstance(mesh, pyvista.PolyData):
+        what = type(mesh).__name__
+        raise MeshError(f"{what} is not a mesh of faces alone; its extract_surface() is one")
+    if mesh.n_strips:
+        raise MeshError("strips of triangles; triangulate() makes faces of them")
+    lost = [
+        f"{count} {what}"
+        for count, what in ((mesh.n_verts, "cells of single vertices"), (mesh.n_lines, "lines"))
+        if count
+    ]
+    cells = mesh.GetPolys()
+    corners = _integers(cells.GetConnectivityArray())
+    offsets = _integers(cells.GetOffsetsArray())
+    n, m = mesh.n_points, len(offsets) - 1
+    # Cells are numbered by their kind: single vertices, lines, faces.
+    face = {name: A[-m:] if m else A[:0] for name, A in mesh.cell_data.items()}
+    parts, metadata = _named_parts(face, mesh, lost)
+    point_data = mesh.point_data
+    active = {getattr(point_data, what): role for role, what in _ACTIVE.items()}
+    points = attributes_of("vertex", dict(point_data.items()), n, lost)
+    faces = attributes_of("face", face, m, lost)
+    found = PolyMesh(
+        np.array(mesh.points, dtype=np.float64),
+        corners,
+        offsets,
+        (*(_with_role(a, active.get(a.name)) for a in points), *faces),
+        parts,
+        metadata,
+        tuple(lost),
+        "float32" if mesh.points.dtype == np.float32 else "float64",
+    )
+    check_shapes(found)
+    return checked(found)
+
+
+def read_dmesh(path: str, **options: Any) -> pyvista.PolyData:
+    """Read a `.dmesh` file; the options are those of `deltamesh.decode`.
+
+    PyVista fetches what is not on this machine.
+    """
+    if "://" in path:
+        raise pyvista.LocalFileRequiredError
+    return to_pyvista(load(path, **options))
+
+
+def write_dmesh(mesh: pyvista.PolyData, path: str, **options: Any) -> None:
+    """Write a `.dmesh` file.
+
+    The options are those of `deltamesh.encode`, of which `keep_order` is True unless given.
+    """
+    found = from_pyvista(mesh)
+    tell(found.lost, "a .dmesh")
+    save(path, found, **in_order(options))
+
+
+def _activate(made: pyvista.PolyData, roles: dict[str, Role]) -> None:
+    """Make the first normals and texture coordinates the active ones."""
+    for role, what in (
+        ("normal", "active_normals_name"),
+        ("uv", "active_texture_coordinates_name"),
+    ):
+        fitting = (
+            name
+            for name, values in made.point_data.items()
+            if roles.get(name) == role and values.ndim == 2 and values.shape[1] in _WIDTHS[role]
+        )
+        name = next(fitting, None)
+        if name is not None:
+            setattr(made.point_data, what, name)
+
+
+def _with_role(attribute: Attribute, role: Role | None) -> Attribute:
+    fits = role is not None and attribute.width in _WIDTHS[role]
+    return replace(attribute, role=role) if fits and role is not None else attribute
+
+
+def _named_parts(
+    face: dict[str, NDArray[Any]], mesh: pyvista.PolyData, lost: list[str]
+) -> tuple[tuple[Parts, ...], dict[str, tuple[str, ...]]]:
+    """Take the parts out of the arrays of the faces, and words out of the dictionary."""
+    words = {}
+    lost += [f"the field array {key!r}" for key in mesh.field_data if not key.startswith("_")]
+    # Looking at the dictionary of a mesh without one would give it one.
+    for key, values in mesh.user_dict.items() if _DICTIONARY in mesh.field_data else ():
+        if isinstance(values, list) and values and all(isinstance(word, str) for word in values):
+            words[key] = tuple(values)
+        else:
+            lost.append(f"the entry {key!r} of user_dict")
+    found = []
+    for kind in KINDS:
+        if kind in face and names_key(kind) in words:
+            parts = parts_of(kind, face[kind], words[names_key(kind)], len(face[kind]))
+            if parts is not None:
+                found.append(parts)
+                del face[kind], words[names_key(kind)]
+    return tuple(found), words
+
+
+def _known(values: NDArray[Any]) -> NDArray[Any]:
+    """Return numbers in a type of VTK, which has no float16."""
+    return values.astype(np.float32) if values.dtype == np.float16 else values
+
+
+def _integers(array: Any) -> NDArray[np.int64]:
+    return np.array(pyvista.convert_array(array), dtype=np.int64)

@@ -1,0 +1,137 @@
+"""Paths, file objects and bytes: `.dmesh` files come from anywhere and go anywhere."""
+
+from __future__ import annotations
+
+import io
+import mmap
+import os
+import pickle
+import threading
+from copy import deepcopy
+from pathlib import Path
+
+import meshes
+import numpy as np
+import pytest
+
+import deltamesh
+
+MESH = deltamesh.from_arrays(*meshes.torus(9, 7))
+DATA = deltamesh.encode(MESH, bits=8)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    found = tmp_path / "tör us.dmesh"
+    found.write_bytes(DATA)
+    return found
+
+
+def same(source: object) -> None:
+    mesh = deltamesh.load(source)
+    np.testing.assert_array_equal(mesh.vertices, deltamesh.decode(DATA).vertices)
+    np.testing.assert_array_equal(mesh.faces, deltamesh.decode(DATA).faces)
+
+
+@pytest.mark.parametrize(
+    "buffer", [bytes, bytearray, memoryview, lambda data: np.frombuffer(data, np.int8), io.BytesIO]
+)
+@pytest.mark.parametrize("function", ["info", "verify", "load", "decode"])
+def test_bytes_of_any_kind(buffer: type, function: str) -> None:
+    made = getattr(deltamesh, function)(buffer(DATA))
+    assert isinstance(made, deltamesh.PolyMesh) or made.size == len(DATA)
+
+
+@pytest.mark.parametrize("function", ["info", "verify", "load", "decode"])
+def test_paths(path: Path, function: str) -> None:
+    for name in (path, str(path)):
+        made = getattr(deltamesh, function)(name)
+        assert isinstance(made, deltamesh.PolyMesh) or made.size == len(DATA)
+
+
+def test_files_from_where_they_are(path: Path) -> None:
+    path.write_bytes(b"before" + DATA)
+    with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as whole:
+        stream.seek(6)
+        same(stream)
+        same(memoryview(whole)[6:].tobytes())
+
+
+def test_pipes_that_cannot_be_sought() -> None:
+    for buffering in (-1, 0):
+        reading, writing = os.pipe()
+        target = os.fdopen(writing, "wb", buffering)
+
+        def send(target: io.IOBase = target) -> None:
+            with target:
+                deltamesh.save(target, MESH, bits=8)
+
+        sender = threading.Thread(target=send)
+        sender.start()
+        with os.fdopen(reading, "rb", buffering) as source:
+            assert deltamesh.info(source).size == len(DATA)
+        sender.join()
+
+
+class Small(io.RawIOBase):
+    """A file that takes seven bytes at a time."""
+
+    def __init__(self) -> None:
+        self.taken = b""
+
+    def write(self, data: memoryview) -> int:
+        self.taken += bytes(data[:7])
+        return min(len(data), 7)
+
+
+def test_a_file_that_takes_parts_gets_them_all() -> None:
+    target = Small()
+    deltamesh.save(target, MESH, bits=8)
+    assert target.taken == DATA
+
+
+def test_save_to_a_path_or_a_file_writes_the_same(tmp_path: Path) -> None:
+    target = io.BytesIO()
+    deltamesh.save(target, MESH, bits=8)
+    deltamesh.save(tmp_path / "ü.dmesh", MESH, bits=8)
+    assert target.getvalue() == (tmp_path / "ü.dmesh").read_bytes() == DATA
+    assert [each.name for each in tmp_path.iterdir()] == ["ü.dmesh"]
+
+
+def test_what_is_neither_is_refused_before_any_work(path: Path) -> None:
+    for wrong in (3, None, [1, 2], np.zeros((4, 4))[:, ::2]):
+        with pytest.raises(TypeError, match="a path, a binary file or bytes are needed"):
+            deltamesh.load(wrong)
+    with path.open(encoding="latin-1") as text, pytest.raises(TypeError, match="binary mode"):
+        deltamesh.load(text)
+    with pytest.raises(TypeError, match="binary mode"):
+        deltamesh.save(io.StringIO(), None)
+    with pytest.raises(FileNotFoundError):
+        deltamesh.info(path.with_name("none.dmesh"))
+    with pytest.raises(deltamesh.MeshError, match="str without faces"):
+        deltamesh.save(io.BytesIO(), "torus")
+
+
+def test_one_door_points_to_the_other(tmp_path: Path, path: Path) -> None:
+    with pytest.raises(deltamesh.OptionError, match="save writes [.]dmesh, write_mesh writes PLY"):
+        deltamesh.save(tmp_path / "torus.PLY", MESH)
+    with pytest.raises(deltamesh.MeshError, match="save and load are for it"):
+        deltamesh.read_mesh(path)
+    with pytest.raises(deltamesh.MeshError, match="save and load are for it"):
+        deltamesh.write_mesh(path, MESH)
+
+
+def test_meshes_and_what_is_known_of_files_go_to_other_processes(path: Path) -> None:
+    for copy in (deepcopy, lambda value: pickle.loads(pickle.dumps(value))):
+        mesh = copy(deltamesh.load(path))
+        np.testing.assert_array_equal(mesh.faces, deltamesh.load(path).faces)
+        assert mesh == mesh
+        assert mesh != deltamesh.load(path)
+        known = copy(deltamesh.info(path))
+        assert known == deltamesh.info(path)
+        assert known.sections["CONN"].payload == deltamesh.info(path).sections["CONN"].payload
+
+
+def test_mesh_files_have_a_door(tmp_path: Path) -> None:
+    assert deltamesh.write_mesh(tmp_path / "torus.ply", MESH) == ()
+    np.testing.assert_array_equal(deltamesh.read_mesh(tmp_path / "torus.ply").faces, MESH.faces)
