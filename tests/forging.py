@@ -39,14 +39,14 @@ def consistent(data):
     """The file with the digest of what its payloads decode to; FormatError where they do not."""
     container = read_container(data)
     s = decode_structure(container, announced(container))
-    surface = surface_of(s.surface, s.used, s.isolated)
+    surface = surface_of(s.surface, s.used, s.isolated, s.hidden)
     method = pipeline._METHODS[container.parameters.method]
     integers = method.read(surface, container.parameters, container.sections)
     order = None
     if "ORDR" in container.sections:
         with payload_of(container.sections["ORDR"]) as payload:
-            order = decode_order(payload, s.faces, container.vertices)
-    return forged(data, checksum=digest(s.faces, s.copied, integers, arrays(order)))
+            order = decode_order(payload, s.faces, s.polygons, container.vertices)
+    return forged(data, checksum=digest(s.faces, s.copied, integers, (*arrays(order), *s.glue)))
 
 
 def section(name, payload):

@@ -12,7 +12,13 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
-from deltamesh.laplacian import adjacency, adjacency_labels, adjacency_laplacian
+from deltamesh.laplacian import (
+    adjacency,
+    adjacency_labels,
+    adjacency_laplacian,
+    adjacency_of_edges,
+    edges_between,
+)
 from deltamesh.topology import parallelograms
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.layout import CRC_SIZE, Parameters, Section
@@ -26,7 +32,8 @@ class Surface:
     ----------
     faces : int64 (m, 3)
     graph : pair of int64 arrays
-        Neighbours of the vertices of the faces, as of `laplacian.adjacency`.
+        Neighbours of the vertices of the faces, as of `laplacian.adjacency`, along the edges of
+        polygons.
     isolated_count : int
         Vertices without a face; they come after the others.
     """
@@ -56,9 +63,21 @@ class Surface:
         return parallelograms(self.faces, self.vertex_count + self.isolated_count)
 
 
-def surface_of(faces: NDArray[np.int64], vertex_count: int, isolated_count: int) -> Surface:
-    """Return a `Surface` with its graph."""
-    return Surface(faces, adjacency(faces, vertex_count), isolated_count)
+def surface_of(
+    faces: NDArray[np.int64],
+    vertex_count: int,
+    isolated_count: int,
+    hidden: NDArray[np.bool_] | None = None,
+) -> Surface:
+    """Return a `Surface` with its graph.
+
+    Half-edges, (3 m,), may be `hidden` within polygons; edges where all are do not count.
+    """
+    if hidden is None or not len(hidden):
+        return Surface(faces, adjacency(faces, vertex_count), isolated_count)
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    pairs = edges_between(start[~hidden], end[~hidden], vertex_count)
+    return Surface(faces, adjacency_of_edges(pairs, vertex_count), isolated_count)
 
 
 @dataclass(frozen=True)

@@ -15,17 +15,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import cartesian, highpass, lossless, refined
+from deltamesh.complexes import distinct_faces
+from deltamesh.diagonals import cut_polygons
 from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
 from deltamesh.limits import check_limits
 from deltamesh.mesh import LARGEST, Mesh
 from deltamesh.metrics import VertexErrors, diagonal, errors_from, mean_edge
 from deltamesh.options import Options, Settings
 from deltamesh.order import decode_order, encode_order
-from deltamesh.polygons import assembled, plain
+from deltamesh.polygons import assembled, sources_of
 from deltamesh.reordering import Order, arrays, order_of, reordered
 from deltamesh.search import Trial, smallest
 from deltamesh.solve import factorization
-from deltamesh.structure import Structure, announced, decode_structure, encode_structure
+from deltamesh.structure import (
+    Origin,
+    Structure,
+    announced,
+    decode_structure,
+    encode_gluing,
+    encode_structure,
+)
 from deltamesh.targets import bounds_of
 from deltamesh.version import __version__
 from deltamesh_formats.errors import FormatError, MeshError
@@ -58,8 +67,8 @@ class Encoded:
         The file.
     order : int64 (n,)
         The input vertex that each vertex of the file was.
-    face_order, rotation : int64 (m,)
-        The input face that each face of the file was, and which of its corners comes first.
+    face_order, rotation : int64 (p,)
+        The input polygon that each polygon of the file was, and which of its corners comes first.
     mesh : PolyMesh
         What a decoder will make of it.
     """
@@ -75,7 +84,7 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
     """Compress a checked mesh; see `codec.encode`."""
     if isinstance(mesh, Mesh):
         mesh = from_triangles(mesh.vertices, mesh.faces)
-    cut = mesh.triangles()
+    cut = cut_polygons(mesh, options.keep_order)
     triangles = Mesh(mesh.vertices, cut.faces)
     if len(cut.faces) == 0:
         raise MeshError("the mesh has no faces")
@@ -83,12 +92,17 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
     payloads, structure, origin = encode_structure(
         triangles, options.drop_isolated, exact, progress
     )
+    gluing, structure = encode_gluing(structure, origin, cut)
+    payloads |= gluing
     progress("geometry")
-    surface = surface_of(structure.surface, structure.used, structure.isolated)
+    surface = surface_of(
+        structure.surface, structure.used, structure.isolated, structure.hidden
+    )
     V = triangles.vertices[origin.points]
     used, isolated = V[: structure.used], V[structure.used :]
     factor = factorization(surface.laplacian, options.solver, options.threads)
-    bounds, errors_of = bounds_of(options, diagonal(V)), errors_from(V, surface.faces)
+    bounds = bounds_of(options, diagonal(V))
+    errors_of = errors_from(V, _measured(mesh, structure, origin))
 
     def attempt(settings: Settings) -> Trial:
         progress(f"geometry, {settings.method}")
@@ -99,18 +113,21 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
 
     trial = smallest(options, bounds, mean_edge(used, surface.faces), attempt)
     payloads |= trial.payloads
-    polygons = plain(len(structure.faces))
+    polygons = structure.polygons
     result = assembled(trial.vertices[structure.points], structure.faces, polygons)
-    order = origin.vertices
-    face_order, rotation = np.divmod(origin.corners[:, 0], 3)
+    sources = sources_of(polygons, origin.vertices, origin.corners, cut)
+    order, face_order = sources.vertices, sources.faces
+    rotation = sources.corners[polygons.offsets[:-1]] - mesh.offsets[face_order]
     kept = None
     if options.keep_order:
         progress("order")
-        kept = order_of(order, structure.faces, cut.faces)
-        payloads["ORDR"] = encode_order(structure.faces, kept)
+        kept = order_of(polygons, sources, mesh.offsets)
+        payloads["ORDR"] = encode_order(structure.faces, polygons, kept)
         result, order = reordered(result, polygons, kept), order[kept.vertices]
         face_order, rotation = np.arange(len(face_order)), np.zeros_like(rotation)
-    checksum = digest(structure.faces, structure.copied, trial.integers, arrays(kept))
+    checksum = digest(
+        structure.faces, structure.copied, trial.integers, (*arrays(kept), *structure.glue)
+    )
     n, m = len(structure.points), len(structure.faces)
     meta = _meta(trial.errors, diagonal(V), options.source_format)
     data = write_container(n, m, trial.parameters, payloads, meta, checksum)
@@ -134,9 +151,8 @@ def decode_mesh(
     _check_scale(container, integers)
     factor = factorization(surface.laplacian, solver, threads)
     points = coder.reconstruct(surface, container.parameters, integers, factor)
-    polygons = plain(len(structure.faces))
-    mesh = assembled(points[structure.points], structure.faces, polygons)
-    return mesh if order is None else reordered(mesh, polygons, order)
+    mesh = assembled(points[structure.points], structure.faces, structure.polygons)
+    return mesh if order is None else reordered(mesh, structure.polygons, order)
 
 
 def _read(
@@ -149,14 +165,19 @@ def _read(
     progress("connectivity")
     structure = decode_structure(container, counts)
     progress("geometry")
-    surface = surface_of(structure.surface, structure.used, structure.isolated)
+    surface = surface_of(
+        structure.surface, structure.used, structure.isolated, structure.hidden
+    )
     integers = _METHODS[parameters.method].read(surface, parameters, sections)
     order = None
     if "ORDR" in sections:
         progress("order")
         with payload_of(sections["ORDR"]) as payload:
-            order = decode_order(payload, structure.faces, container.vertices)
-    if digest(structure.faces, structure.copied, integers, arrays(order)) != container.digest:
+            order = decode_order(
+                payload, structure.faces, structure.polygons, container.vertices
+            )
+    exact = (*arrays(order), *structure.glue)
+    if digest(structure.faces, structure.copied, integers, exact) != container.digest:
         raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)
     return structure, surface, integers, order
 
@@ -170,6 +191,15 @@ def _check_scale(container: Container, integers: Integers) -> None:
     steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
     if not values * steps + origin <= 100 * LARGEST:
         raise FormatError("positions that are too large", container.sections["PARM"].offset)
+
+
+def _measured(mesh: PolyMesh, structure: Structure, origin: Origin) -> NDArray[np.int64]:
+    """Return the triangles over points on which errors are measured: those of any reader."""
+    if not len(structure.glued):
+        return structure.surface
+    point = np.full(len(mesh.vertices), -1)
+    point[origin.vertices] = structure.points
+    return distinct_faces(point[mesh.faces])
 
 
 def _meta(errors: VertexErrors, scale: float, source_format: str) -> Meta:

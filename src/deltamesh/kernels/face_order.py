@@ -49,6 +49,9 @@ _Ints = NDArray[np.int64]
 def code_faces(
     c: Coder,
     faces: _Ints,
+    corners: _Ints,
+    offsets: _Ints,
+    begins: _Ints,
     places: _Ints,
     placed: Int,
     mode: Int,
@@ -57,9 +60,11 @@ def code_faces(
     margin: Int,
     stop: Int,
 ) -> Int:
-    """Code which face comes when, `order` (m,), and at which corner it begins, `turns` (m,).
+    """Code which polygon comes when, `order` (m,), and where it begins, `turns` (m,).
 
-    Both are filled in place when decoding. `places` (n,) are the places of the vertices, -1 without
+    Both are filled in place when decoding. A polygon is told by one of its triangles, `faces`, and
+    begins at one of its corners; its vertices are `corners[offsets[i]:offsets[i + 1]]`, of which
+    those of the triangle are the ones by `begins` (m, 3). `places` (n,) are the places of the vertices, -1 without
     one; `placed` have one, and the others get the next ones as faces come to use them. The anchor
     of a face is its FIRST vertex, or the OLDEST or NEWEST of those with a place. At most `stop`
     faces are coded. Returns OK or CORRUPT.
@@ -120,10 +125,11 @@ def code_faces(
         remove(left, face)
         recent[1] = recent[0]
         for j in range(3):
-            v = faces[face, j]
-            leave_ring(rings, v, 3 * face + j)
-            v = faces[face, (turn + j) % 3]
-            recent[0, j] = v
+            leave_ring(rings, faces[face, j], 3 * face + j)
+            recent[0, j] = faces[face, (turn + j) % 3]
+        first, size = offsets[face], offsets[face + 1] - offsets[face]
+        for j in range(size):
+            v = corners[first + (begins[face, turn] + j) % size]
             if places[v] < 0:
                 places[v], at[placed] = placed, v
                 placed += 1
