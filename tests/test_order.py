@@ -135,7 +135,7 @@ def test_order_of_finds_what_reordered_does(mesh: tuple[np.ndarray, int], seed: 
     faces, n = mesh
     V = np.arange(3.0 * n).reshape(-1, 3)
     polygons, order = plain(len(faces)), scrambled(n, len(faces), seed)
-    other = reordered(from_triangles(V, faces), polygons, order)
+    other = reordered(from_triangles(V, faces), order)
     # Where vertices and corners of the mesh are in the other order.
     places, own = np.argsort(order.vertices), np.argsort(order.faces)
     corners = (3 * own[:, None] + (np.arange(3) - order.turns[own, None]) % 3).ravel()

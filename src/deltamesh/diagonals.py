@@ -18,19 +18,10 @@ from deltamesh_formats.triangles import Triangles, fans, folds, middles
 _Ints = NDArray[np.int64]
 
 
-def cut_polygons(mesh: PolyMesh, keep_order: bool) -> Triangles:
-    """Cut polygons into fans.
-
-    Parameters
-    ----------
-    mesh : PolyMesh
-    keep_order : bool
-        Cut around the first corners, so that each triangle tells that of its polygon.
-    """
+def cut_polygons(mesh: PolyMesh) -> Triangles:
+    """Cut polygons into fans."""
     if (mesh.sizes == 3).all():
         return mesh.triangles()
-    if keep_order:
-        return fans(mesh.corners, mesh.offsets, np.zeros(len(mesh.sizes), dtype=np.int64))
     around = middles(mesh.vertices, mesh.corners, mesh.offsets)
     quads = np.flatnonzero(mesh.sizes == 4)
     around[quads] = _parallel(mesh, quads, around[quads])

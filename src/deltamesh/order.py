@@ -45,21 +45,21 @@ class _Rows(NamedTuple):
         The vertices of the lowest triangle of each.
     corners : int64 (c,), offsets : int64 (p + 1,)
         The vertices of all corners.
-    begins : int64 (p, 3)
-        Which corner of the polygon each corner of its triangle is, less its offset.
+    within : int64 (p, 3)
+        Which corner of the polygon each corner of its triangle is.
     """
 
     faces: _Ints
     corners: _Ints
     offsets: _Ints
-    begins: _Ints
+    within: _Ints
 
 
 def _rows(faces: _Ints, polygons: Polygons) -> _Rows:
     """Return the polygons of triangles (m, 3)."""
     offsets, lowest = polygons.offsets, polygons.lowest
-    begins = polygons.of_corners.reshape(-1, 3)[lowest] - offsets[:-1, None]
-    return _Rows(faces[lowest], faces.ravel()[polygons.corners], offsets, begins)
+    within = polygons.of_corners.reshape(-1, 3)[lowest] - offsets[:-1, None]
+    return _Rows(faces[lowest], faces.ravel()[polygons.corners], offsets, within)
 
 
 def _renamed(rows: _Rows, names: _Ints) -> _Rows:
@@ -142,8 +142,7 @@ def _finished(coder: Coder, status: int) -> bytes:
 def _by_use(rows: _Rows, order: Order) -> _Ints:
     """Return the place of each vertex (n,) if places go by their first use in a face."""
     places = np.full(len(order.vertices), -1)
-    begin = rows.begins[order.faces, order.turns]
-    used = rows.corners[rows_of(rows.offsets, order.faces, begin)[0]]
+    used = rows.corners[rows_of(rows.offsets, order.faces, order.turns)[0]]
     vertices, first = np.unique(used, return_index=True)
     places[vertices[np.argsort(first)]] = np.arange(len(vertices))
     return _with_the_unused(places)

@@ -84,7 +84,7 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
     """Compress a checked mesh; see `codec.encode`."""
     if isinstance(mesh, Mesh):
         mesh = from_triangles(mesh.vertices, mesh.faces)
-    cut = cut_polygons(mesh, options.keep_order)
+    cut = cut_polygons(mesh)
     triangles = Mesh(mesh.vertices, cut.faces)
     if len(cut.faces) == 0:
         raise MeshError("the mesh has no faces")
@@ -123,7 +123,7 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
         progress("order")
         kept = order_of(polygons, sources, mesh.offsets)
         payloads["ORDR"] = encode_order(structure.faces, polygons, kept)
-        result, order = reordered(result, polygons, kept), order[kept.vertices]
+        result, order = reordered(result, kept), order[kept.vertices]
         face_order, rotation = np.arange(len(face_order)), np.zeros_like(rotation)
     checksum = digest(
         structure.faces, structure.copied, trial.integers, (*arrays(kept), *structure.glue)
@@ -152,7 +152,7 @@ def decode_mesh(
     factor = factorization(surface.laplacian, solver, threads)
     points = coder.reconstruct(surface, container.parameters, integers, factor)
     mesh = assembled(points[structure.points], structure.faces, structure.polygons)
-    return mesh if order is None else reordered(mesh, structure.polygons, order)
+    return mesh if order is None else reordered(mesh, order)
 
 
 def _read(

@@ -24,7 +24,7 @@ class Order:
     faces : int64 (p,)
         Likewise, the polygon.
     turns : int64 (p,)
-        The corner of the lowest triangle of that polygon, 0 to 2, at which it begins there.
+        The corner of that polygon at which it begins there.
     """
 
     vertices: NDArray[np.int64]
@@ -43,31 +43,21 @@ def order_of(polygons: Polygons, sources: Sources, starts: _Ints) -> Order:
     Parameters
     ----------
     polygons : Polygons
-        Of the file; their lowest triangles have the corners at which they begin in the input.
+        Of the file.
     sources : Sources
         Of what is in the file, which may be less than what is in the input.
     starts : int64
         Where the corners of each polygon of the input begin.
     """
-    faces = np.argsort(sources.faces)
-    came_from = sources.corners[polygons.of_corners.reshape(-1, 3)[polygons.lowest[faces]]]
-    turns = np.argmax(came_from == starts[sources.faces[faces], None], axis=1)
-    return Order(np.argsort(sources.vertices), faces, turns)
+    order = np.argsort(sources.faces)
+    is_first = sources.corners == np.repeat(starts[sources.faces], np.diff(polygons.offsets))
+    begin = np.flatnonzero(is_first) - polygons.offsets[:-1]
+    return Order(np.argsort(sources.vertices), order, begin[order])
 
 
-def reordered(mesh: PolyMesh, polygons: Polygons, order: Order) -> PolyMesh:
-    """Return a mesh in the other order of its vertices and polygons.
-
-    Parameters
-    ----------
-    mesh : PolyMesh
-        Of these polygons.
-    polygons : Polygons
-    order : Order
-    """
-    first = polygons.offsets[:-1]
-    begin = polygons.of_corners[3 * polygons.lowest[order.faces] + order.turns]
-    corners, offsets = rows_of(polygons.offsets, order.faces, begin - first[order.faces])
+def reordered(mesh: PolyMesh, order: Order) -> PolyMesh:
+    """Return a mesh in the other order of its vertices and polygons."""
+    corners, offsets = rows_of(mesh.offsets, order.faces, order.turns)
     return rearranged(mesh, order.vertices, order.faces, corners, offsets)
 
 
