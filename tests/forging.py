@@ -7,10 +7,10 @@ import struct
 import zlib
 
 from deltamesh import pipeline
-from deltamesh.geometry import digest, payload_of, surface_of
+from deltamesh.geometry import digest, payload_of
 from deltamesh.order import decode_order
 from deltamesh.reordering import arrays
-from deltamesh.structure import announced, decode_structure
+from deltamesh.structure import announced, coded_surface, decode_structure
 from deltamesh_formats import layout
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.writer import write_container, write_varint
@@ -39,7 +39,7 @@ def consistent(data):
     """The file with the digest of what its payloads decode to; FormatError where they do not."""
     container = read_container(data)
     s = decode_structure(container, announced(container))
-    surface = surface_of(s.surface, s.used, s.isolated, s.hidden)
+    surface = coded_surface(s)
     method = pipeline._METHODS[container.parameters.method]
     integers = method.read(surface, container.parameters, container.sections)
     order = None

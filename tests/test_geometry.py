@@ -175,7 +175,7 @@ def test_parallelograms_equal_their_oracle() -> None:
     for V, F in MESHES.values():
         if F is MESHES["three_pages"][1]:
             continue
-        first, corners = topology.parallelograms(F, len(V))
+        first, corners, _ = topology.parallelograms(F, len(V))
         expected = oracle.parallelograms(F)
         for i in range(len(V)):
             rows = corners[first[i] : first[i + 1]].tolist()
@@ -184,7 +184,7 @@ def test_parallelograms_equal_their_oracle() -> None:
 
 def corners_of(F, n):
     """The parallelograms of each vertex as lists, in their order."""
-    first, corners = topology.parallelograms(F, n)
+    first, corners, _ = topology.parallelograms(F, n)
     rows = [corners[first[i] : first[i + 1]].tolist() for i in range(n)]
     return {i: row for i, row in enumerate(rows) if row}
 
@@ -212,7 +212,7 @@ def assert_positions_of_the_oracle(data, F, n):
 def test_prediction_equals_its_oracle(mesh: meshes.Arrays, seed: int, most: int) -> None:
     V, F = mesh
     n, graph = len(V), adjacency(F, len(V))
-    first, corners = topology.parallelograms(F, n)
+    first, corners, _ = topology.parallelograms(F, n)
     values = np.random.default_rng(seed).integers(0, most, (n, 3))
     around, rows = neighbours_of(F, n), corners_of(F, n)
     known = np.zeros(residual.KNOWN, dtype=np.int64)

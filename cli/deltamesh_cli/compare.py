@@ -16,7 +16,7 @@ from deltamesh_cli.signals import interruptible
 from deltamesh_cli.summary import bits_per_vertex, relative
 
 if TYPE_CHECKING:
-    from deltamesh.mesh import Mesh
+    from deltamesh_formats.polymesh import PolyMesh
 
 # The metrics of deltamesh.metrics.Errors, and what they are called here.
 _LENGTHS = {"rms": "RMS", "max": "max", "hausdorff": "Hausdorff", "visual": "visual"}
@@ -87,25 +87,26 @@ def _errors(a: Loaded, b: Loaded, stage: Stage) -> dict[str, float | None]:
     """Return every metric by its name, None for those that need vertices that correspond."""
     from deltamesh import correspondence, metrics
     from deltamesh.complexes import distinct_faces
-    from deltamesh.mesh import Mesh
+    from deltamesh.mesh import Mesh, triangulated
 
     stage("matching vertices")
     containers = [one.container for one in (a, b) if one.container]
     exact = any(container.parameters.method == "lossless" for container in containers)
     for reference, other in _corresponding(a.mesh, b.mesh, exact):
-        vertex_map = correspondence.match(reference, other)
+        vertex_map = correspondence.match_polygons(reference, other)
         if vertex_map is not None:
             stage("measuring")
             faces = distinct_faces(reference.faces)
             paired = Mesh(other.vertices[vertex_map], faces)
             return vars(metrics.compare(Mesh(reference.vertices, faces), paired))
     stage("measuring surfaces")
-    surfaces = {"hausdorff": metrics.hausdorff(a.mesh, b.mesh)}
+    both = triangulated(a.mesh), triangulated(b.mesh)
+    surfaces = {"hausdorff": metrics.hausdorff(*both)}
     diagonal = metrics.diagonal(a.mesh.vertices)
     return {**dict.fromkeys([*_LENGTHS, *_ANGLES]), **surfaces, "diagonal": diagonal}
 
 
-def _corresponding(a: Mesh, b: Mesh, exact: bool) -> Iterator[tuple[Mesh, Mesh]]:
+def _corresponding(a: PolyMesh, b: PolyMesh, exact: bool) -> Iterator[tuple[PolyMesh, PolyMesh]]:
     """Yield what may correspond: the meshes with each position once, as they are, without points.
 
     Coarse steps may put several vertices of a decoded mesh into one place.
@@ -126,12 +127,12 @@ def _described(name: str, loaded: Loaded) -> dict[str, object]:
     vertices, rate = len(loaded.mesh.vertices), None
     if loaded.container is not None:
         rate = bits_per_vertex(loaded.size, vertices)
-    counts = {"vertices": vertices, "faces": len(loaded.mesh.faces)}
+    counts = {"vertices": vertices, "faces": len(loaded.mesh.sizes)}
     return {"file": name, "bytes": loaded.size, **counts, "bits_per_vertex": rate}
 
 
 def _line(name: str, loaded: Loaded) -> str:
-    vertices, faces = len(loaded.mesh.vertices), len(loaded.mesh.faces)
+    vertices, faces = len(loaded.mesh.vertices), len(loaded.mesh.sizes)
     text = f"{shown(name)}: {loaded.size} bytes, {vertices} vertices, {faces} faces"
     if loaded.container is None:
         return text

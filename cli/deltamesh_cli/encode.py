@@ -282,7 +282,7 @@ def _not_kept(mesh: PolyMesh) -> tuple[str, ...]:
     """Return words for what is in the mesh that a `.dmesh` has no place for."""
     from deltamesh_formats.contents import unkept
 
-    return unkept(mesh)
+    return unkept(mesh, polygons=True)
 
 
 def _print_summary(

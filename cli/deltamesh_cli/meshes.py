@@ -16,7 +16,6 @@ from deltamesh_cli.progress import Stage
 from deltamesh_cli.signals import interruptible
 
 if TYPE_CHECKING:
-    from deltamesh.mesh import Mesh
     from deltamesh_formats.layout import Container
     from deltamesh_formats.polymesh import PolyMesh
 
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
 class Loaded:
     """A mesh, the size of its file in bytes and, of a `.dmesh`, what the file says about itself."""
 
-    mesh: Mesh
+    mesh: PolyMesh
     size: int
     container: Container | None
 
@@ -110,14 +109,14 @@ def load_any(name: str, file_format: str | None, stage: Stage, **parameters: Any
     Failure
         It is neither, or needs more than the limits.
     """
-    from deltamesh.mesh import checked_mesh, triangulated
+    from deltamesh.mesh import checked_mesh
     from deltamesh_formats.layout import MAGIC
 
     data = files.read_input(name)
     if data[: len(MAGIC)] == MAGIC:
         container = container_of(name, data, "cannot decode")
-        mesh = triangulated(decoded(name, data, stage, **parameters))
-        return Loaded(mesh, len(data), container)
+        return Loaded(decoded(name, data, stage, **parameters), len(data), container)
     found = parsed(name, data, file_format, stage)
     with attempt(name, "cannot read"):
-        return Loaded(checked_mesh(found.vertices, found.faces), len(data), None)
+        checked_mesh(found.vertices, found.faces)
+    return Loaded(found, len(data), None)

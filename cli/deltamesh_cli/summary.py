@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from deltamesh_cli.output import number, shown, table
-from deltamesh_formats.layout import ORDER, Container, Meta, Parameters
+from deltamesh_formats.errors import FormatError
+from deltamesh_formats.layout import ORDER, POLYGONS, Container, Meta, Parameters
+from deltamesh_formats.reader import read_varint
 
 METHODS = {
     "highpass": "high-pass",
@@ -25,6 +27,19 @@ def relative(length: float, diagonal: float) -> float:
     return length / diagonal if diagonal else 0.0
 
 
+def polygons(container: Container) -> int:
+    """Return how many polygons a file has; it may be damaged there, which decoding tells.
+
+    Without any of more than three corners, these are the faces.
+    """
+    if POLYGONS not in container.sections:
+        return container.faces
+    try:
+        return read_varint(memoryview(container.sections[POLYGONS].payload), 0)[0]
+    except FormatError:
+        return container.faces
+
+
 def _header_bytes(container: Container) -> int:
     return container.size - sum(section.size for section in container.sections.values())
 
@@ -38,6 +53,7 @@ def as_object(name: str, container: Container) -> dict[str, object]:
         "bytes": container.size,
         "vertices": n,
         "faces": container.faces,
+        "polygons": polygons(container),
         "bits_per_vertex": bits_per_vertex(container.size, n),
         "parameters": _parameters(parameters),
         "header": {"bytes": _header_bytes(container)},
@@ -86,7 +102,10 @@ def errors(meta: Meta) -> dict[str, object]:
 def counts(container: Container) -> str:
     """Return vertices, faces and bits per vertex, in words."""
     rate = bits_per_vertex(container.size, container.vertices)
-    return f"{container.vertices} vertices, {container.faces} faces, {rate:.2f} bits per vertex"
+    faces = f"{container.faces} faces"
+    if POLYGONS in container.sections:
+        faces = f"{polygons(container)} polygons ({container.faces} triangles)"
+    return f"{container.vertices} vertices, {faces}, {rate:.2f} bits per vertex"
 
 
 def achieved(meta: Meta) -> str:

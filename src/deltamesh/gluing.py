@@ -158,9 +158,7 @@ def _code(
     parent, size = np.arange(m), np.full(m, 3)
     corners, count = faces.ravel(), int(faces.max()) + 1
     listed = total > 0
-    kernels.code_hidden(
-        coder, corners, count, partner, glued, parent, size, least, most, listed
-    )
+    kernels.code_hidden(coder, corners, count, partner, glued, parent, size, least, most, listed)
     if listed and not kernels.code_listed(
         coder, partner, wanted, glued, parent, size, most, total, *_ways(faces)
     ):

@@ -155,9 +155,7 @@ def _with_the_unused(places: _Ints) -> _Ints:
     return places
 
 
-def decode_order(
-    payload: memoryview, faces: _Ints, polygons: Polygons, vertex_count: int
-) -> Order:
+def decode_order(payload: memoryview, faces: _Ints, polygons: Polygons, vertex_count: int) -> Order:
     """Return what `encode_order` was given.
 
     Parameters

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from deltamesh import cartesian, highpass, lossless, refined
 from deltamesh.complexes import distinct_faces
 from deltamesh.diagonals import cut_polygons
-from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
+from deltamesh.geometry import Integers, Surface, digest, payload_of
 from deltamesh.limits import check_limits
 from deltamesh.mesh import LARGEST, Mesh
 from deltamesh.metrics import VertexErrors, diagonal, errors_from, mean_edge
@@ -31,6 +31,7 @@ from deltamesh.structure import (
     Origin,
     Structure,
     announced,
+    coded_surface,
     decode_structure,
     encode_gluing,
     encode_structure,
@@ -95,9 +96,7 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
     gluing, structure = encode_gluing(structure, origin, cut)
     payloads |= gluing
     progress("geometry")
-    surface = surface_of(
-        structure.surface, structure.used, structure.isolated, structure.hidden
-    )
+    surface = coded_surface(structure)
     V = triangles.vertices[origin.points]
     used, isolated = V[: structure.used], V[structure.used :]
     factor = factorization(surface.laplacian, options.solver, options.threads)
@@ -165,17 +164,13 @@ def _read(
     progress("connectivity")
     structure = decode_structure(container, counts)
     progress("geometry")
-    surface = surface_of(
-        structure.surface, structure.used, structure.isolated, structure.hidden
-    )
+    surface = coded_surface(structure)
     integers = _METHODS[parameters.method].read(surface, parameters, sections)
     order = None
     if "ORDR" in sections:
         progress("order")
         with payload_of(sections["ORDR"]) as payload:
-            order = decode_order(
-                payload, structure.faces, structure.polygons, container.vertices
-            )
+            order = decode_order(payload, structure.faces, structure.polygons, container.vertices)
     exact = (*arrays(order), *structure.glue)
     if digest(structure.faces, structure.copied, integers, exact) != container.digest:
         raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)

@@ -23,7 +23,7 @@ from deltamesh.corners import (
     decode_copies,
     encode_copies,
 )
-from deltamesh.geometry import payload_of
+from deltamesh.geometry import NO_EDGES, Surface, payload_of, surface_of
 from deltamesh.gluing import (
     decode_polygons,
     encode_polygons,
@@ -114,8 +114,15 @@ class Structure:
     def hidden(self) -> NDArray[np.bool_]:
         """Half-edges of the manifold, (3 k,), within a polygon; (0,) if all are triangles."""
         if not len(self.glued):
-            return np.zeros(0, dtype=bool)
+            return NO_EDGES
         return hidden_halfedges(self.glued, self.opposite, self.stitching.turned)
+
+    @property
+    def quads(self) -> _Ints:
+        """The polygons of four corners, (q, 4), over points."""
+        corners, offsets = self.polygons.corners, self.polygons.offsets
+        first = offsets[:-1][np.diff(offsets) == 4]
+        return self.points[self.faces.ravel()[corners[first[:, None] + np.arange(4)]]]
 
     @property
     def glue(self) -> tuple[_Ints, ...]:
@@ -220,6 +227,12 @@ def encode_structure(
     vertices[vertices < 0] = loose[np.argsort(number[welded[loose]], kind="stable")]
     structure = replace(structure, faces=copies.faces, points=copies.points)
     return payloads, structure, Origin(places, vertices, corners)
+
+
+def coded_surface(structure: Structure) -> Surface:
+    """Return what the geometry of a mesh is coded on."""
+    s = structure
+    return surface_of(s.surface, s.used, s.isolated, s.hidden, s.quads)
 
 
 def encode_gluing(

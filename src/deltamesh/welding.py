@@ -2,19 +2,36 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
+from numpy.typing import NDArray
 
 from deltamesh.mesh import Mesh
 from deltamesh.topology import weld
+from deltamesh_formats.polymesh import PolyMesh
+
+# What is in a mesh beside its vertices and faces is left out.
+AnyMesh = TypeVar("AnyMesh", Mesh, PolyMesh)
 
 
-def welded(mesh: Mesh, exact: bool = False) -> Mesh:
+def welded(mesh: AnyMesh, exact: bool = False) -> AnyMesh:
     """Return the mesh with each position once; `exact` tells 0.0 from -0.0."""
     keep, to = weld(mesh.vertices, exact=exact)
-    return Mesh(mesh.vertices[keep], to[mesh.faces])
+    return _of_vertices(mesh, keep, to)
 
 
-def without_isolated(mesh: Mesh) -> Mesh:
+def without_isolated(mesh: AnyMesh) -> AnyMesh:
     """Return the mesh without the vertices that belong to no face."""
-    used, faces = np.unique(mesh.faces, return_inverse=True)
-    return Mesh(mesh.vertices[used], faces.reshape(mesh.faces.shape))
+    indices = mesh.corners if isinstance(mesh, PolyMesh) else mesh.faces
+    used = np.unique(indices)
+    to = np.empty(len(mesh.vertices), dtype=np.int64)
+    to[used] = np.arange(len(used))
+    return _of_vertices(mesh, used, to)
+
+
+def _of_vertices(mesh: AnyMesh, keep: NDArray[np.int64], to: NDArray[np.int64]) -> AnyMesh:
+    """Return the mesh of the vertices to keep; `to` are the new indices of the old ones."""
+    if isinstance(mesh, PolyMesh):
+        return PolyMesh(mesh.vertices[keep], to[mesh.corners], mesh.offsets)
+    return Mesh(mesh.vertices[keep], to[mesh.faces])
