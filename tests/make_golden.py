@@ -27,8 +27,8 @@ from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
 from deltamesh.options import Options
 from deltamesh.order import encode_order
-from deltamesh.polygons import plain
 from deltamesh.pipeline import encode_mesh
+from deltamesh.polygons import plain
 from deltamesh.quantize import from_grid
 from deltamesh.reordering import Order
 from deltamesh_formats.errors import FormatError, LimitError

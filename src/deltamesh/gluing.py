@@ -163,7 +163,8 @@ def _code(
         coder, partner, wanted, glued, parent, size, most, total, *_ways(faces)
     ):
         return None
-    return size[parent == np.arange(m)]
+    sizes: _Ints = size[parent == np.arange(m)]
+    return sizes
 
 
 def _ways(faces: _Ints) -> tuple[_Ints, _Ints, _Ints, _Ints]:

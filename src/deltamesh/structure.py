@@ -122,7 +122,8 @@ class Structure:
         """The polygons of four corners, (q, 4), over points."""
         corners, offsets = self.polygons.corners, self.polygons.offsets
         first = offsets[:-1][np.diff(offsets) == 4]
-        return self.points[self.faces.ravel()[corners[first[:, None] + np.arange(4)]]]
+        quads: _Ints = corners[first[:, None] + np.arange(4)]
+        return np.asarray(self.points[self.faces.ravel()[quads]])
 
     @property
     def glue(self) -> tuple[_Ints, ...]:

@@ -32,6 +32,6 @@ def without_isolated(mesh: AnyMesh) -> AnyMesh:
 
 def _of_vertices(mesh: AnyMesh, keep: NDArray[np.int64], to: NDArray[np.int64]) -> AnyMesh:
     """Return the mesh of the vertices to keep; `to` are the new indices of the old ones."""
-    if isinstance(mesh, PolyMesh):
-        return PolyMesh(mesh.vertices[keep], to[mesh.corners], mesh.offsets)
-    return Mesh(mesh.vertices[keep], to[mesh.faces])
+    if isinstance(mesh, Mesh):
+        return Mesh(mesh.vertices[keep], to[mesh.faces])
+    return PolyMesh(mesh.vertices[keep], to[mesh.corners], mesh.offsets)

@@ -56,7 +56,9 @@ def _join(glued: _Ints, parent: _Ints, size: _Ints, h: Int, g: Int, r: Int, s: I
 
 @inlined
 def _corners(size: Int) -> Int:
-    return min(size, 6) - 3
+    """Return a size as one of four."""
+    size = min(size, 6)
+    return size - 3
 
 
 @inlined
@@ -65,7 +67,7 @@ def _spare(seen: _Ints, left: _Ints, border: _Ints, v: Int, own: Int) -> Int:
 
     The former is -1 to 3, plus 1; the latter, without the `own` one, at most 3.
     """
-    spare = seen[v] + left[v] + border[v] - 4
+    spare: Int = seen[v] + left[v] + border[v] - 4
     return 4 * (min(max(spare, -1), 3) + 1) + min(left[v] - own, 3)
 
 
@@ -235,7 +237,7 @@ def code_listed(
         history = (2 * history + bit) & 15
         if bit == 0:
             continue
-        g = _choose(c, size, parent, h, wanted[h] if encoding else np.int64(-1), found, number)
+        g: Int = _choose(c, size, parent, h, wanted[h] if encoding else np.int64(-1), found, number)
         if g < 0:
             g = _code_any(c, wanted, order, bounds[other], bounds[other + 1], h, encoding)
             s = root_of(parent, g // 3)
@@ -287,7 +289,7 @@ def _code_any(
     c: Coder, wanted: _Ints, order: _Ints, first: Int, end: Int, h: Int, encoding: Flag
 ) -> Int:
     """Code a half-edge of a group by its rank."""
-    rank = np.int64(0)
+    rank: Int = np.int64(0)
     if encoding:
         rank = np.searchsorted(order[first:end], wanted[h])
     return order[first + code_below(c, rank, end - first)]
@@ -317,12 +319,14 @@ def walk(glued: _Ints, corners: _Ints, offsets: _Ints, of_corners: _Ints) -> Non
     for t in range(len(glued) // 3):
         if of_corners[3 * t] >= 0:
             continue
-        start, most = np.int64(0), 0
+        start: Int = 3 * t
+        most = 0
         for h in range(3 * t, 3 * t + 3):
-            e, meeting = h, 1  # back to the boundary, then on around the corner
+            e: Int = h  # first to where the corner begins, then over all of it
+            meeting = 1
             while glued[e] >= 0:
                 e = next_halfedge(glued[e])
-            f = e
+            f: Int = e
             while glued[previous_halfedge(f)] >= 0:
                 f = glued[previous_halfedge(f)]
                 meeting += 1
