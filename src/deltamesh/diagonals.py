@@ -34,8 +34,8 @@ def _parallel(mesh: PolyMesh, quads: _Ints, around: _Ints) -> _Ints:
     `around` are those to take where one of the two diagonals folds the quad.
     """
     corners = mesh.corners[mesh.offsets[quads, None] + np.arange(4)]
-    P = mesh.vertices[corners]
-    given = np.where(folds(P, 0) | folds(P, 1), around % 2, -1)
+    points = mesh.vertices[corners]
+    given = np.where(folds(points, 0) | folds(points, 1), around % 2, -1)
     first, second, same_way = _shared_edges(weld(mesh.vertices)[1][corners])
     # Corners of even index are ends of diagonal 0, those of odd index of diagonal 1.
     unlike = ((first ^ second) & 1) ^ same_way

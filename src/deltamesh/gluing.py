@@ -160,14 +160,14 @@ def _code(
     listed = total > 0
     kernels.code_hidden(coder, corners, count, partner, glued, parent, size, least, most, listed)
     if listed and not kernels.code_listed(
-        coder, partner, wanted, glued, parent, size, most, total, *_ways(faces)
+        coder, partner, wanted, glued, parent, size, most, total, *ways(faces)
     ):
         return None
     sizes: _Ints = size[parent == np.arange(m)]
     return sizes
 
 
-def _ways(faces: _Ints) -> tuple[_Ints, _Ints, _Ints, _Ints]:
+def ways(faces: _Ints) -> tuple[_Ints, _Ints, _Ints, _Ints]:
     """Return half-edges grouped by where they start and end; see `kernels.polygons.code_listed`."""
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     n = int(faces.max()) + 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -23,8 +24,7 @@ def welded(mesh: AnyMesh, exact: bool = False) -> AnyMesh:
 
 def without_isolated(mesh: AnyMesh) -> AnyMesh:
     """Return the mesh without the vertices that belong to no face."""
-    indices = mesh.corners if isinstance(mesh, PolyMesh) else mesh.faces
-    used = np.unique(indices)
+    used = np.unique(mesh.corners if isinstance(mesh, PolyMesh) else mesh.faces)
     to = np.empty(len(mesh.vertices), dtype=np.int64)
     to[used] = np.arange(len(used))
     return _of_vertices(mesh, used, to)
@@ -32,6 +32,7 @@ def without_isolated(mesh: AnyMesh) -> AnyMesh:
 
 def _of_vertices(mesh: AnyMesh, keep: NDArray[np.int64], to: NDArray[np.int64]) -> AnyMesh:
     """Return the mesh of the vertices to keep; `to` are the new indices of the old ones."""
-    if isinstance(mesh, Mesh):
-        return Mesh(mesh.vertices[keep], to[mesh.faces])
-    return PolyMesh(mesh.vertices[keep], to[mesh.corners], mesh.offsets)
+    if isinstance(mesh, PolyMesh):
+        vertices, corners = mesh.vertices[keep], to[mesh.corners]
+        return replace(mesh, vertices=vertices, corners=corners, attributes=(), parts=())
+    return replace(mesh, vertices=mesh.vertices[keep], faces=to[mesh.faces])

@@ -93,9 +93,10 @@ def _behind(state: _Ints, partner: _Ints, e: Int, forward: Flag) -> Int:
 
 @inlined
 def _around(state: _Ints, partner: _Ints, h: Int) -> Int:
-    """Return what is known beyond the two other edges of a triangle: is h parallel to a hidden one?
+    """Return what is known beyond the two other edges of a triangle, 0 to 24.
 
-    Where triangles form a lattice, a half turn about the middle of an edge takes one to the other.
+    Where triangles form a lattice, a half turn about the middle of an edge takes one to the other:
+    h is hidden where the edge that it is turned to is.
     """
     after = _behind(state, partner, next_halfedge(h), False)
     return 5 * after + _behind(state, partner, previous_halfedge(h), True)
@@ -156,12 +157,13 @@ def code_hidden(
         else:
             p, q = corners[previous_halfedge(h)], corners[previous_halfedge(g)]
             x, y = _corners(size[r]), _corners(size[s])
-            i, j = min(open_pairs[r], 4) - 1, min(open_pairs[s], 4) - 1
+            i: Int = min(open_pairs[r], 4)
+            j: Int = min(open_pairs[s], 4)
             joined = 2 * (1 if x > 0 else 0) + (1 if y > 0 else 0)
             ends = 20 * _spare(seen, left, border, a, 1) + _spare(seen, left, border, b, 1)
             apexes = 20 * _spare(seen, left, border, p, 0) + _spare(seen, left, border, q, 0)
             beyond = 25 * _around(state, partner, h) + _around(state, partner, g)
-            k[CONTEXT] = SIZES + 64 * x + 16 * y + 4 * i + j
+            k[CONTEXT] = SIZES + 64 * x + 16 * y + 4 * (i - 1) + j - 1
             k[CONTEXT + 1] = ENDS + 4 * ends + joined
             k[CONTEXT + 2] = APEXES + 4 * apexes + joined
             k[CONTEXT + 3] = ACROSS + 4 * beyond + joined
@@ -200,7 +202,8 @@ def code_listed(
     wanted : int64 (3 m,), the half-edge that each is to be glued to, -1 for none; when encoding.
     glued, parent, size : see `code_hidden`; filled in.
     order : int64 (3 m,), half-edges by start, end and index: group i has those from bounds[i] on.
-    group : int64 (3 m,), of each half-edge; across : of each group, that of the opposite way, or -1.
+    group : int64 (3 m,), of each half-edge.
+    across : of each group, that of the opposite way, -1 for none.
     """
     k = c.state
     encoding = len(wanted) > 0
