@@ -152,7 +152,7 @@ def partners(faces, manifold, opposite, turned):
 
 
 def outlines(glued):
-    """The polygons as lists of corners: the one that is outside, and all triangles' at its place."""
+    """The polygons as lists of corners: the one outside, and those of all triangles there."""
     count = len(glued)
     inner = {h: g for h, g in enumerate(glued) if g >= 0}
     # Corners that are one: where a half-edge begins, and where the one ends that it is glued to.

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TypeVar
+from typing import TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,8 @@ from numpy.typing import NDArray
 from deltamesh.mesh import Mesh
 from deltamesh.topology import weld
 from deltamesh_formats.polymesh import PolyMesh
+
+_Ints = NDArray[np.int64]
 
 # What is in a mesh beside its vertices and faces is left out.
 AnyMesh = TypeVar("AnyMesh", Mesh, PolyMesh)
@@ -30,9 +31,16 @@ def without_isolated(mesh: AnyMesh) -> AnyMesh:
     return _of_vertices(mesh, used, to)
 
 
-def _of_vertices(mesh: AnyMesh, keep: NDArray[np.int64], to: NDArray[np.int64]) -> AnyMesh:
+@overload
+def _of_vertices(mesh: Mesh, keep: _Ints, to: _Ints) -> Mesh: ...
+
+
+@overload
+def _of_vertices(mesh: PolyMesh, keep: _Ints, to: _Ints) -> PolyMesh: ...
+
+
+def _of_vertices(mesh: Mesh | PolyMesh, keep: _Ints, to: _Ints) -> Mesh | PolyMesh:
     """Return the mesh of the vertices to keep; `to` are the new indices of the old ones."""
     if isinstance(mesh, PolyMesh):
-        vertices, corners = mesh.vertices[keep], to[mesh.corners]
-        return replace(mesh, vertices=vertices, corners=corners, attributes=(), parts=())
-    return replace(mesh, vertices=mesh.vertices[keep], faces=to[mesh.faces])
+        return PolyMesh(mesh.vertices[keep], to[mesh.corners], mesh.offsets)
+    return Mesh(mesh.vertices[keep], to[mesh.faces])
