@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import collections
+import contextlib
 
 import forging
 import meshes
@@ -24,8 +25,9 @@ from deltamesh.kernels import diagonals
 from deltamesh.kernels import polygons as kernels
 from deltamesh.mesh import Mesh, triangulated
 from deltamesh.options import Options
+from deltamesh.order import decode_order, encode_order
 from deltamesh.polygons import joined
-from deltamesh.reordering import rows_of
+from deltamesh.reordering import Order, rows_of
 from deltamesh.structure import announced, coded_surface, decode_structure, encode_structure
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.meshfile import read_mesh
@@ -430,6 +432,28 @@ def test_diagonals_of_a_grid_run_in_parallel() -> None:
     mesh = quad_torus(8, 6)
     faces = cut_polygons(mesh).faces
     assert (np.bincount(faces.ravel()) == 6).all()
+
+
+@given(soups(), strategies.SMALL, st.booleans())
+def test_any_order_of_any_polygons(mesh: PolyMesh, seed: int, near: bool) -> None:
+    structure, glued = glued_of(mesh)
+    faces, polygons, rng = structure.faces, joined(glued), np.random.default_rng(seed)
+    n, sizes = int(faces.max()) + 1, np.diff(polygons.offsets)
+    vertices, places = rng.permutation(n), rng.permutation(len(sizes))
+    if near:  # runs, so that steps are told in all ways
+        vertices[n // 2 :].sort()
+        places[len(sizes) // 3 :].sort()
+    order = Order(vertices, places, rng.integers(0, sizes[places]))
+    payload = encode_order(faces, polygons, order)
+    decoded = decode_order(memoryview(payload), faces, polygons, n)
+    for name in ("vertices", "faces", "turns"):
+        np.testing.assert_array_equal(getattr(decoded, name), getattr(order, name))
+    # What no encoder has written is an order, too, or refused.
+    damaged = bytes([payload[0]]) + rng.bytes(len(payload))
+    with contextlib.suppress(FormatError):
+        decoded = decode_order(memoryview(damaged), faces, polygons, n)
+        assert sorted(decoded.faces.tolist()) == list(range(len(sizes)))
+        assert (decoded.turns < sizes[decoded.faces]).all()
 
 
 # ---- Files that no encoder has written -----------------------------------------------------------
