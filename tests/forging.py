@@ -8,12 +8,11 @@ import struct
 import zlib
 
 from deltamesh import pipeline
-from deltamesh.geometry import digest, payload_of, surface_of
+from deltamesh.geometry import digest, payload_of
 from deltamesh.order import decode_order
 from deltamesh.parts import decode_parts
-from deltamesh.polygons import plain
 from deltamesh.reordering import arrays
-from deltamesh.structure import announced, decode_structure
+from deltamesh.structure import announced, coded_surface, decode_structure
 from deltamesh_formats import layout
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.writer import write_container, write_varint
@@ -42,20 +41,20 @@ def consistent(data):
     """The file with the digest of what its payloads decode to; FormatError where they do not."""
     container = read_container(data)
     s = decode_structure(container, announced(container))
-    surface = surface_of(s.surface, s.used, s.isolated)
+    surface = coded_surface(s)
     method = pipeline._METHODS[container.parameters.method]
     integers = method.read(surface, container.parameters, container.sections)
     order = None
     if "ORDR" in container.sections:
         with payload_of(container.sections["ORDR"]) as payload:
-            order = decode_order(payload, s.faces, container.vertices)
+            order = decode_order(payload, s.faces, s.polygons, container.vertices)
     told = ()
     if "PART" in container.sections:
-        polygons = plain(len(s.faces))
         with payload_of(container.sections["PART"]) as payload:
-            by_face = functools.partial(pipeline._by_face, s, polygons)
-            told = decode_parts(payload, len(polygons.offsets) - 1, by_face).arrays()
-    return forged(data, checksum=digest(s.faces, s.copied, integers, (*arrays(order), *told)))
+            by_face = functools.partial(pipeline._by_face, s)
+            told = decode_parts(payload, len(s.polygons.offsets) - 1, by_face).arrays()
+    further = (*arrays(order), *s.glue, *told)
+    return forged(data, checksum=digest(s.faces, s.copied, integers, further))
 
 
 def section(name, payload):

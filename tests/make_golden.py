@@ -28,6 +28,7 @@ from deltamesh.metrics import diagonal
 from deltamesh.options import Options
 from deltamesh.order import encode_order
 from deltamesh.pipeline import encode_mesh
+from deltamesh.polygons import plain
 from deltamesh.quantize import from_grid
 from deltamesh.reordering import Order
 from deltamesh_formats.errors import FormatError, LimitError
@@ -443,7 +444,8 @@ def backwards(data):
     """The payload of an order that is right, but for the digest of the file."""
     mesh = decode(data)
     n, m = len(mesh.vertices), len(mesh.faces)
-    return encode_order(mesh.faces, Order(np.arange(n)[::-1].copy(), np.arange(m), np.ones(m, int)))
+    order = Order(np.arange(n)[::-1].copy(), np.arange(m), np.ones(m, int))
+    return encode_order(mesh.faces, plain(m), order)
 
 
 def write_refused():

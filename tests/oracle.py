@@ -488,8 +488,11 @@ def distance(p, q):
     return sum(abs(x - y) for x, y in zip(p, q, strict=True))
 
 
-def predict(values, i, around, corners):
-    """The class of vertex i, and for each axis its five predictions, three candidates, spread."""
+def predict(values, i, around, corners, inner):
+    """The class of vertex i, and for each axis its five predictions, three candidates, spread.
+
+    The first `inner` of the parallelograms are quads.
+    """
     before = values[i - 1] if i else [0, 0, 0]
     below = sorted(j for j in around if j < i)
     mean = [sum(values[j][x] for j in below) // len(below) for x in range(3)] if below else before
@@ -501,39 +504,44 @@ def predict(values, i, around, corners):
         ]
         return min(len(below), 3), rows
     shapes = []
-    for a, b, o in corners:
+    close = corners[:inner] or corners
+    for a, b, o in close:
         sides = sorted([distance(values[a], values[o]), distance(values[b], values[o])])
         shapes.append(8 * sides[0] // sides[1] if sides[1] else 0)
-    a, b, o = corners[shapes.index(max(shapes))]
+    a, b, o = close[shapes.index(max(shapes))]
     near, far = sorted((a, b), key=lambda v: distance(values[v], values[o]))
     rows = []
     for x in range(3):
         all_of = [values[a][x] + values[b][x] - values[o][x] for a, b, o in corners]
         g, h, apex = values[near][x], values[far][x], values[o][x]
-        m = len(corners)
-        first = (2 * sum(all_of) + m) // (2 * m)
-        predictions = [first, g, 2 * g - apex, g + h - apex, mean[x]]
+        first, every = (
+            (2 * sum(some) + len(some)) // (2 * len(some))
+            for some in (all_of[: len(close)], all_of)
+        )
+        predictions = [first, g, 2 * g - apex, g + h - apex, every if inner else mean[x]]
         rows.append((predictions, [g, h, apex], max(all_of) - min(all_of)))
-    return 4 + 10 * min(len(corners), 3) + max(shapes), rows
+    return 4 + 10 * min(len(corners), 3) + max(shapes) + 40 * (inner > 0), rows
 
 
-def code_positions(coder, neighbours, corners, residual_of):
+def code_positions(coder, neighbours, corners, residual_of, within=None):
     """The twin of `parallelogram.code_positions`; gives positions, residuals, largest error sum.
 
-    `residual_of(i, axis, prediction)` is what to encode, 0 to decode.
+    `residual_of(i, axis, prediction)` is what to encode, 0 to decode; `within` tells how many of
+    the parallelograms of a vertex are quads.
     """
     values, residuals = [], []
     errors, fortunes = {}, [[0] * 3 for _ in range(3)]
     for i, around in enumerate(neighbours):
         found = corners.get(i, [])
-        kind, rows = predict(values, i, around, found)
+        inner = (within or {}).get(i, 0)
+        kind, rows = predict(values, i, around, found, inner)
         spreads = [row[2] for row in rows]
         known = gathered(residuals, around, i, 3)
         known |= {"hints": spreads, "kind": min(len(found), 3), "all": level(sum(spreads)) // 2}
         made, position = [], []
         for axis, (predictions, places, _) in enumerate(rows):
             fared = errors.setdefault((axis, kind), [0] * 5)
-            base, chosen = choose(fared, predictions)
+            base, chosen = choose(fared, predictions, inner)
             lengths, signs = contexts(
                 axis,
                 known,
@@ -562,10 +570,15 @@ def code_positions(coder, neighbours, corners, residual_of):
     return values, residuals, max((max(e) for e in errors.values()), default=0)
 
 
-def choose(errors, predictions):
-    """The prediction of the least error; the first gives way to one that errs a third as much."""
+def choose(errors, predictions, inner):
+    """The prediction of the least error; the first gives way to one that errs a third as much.
+
+    Where it is that of quads, it gives way to that of all parallelograms as soon as that is better.
+    """
     best = min(range(1, 5), key=lambda k: errors[k])
     chosen = best if 3 * errors[best] < errors[0] else 0
+    if inner and chosen == 0 and errors[4] < errors[0]:
+        chosen = 4
     return predictions[chosen], chosen
 
 

@@ -175,32 +175,40 @@ def test_parallelograms_equal_their_oracle() -> None:
     for V, F in MESHES.values():
         if F is MESHES["three_pages"][1]:
             continue
-        first, corners = topology.parallelograms(F, len(V))
+        first, corners, _ = topology.parallelograms(F, len(V))
         expected = oracle.parallelograms(F)
         for i in range(len(V)):
             rows = corners[first[i] : first[i + 1]].tolist()
             assert sorted(map(tuple, rows)) == sorted(expected.get(i, []))
 
 
-def corners_of(F, n):
+def some_quads(rng, n):
+    """Quads over any vertices: the half of those that would be there may be none at all."""
+    return rng.integers(0, n, (n // 2 if rng.random() < 0.5 else 0, 4))
+
+
+def corners_of(F, n, quads=topology.NO_QUADS):
     """The parallelograms of each vertex as lists, in their order."""
-    first, corners = topology.parallelograms(F, n)
+    first, corners, _ = topology.parallelograms(F, n, quads)
     rows = [corners[first[i] : first[i + 1]].tolist() for i in range(n)]
     return {i: row for i, row in enumerate(rows) if row}
 
 
-def positions_of(data, F, n):
+def positions_of(data, F, n, quads=topology.NO_QUADS):
     """What the decoder makes of any bytes, and its state."""
     values, graph = np.zeros((n, 3), dtype=np.int64), adjacency(F, n)
     decoder = entropy.decoder(data, parallelogram.SLOTS, parallelogram.MIXERS)
-    parallelogram.code_positions(decoder, *graph, *topology.parallelograms(F, n), values)
+    parallelogram.code_positions(decoder, *graph, *topology.parallelograms(F, n, quads), values)
     return values, decoder
 
 
-def assert_positions_of_the_oracle(data, F, n):
-    values, decoder = positions_of(data, F, n)
+def assert_positions_of_the_oracle(data, F, n, quads=topology.NO_QUADS):
+    values, decoder = positions_of(data, F, n, quads)
     twin = twin_of(data, parallelogram.MIXERS)
-    found = oracle.code_positions(twin, neighbours_of(F, n), corners_of(F, n), lambda *_: 0)
+    within = dict(enumerate(topology.parallelograms(F, n, quads)[2].tolist()))
+    found = oracle.code_positions(
+        twin, neighbours_of(F, n), corners_of(F, n, quads), lambda *_: 0, within
+    )
     assert values.tolist() == found[0]
     assert int(decoder.state[coder_kernels.CODE]) == twin.code
     assert int(decoder.state[coder_kernels.POSITION]) == twin.position
@@ -212,9 +220,11 @@ def assert_positions_of_the_oracle(data, F, n):
 def test_prediction_equals_its_oracle(mesh: meshes.Arrays, seed: int, most: int) -> None:
     V, F = mesh
     n, graph = len(V), adjacency(F, len(V))
-    first, corners = topology.parallelograms(F, n)
-    values = np.random.default_rng(seed).integers(0, most, (n, 3))
-    around, rows = neighbours_of(F, n), corners_of(F, n)
+    rng = np.random.default_rng(seed)
+    quads = some_quads(rng, n)
+    first, corners, within = topology.parallelograms(F, n, quads)
+    values = rng.integers(0, most, (n, 3))
+    around, rows = neighbours_of(F, n), corners_of(F, n, quads)
     known = np.zeros(residual.KNOWN, dtype=np.int64)
     predictions = np.zeros((3, parallelogram.PREDICTIONS), dtype=np.int64)
     candidates = np.zeros((3, parallelogram.CANDIDATES), dtype=np.int64)
@@ -222,8 +232,9 @@ def test_prediction_equals_its_oracle(mesh: meshes.Arrays, seed: int, most: int)
         known[:] = 0
         known[residual.NEIGHBOURS] = sum(j < i for j in around[i])
         out = predictions, candidates, known
-        kind = parallelogram._predict(*graph, first, corners, values, i, *out)
-        wanted, axes = oracle.predict(values.tolist(), i, around[i], rows.get(i, []))
+        kind = parallelogram._predict(*graph, first, corners, within, values, i, *out)
+        inner = int(within[i])
+        wanted, axes = oracle.predict(values.tolist(), i, around[i], rows.get(i, []), inner)
         assert 0 <= kind == wanted < parallelogram.CLASSES
         assert predictions.tolist() == [row[0] for row in axes]
         assert candidates.tolist() == [row[1] for row in axes]
@@ -259,13 +270,15 @@ def test_the_order_of_the_parallelograms() -> None:
     st.binary(max_size=200),
     st.sampled_from([0x00, 0x55, 0xFF]),
     st.integers(0, 1500),
+    strategies.SMALL,
 )
 def test_any_bytes_are_the_positions_of_the_oracle(
-    name: str, data: bytes, filler: int, more: int
+    name: str, data: bytes, filler: int, more: int, seed: int
 ) -> None:
     """The oracle has integers without a width: nothing leaves the 64 bits of the kernel."""
     F, n = {"sphere": (SPHERE, 45), "torus": (meshes.torus(6, 5)[1], 30)}[name]
-    assert_positions_of_the_oracle(data + bytes([filler]) * more, F, n)
+    quads = some_quads(np.random.default_rng(seed), n)
+    assert_positions_of_the_oracle(data + bytes([filler]) * more, F, n, quads)
 
 
 EXTREME = 2**31 - 1

@@ -113,7 +113,7 @@ def test_what_is_neither_is_refused_before_any_work(path: Path) -> None:
 
 
 def test_one_door_points_to_the_other(tmp_path: Path, path: Path) -> None:
-    with pytest.raises(deltamesh.OptionError, match="save writes [.]dmesh, write_mesh writes PLY"):
+    with pytest.raises(deltamesh.OptionError, match=r"save writes \.dmesh, write_mesh writes PLY"):
         deltamesh.save(tmp_path / "torus.PLY", MESH)
     with pytest.raises(deltamesh.MeshError, match="save and load are for it"):
         deltamesh.read_mesh(path)

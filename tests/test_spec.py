@@ -13,6 +13,7 @@ import strategies
 from deltamesh import decode, encode, info, order
 from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
+from deltamesh.polygons import plain
 from deltamesh.reordering import Order
 from deltamesh_formats.writer import write_varint
 
@@ -136,7 +137,8 @@ def test_each_plan_of_an_order(plan: int) -> None:
     own = np.argsort(np.where(np.arange(len(F)) % 7, mesh.faces.min(axis=1), -1), kind="stable")
     kept = Order(np.argsort(mesh.vertices[:, 0], kind="stable"), own, np.arange(len(F)) % 3)
     coded = [order._vertex_stream, order._face_stream]
-    first, second = (code(mesh.faces, kept, plan, 0, None) for code in coded)
+    rows = order._rows(mesh.faces, plain(len(F)))
+    first, second = (code(rows, kept, plan, 0, None) for code in coded)
     payload = bytes([plan]) + write_varint(len(first)) + first + second
     near = [sorted({int(w) for f in mesh.faces if v in f for w in f} - {v}) for v in range(len(V))]
     faces = [tuple(map(int, face)) for face in mesh.faces]

@@ -122,12 +122,12 @@ def _described(name: str, loaded: Loaded) -> dict[str, object]:
     vertices, rate = len(loaded.mesh.vertices), None
     if loaded.container is not None:
         rate = bits_per_vertex(loaded.size, vertices)
-    counts = {"vertices": vertices, "faces": len(loaded.mesh.faces)}
+    counts = {"vertices": vertices, "faces": len(loaded.mesh.sizes)}
     return {"file": name, "bytes": loaded.size, **counts, "bits_per_vertex": rate}
 
 
 def _line(name: str, loaded: Loaded) -> str:
-    vertices, faces = len(loaded.mesh.vertices), len(loaded.mesh.faces)
+    vertices, faces = len(loaded.mesh.vertices), len(loaded.mesh.sizes)
     text = f"{shown(name)}: {loaded.size} bytes, {vertices} vertices, {faces} faces"
     if loaded.container is None:
         return text

@@ -134,7 +134,7 @@ def destination(
 def _print_summary(
     source: str, target: str, mesh: PolyMesh, file_format: str, as_json: bool
 ) -> None:
-    vertices, faces = len(mesh.vertices), len(mesh.faces)
+    vertices, faces = len(mesh.vertices), len(mesh.sizes)
     if as_json:
         counts = {"vertices": vertices, "faces": faces}
         print_json({"source": source, "file": target, "format": file_format, **counts})

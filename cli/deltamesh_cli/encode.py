@@ -173,13 +173,13 @@ def command(
 
     IN is an obj, ply, off, stl or glb file.
 
-    Connectivity is kept exactly, whatever it is: edges of three faces, faces turned over, faces
-    twice, degenerate faces, several vertices at one position. Without --keep-order, vertices and
-    faces come back in another order. Positions come back with a small, smooth error: --quality or
-    bounds in units set it, any of them together. The encoder decodes what it has coded, and takes
-    the smallest file within all bounds that it finds; what became of the errors is printed and
-    stored in the file. A bound that cannot be met is an error (exit code 4) that says what could be
-    had. With --lossless, positions come back as they were.
+    Connectivity is kept exactly, whatever it is: polygons, edges of three faces, faces turned over,
+    faces twice, degenerate faces, several vertices at one position. Without --keep-order, vertices
+    and faces come back in another order. Positions come back with a small, smooth error: --quality
+    or bounds in units set it, any of them together. The encoder decodes what it has coded, and
+    takes the smallest file within all bounds that it finds; what became of the errors is printed
+    and stored in the file. A bound that cannot be met is an error (exit code 4) that says what
+    could be had. With --lossless, positions come back as they were.
 
     IN stays as it is. An OUT that exists is overwritten only with -f. "-" is standard input or
     output; reading from standard input needs --input-format, and writes to standard output unless

@@ -10,6 +10,7 @@ from deltamesh_formats.summary import (
     container_text,
     counts,
     header_bytes,
+    polygons,
     relative,
 )
 
@@ -34,6 +35,7 @@ def as_object(name: str, container: Container) -> dict[str, object]:
         "bytes": container.size,
         "vertices": n,
         "faces": container.faces,
+        "polygons": polygons(container),
         "bits_per_vertex": bits_per_vertex(container.size, n),
         "parameters": _parameters(parameters),
         "header": {"bytes": header_bytes(container)},

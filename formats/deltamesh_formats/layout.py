@@ -66,6 +66,7 @@ PARAMETERS: Final = "PARM"
 CONNECTIVITY: Final = "CONN"
 STITCHES: Final = "STCH"
 COPIES: Final = "COPY"
+POLYGONS: Final = "POLY"
 ANCHORS: Final = "ANCH"
 DELTAS: Final = "DELT"
 NORMALS: Final = "NORM"
@@ -84,7 +85,7 @@ REQUIRED: Final[Mapping[str, tuple[str, ...]]] = {
     "lossless": (PARAMETERS, CONNECTIVITY, EXACT),
 }
 # What follows `CONN`, and what comes after all of these, in this order, where it is needed.
-AFTER_CONNECTIVITY: Final = (STITCHES, COPIES)
+AFTER_CONNECTIVITY: Final = (STITCHES, COPIES, POLYGONS)
 FURTHER: Final[Mapping[str, tuple[str, ...]]] = {
     "highpass": (CORRECTIONS, PARTS, ORDER),
     "cartesian": (PARTS, ORDER),

@@ -9,8 +9,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
-from deltamesh_formats.layout import ORDER, Container, Meta, Parameters
+from deltamesh_formats.errors import FormatError
+from deltamesh_formats.layout import ORDER, POLYGONS, Container, Meta, Parameters
 from deltamesh_formats.listing import printable, text_lines
+from deltamesh_formats.reader import read_varint
 from deltamesh_formats.texts import texts_of
 
 if TYPE_CHECKING:
@@ -57,10 +59,26 @@ def header_bytes(container: Container) -> int:
     return container.size - sum(section.size for section in container.sections.values())
 
 
+def polygons(container: Container) -> int:
+    """Return how many polygons a file has; it may be damaged there, which decoding tells.
+
+    Without any of more than three corners, these are the faces.
+    """
+    if POLYGONS not in container.sections:
+        return container.faces
+    try:
+        return read_varint(memoryview(container.sections[POLYGONS].payload), 0)[0]
+    except FormatError:
+        return container.faces
+
+
 def counts(container: Container) -> str:
     """Return vertices, faces and bits per vertex, in words."""
     rate = bits_per_vertex(container.size, container.vertices)
-    return f"{container.vertices} vertices, {container.faces} faces, {rate:.2f} bits per vertex"
+    faces = f"{container.faces} faces"
+    if POLYGONS in container.sections:
+        faces = f"{polygons(container)} polygons ({container.faces} triangles)"
+    return f"{container.vertices} vertices, {faces}, {rate:.2f} bits per vertex"
 
 
 def achieved(meta: Meta) -> str:

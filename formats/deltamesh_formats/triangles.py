@@ -50,21 +50,48 @@ def triangulate(
     if not len(sizes) or (sizes == 3).all():
         at = np.arange(len(corners), dtype=np.int64).reshape(-1, 3)
         return Triangles(corners.reshape(-1, 3), np.arange(len(sizes), dtype=np.int64), at)
-    starts = np.cumsum(sizes - 2) - (sizes - 2)
-    cut = np.empty((int((sizes - 2).sum()), 3), dtype=np.int64)
-    for size in np.unique(sizes).tolist():
-        chosen = np.flatnonzero(sizes == size)
-        at = offsets[chosen, None] + np.arange(size)
-        middle = np.zeros(len(chosen), dtype=np.int64)
-        if 3 < size <= _LARGEST_TRIED:
-            middle = _middles(vertices[corners[at]])
-        turned = np.take_along_axis(at, (middle[:, None] + np.arange(size)) % size, axis=1)
-        to = starts[chosen, None] + np.arange(size - 2)
-        cut[to, 0] = turned[:, :1]
-        cut[to, 1] = turned[:, 1:-1]
-        cut[to, 2] = turned[:, 2:]
+    return fans(corners, offsets, middles(vertices, corners, offsets))
+
+
+def fans(
+    corners: NDArray[np.int64], offsets: NDArray[np.int64], around: NDArray[np.int64]
+) -> Triangles:
+    """Cut each polygon into a fan around a corner of it.
+
+    Parameters
+    ----------
+    corners : int64 (c,)
+    offsets : int64 (p + 1,)
+    around : int64 (p,)
+        From 0 up to the size of the polygon less one.
+    """
+    sizes, first = np.diff(offsets), offsets[:-1]
     polygon = np.repeat(np.arange(len(sizes), dtype=np.int64), sizes - 2)
+    begin = np.cumsum(sizes - 2) - (sizes - 2)
+    second = around[polygon] + 1 + np.arange(len(polygon)) - begin[polygon]
+    cut = np.stack([around[polygon], second, second + 1], axis=1)
+    cut = first[polygon, None] + cut % sizes[polygon, None]
     return Triangles(corners[cut], polygon, cut)
+
+
+def middles(
+    vertices: NDArray[np.float64], corners: NDArray[np.int64], offsets: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Return the corner around which `triangulate` cuts each polygon, int64 (p,)."""
+    sizes = np.diff(offsets)
+    around = np.zeros(len(sizes), dtype=np.int64)
+    for size in np.unique(sizes).tolist():
+        if 3 < size <= _LARGEST_TRIED:
+            chosen = np.flatnonzero(sizes == size)
+            at = offsets[chosen, None] + np.arange(size)
+            around[chosen] = _middles(vertices[corners[at]])
+    return around
+
+
+def folds(points: NDArray[np.float64], corner: int) -> NDArray[np.bool_]:
+    """Tell which polygons of one size, (q, size, 3), the fan around a corner folds, bool (q,)."""
+    with np.errstate(all="ignore"):
+        return ~(_worst(np.roll(points, -corner, axis=1)) > 0)
 
 
 def _middles(points: NDArray[np.float64]) -> NDArray[np.int64]:

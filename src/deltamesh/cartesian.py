@@ -94,7 +94,7 @@ def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Sectio
 
 
 def _code(coder: Coder, surface: Surface, values: NDArray[np.int64]) -> None:
-    first, corners = surface.parallelograms
+    first, corners, within = surface.parallelograms
     indptr, indices = surface.graph
     indptr = np.pad(indptr, (0, surface.isolated_count), mode="edge")
-    parallelogram.code_positions(coder, indptr, indices, first, corners, values)
+    parallelogram.code_positions(coder, indptr, indices, first, corners, within, values)

@@ -41,14 +41,15 @@ def encode(
 ) -> bytes:
     """Compress a mesh.
 
-    Connectivity is kept exactly, whatever it is; vertices and faces come back in an order of the
-    codec's own unless `keep_order` says otherwise. Vertices at one position stay there, each for
-    itself.
+    Connectivity is kept exactly, whatever it is, and polygons stay polygons; vertices and faces
+    come back in an order of the codec's own unless `keep_order` says otherwise. Vertices at one
+    position stay there, each for itself.
 
     Parameters
     ----------
     vertices : array_like (n, 3), or PolyMesh
-        Finite real numbers; or a whole mesh, which `deltamesh.from_arrays` makes of any arrays.
+        Finite real numbers; or a whole mesh of polygons, which `deltamesh.from_arrays` makes of any
+        arrays.
     faces : array_like (m, 3)
         Vertex indices from 0, of any triangles; nothing beside a whole mesh.
     method : {"auto", "refined", "highpass", "cartesian", "lossless"}

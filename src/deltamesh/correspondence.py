@@ -17,7 +17,8 @@ from scipy.spatial import cKDTree
 
 from deltamesh.kernels import correspondence as kernels
 from deltamesh.laplacian import adjacency
-from deltamesh.mesh import Mesh
+from deltamesh.mesh import Mesh, triangulated
+from deltamesh_formats.polymesh import PolyMesh
 
 _Floats = NDArray[np.float64]
 _Ints = NDArray[np.int64]
@@ -62,6 +63,34 @@ def match(reference: Mesh, other: Mesh) -> _Ints | None:
         return None
     _match_isolated(reference.vertices, other.vertices, mapping)
     return mapping if same_faces(mapping[reference.faces], other.faces) else None
+
+
+def match_polygons(reference: PolyMesh, other: PolyMesh) -> _Ints | None:
+    """Return `match` of meshes of polygons, which may begin at any of their corners.
+
+    Where one has polygons and the other triangles for them, the triangles are matched.
+    """
+    if not np.array_equal(np.sort(reference.sizes), np.sort(other.sizes)):
+        return match(triangulated(reference), triangulated(other))
+    mapping, n = match(_starred(reference), _starred(other)), len(reference.vertices)
+    if mapping is None or (mapping[:n] >= n).any():
+        return None
+    return mapping[:n]
+
+
+def _starred(mesh: PolyMesh) -> Mesh:
+    """Return triangles from each edge of a polygon to a vertex in the middle of it."""
+    corners, offsets, sizes = mesh.corners, mesh.offsets, mesh.sizes
+    polygon = np.repeat(np.arange(len(sizes)), sizes)
+    many = sizes > 3
+    after = np.arange(1, len(corners) + 1)
+    after[offsets[1:] - 1] = offsets[:-1]
+    middles = np.add.reduceat(mesh.vertices[corners], offsets[:-1], axis=0) / sizes[:, None]
+    number = len(mesh.vertices) + np.cumsum(many) - 1
+    chosen = many[polygon]
+    fans = np.stack([number[polygon], corners, corners[after]], axis=1)[chosen]
+    faces = np.concatenate([corners[~chosen].reshape(-1, 3), fans])
+    return Mesh(np.concatenate([mesh.vertices, middles[many]]), faces)
 
 
 def same_faces(faces: _Ints, others: _Ints) -> bool:

@@ -23,7 +23,7 @@ class Elements:
     count : int
     indptr, indices : int64 (count + 1,), (2 e,)
         The neighbours of each element, ascending, as of `laplacian.adjacency`.
-    first, corners : int64 (count + 1,), (p, 3)
+    first, corners, within : int64 (count + 1,), (p, 3), (count,)
         What predicts each element, as of `topology.parallelograms`; nothing for faces.
     """
 
@@ -32,6 +32,7 @@ class Elements:
     indices: _Ints
     first: _Ints
     corners: _Ints
+    within: _Ints
 
 
 def of_vertices(faces: _Ints, count: int) -> Elements:
@@ -68,4 +69,5 @@ def of_faces(faces: _Ints, polygons: Polygons) -> Elements:
     beside = (key[a] == key[b]) & (low[a] != high[a])
     pairs = np.stack([polygon[a[beside]], polygon[b[beside]]], axis=1)
     none = np.zeros((0, 3), dtype=np.int64)
-    return Elements(count, *adjacency(pairs, count), np.zeros(count + 1, dtype=np.int64), none)
+    first, within = np.zeros(count + 1, dtype=np.int64), np.zeros(count, dtype=np.int64)
+    return Elements(count, *adjacency(pairs, count), first, none, within)

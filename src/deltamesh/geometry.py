@@ -7,15 +7,24 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Final
 
 import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
-from deltamesh.laplacian import adjacency, adjacency_labels, adjacency_laplacian
-from deltamesh.topology import parallelograms
+from deltamesh.laplacian import (
+    adjacency,
+    adjacency_labels,
+    adjacency_laplacian,
+    adjacency_of_edges,
+    edges_between,
+)
+from deltamesh.topology import NO_QUADS, parallelograms
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.layout import CRC_SIZE, Parameters, Section
+
+NO_EDGES: Final = np.zeros(0, dtype=bool)
 
 
 @dataclass(frozen=True)
@@ -26,14 +35,18 @@ class Surface:
     ----------
     faces : int64 (m, 3)
     graph : pair of int64 arrays
-        Neighbours of the vertices of the faces, as of `laplacian.adjacency`.
+        Neighbours of the vertices of the faces, as of `laplacian.adjacency`, along the edges of
+        polygons.
     isolated_count : int
         Vertices without a face; they come after the others.
+    quads : int64 (q, 4)
+        The polygons of four corners.
     """
 
     faces: NDArray[np.int64]
     graph: tuple[NDArray[np.int64], NDArray[np.int64]]
     isolated_count: int
+    quads: NDArray[np.int64] = field(default_factory=lambda: NO_QUADS)
 
     @property
     def vertex_count(self) -> int:
@@ -51,14 +64,28 @@ class Surface:
         return adjacency_labels(*self.graph)
 
     @cached_property
-    def parallelograms(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def parallelograms(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
         """What predicts each vertex, the isolated ones too, as of `topology.parallelograms`."""
-        return parallelograms(self.faces, self.vertex_count + self.isolated_count)
+        count = self.vertex_count + self.isolated_count
+        return parallelograms(self.faces, count, self.quads)
 
 
-def surface_of(faces: NDArray[np.int64], vertex_count: int, isolated_count: int) -> Surface:
-    """Return a `Surface` with its graph."""
-    return Surface(faces, adjacency(faces, vertex_count), isolated_count)
+def surface_of(
+    faces: NDArray[np.int64],
+    vertex_count: int,
+    isolated_count: int,
+    hidden: NDArray[np.bool_] = NO_EDGES,
+    quads: NDArray[np.int64] = NO_QUADS,
+) -> Surface:
+    """Return a `Surface` with its graph.
+
+    Half-edges, (3 m,), may be `hidden` within polygons; edges where all are do not count.
+    """
+    if not len(hidden):
+        return Surface(faces, adjacency(faces, vertex_count), isolated_count)
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    pairs = edges_between(start[~hidden], end[~hidden], vertex_count)
+    return Surface(faces, adjacency_of_edges(pairs, vertex_count), isolated_count, quads)
 
 
 @dataclass(frozen=True)

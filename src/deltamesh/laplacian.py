@@ -27,7 +27,11 @@ def edges(faces: NDArray[np.int64], n: int) -> NDArray[np.int64]:
     int64 (e, 2)
         Pairs (i, j), i < j, in lexicographic order.
     """
-    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    return edges_between(faces.ravel(), np.roll(faces, -1, axis=1).ravel(), n)
+
+
+def edges_between(a: NDArray[np.int64], b: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+    """Return `edges` of half-edges from a to b, int64 (h,)."""
     low, high = np.minimum(a, b), np.maximum(a, b)
     # Sorting in place and comparing neighbours is several times faster than np.unique's hash table.
     keys = (low * n + high)[low != high]
@@ -51,7 +55,13 @@ def adjacency(faces: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], NDAr
     indices : int64 (2 e,)
         The neighbours of i are `indices[indptr[i]:indptr[i + 1]]`, ascending.
     """
-    pairs = edges(faces, n)
+    return adjacency_of_edges(edges(faces, n), n)
+
+
+def adjacency_of_edges(
+    pairs: NDArray[np.int64], n: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return `adjacency` of edges, (e, 2), each once."""
     A = sparse.csr_array(
         (
             np.ones(2 * len(pairs)),

@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import correspondence
-from deltamesh.mesh import Mesh
 from deltamesh.reordering import inverse
 from deltamesh.topology import weld
-from deltamesh_formats.polymesh import Attribute, Kind, Parts, PolyMesh, from_triangles
+from deltamesh_formats.polymesh import Attribute, Kind, Parts, PolyMesh
 
 _Ints = NDArray[np.int64]
 
@@ -82,9 +81,9 @@ def corresponding(a: PolyMesh, b: PolyMesh, exact: bool = False) -> Corresponden
         Tell -0.0 from 0.0, as a lossless file does.
     """
     for first, second in _pairs(a, b, exact):
-        found = correspondence.match(_stellated(first.mesh), _stellated(second.mesh))
+        found = correspondence.match_polygons(first.mesh, second.mesh)
         if found is not None:
-            return Correspondence(first, second, found[: len(first.mesh.vertices)])
+            return Correspondence(first, second, found)
     return None
 
 
@@ -120,11 +119,8 @@ def _same_parts(p: Parts, q: Parts | None, a: PolyMesh, b: PolyMesh, pairs: Pair
 def _pairs(a: PolyMesh, b: PolyMesh, exact: bool) -> Iterator[tuple[Sites, Sites]]:
     """Yield what may correspond: with each position once, as they are, without isolated points.
 
-    Coarse steps may put several vertices of a decoded mesh into one place. One of the meshes may
-    have been cut into triangles.
+    Coarse steps may put several vertices of a decoded mesh into one place.
     """
-    if not np.array_equal(np.sort(a.sizes), np.sort(b.sizes)):
-        a, b = from_triangles(a.vertices, a.faces), from_triangles(b.vertices, b.faces)
     first, second = _welded(a, exact), _welded(b, exact)
     yield first, second
     if len(first.mesh.vertices) < len(a.vertices) or len(second.mesh.vertices) < len(b.vertices):
@@ -151,23 +147,6 @@ def _in_faces(sites: Sites) -> Sites:
     place[used] = np.arange(len(used))
     bare = replace(sites.mesh, vertices=sites.mesh.vertices[used], corners=corners)
     return Sites(bare, place[sites.of_vertices])
-
-
-def _stellated(mesh: PolyMesh) -> Mesh:
-    """Return the polygons as triangles around further vertices: no diagonal has to be chosen."""
-    sizes, n = mesh.sizes, len(mesh.vertices)
-    large = sizes > 3
-    if not large.any():
-        return Mesh(mesh.vertices, mesh.corners.reshape(-1, 3))
-    of_corner = np.repeat(large, sizes)
-    follower = np.arange(1, len(mesh.corners) + 1)
-    follower[mesh.offsets[1:] - 1] = mesh.offsets[:-1]
-    centre = n + np.repeat(np.cumsum(large) - 1, sizes)[of_corner]
-    around = np.stack([mesh.corners, mesh.corners[follower]], axis=1)[of_corner]
-    sums = np.add.reduceat(mesh.vertices[mesh.corners], mesh.offsets[:-1], axis=0)
-    centres = (sums / sizes[:, None])[large]
-    faces = np.concatenate([mesh.corners[~of_corner].reshape(-1, 3), np.c_[around, centre]])
-    return Mesh(np.concatenate([mesh.vertices, centres]), faces)
 
 
 def _corner_pairs(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from deltamesh_formats.errors import FormatError, LimitError
-from deltamesh_formats.layout import Container, Section
+from deltamesh_formats.layout import POLYGONS, Container, Section
 from deltamesh_formats.texts import text_size, texts_of
 
 # As many as a 32-bit index can name, were there memory for them.
@@ -23,6 +23,7 @@ BASE = {
 PER_FACE = 320
 PER_TEXT_BYTE = 24
 PER_TRANSFORM = 400
+PER_GLUED_FACE = 240  # more, where polygons are made of triangles
 PER_VERTEX = {"cartesian": 400, "lossless": 600, "highpass": 4000, "refined": 4000}
 
 # The range coder spends at least log2(65536 / (65536 - P_MIN)) bits on a bit, and at least one
@@ -54,7 +55,8 @@ def memory_needed(container: Container) -> int:
     """Estimate the memory that decoding takes, in bytes, from counts alone."""
     method = container.parameters.method
     fixed, per_vertex = BASE[method], PER_VERTEX[method]
-    return fixed + per_vertex * container.vertices + PER_FACE * container.faces
+    per_face = PER_FACE + (PER_GLUED_FACE if POLYGONS in container.sections else 0)
+    return fixed + per_vertex * container.vertices + per_face * container.faces
 
 
 def check_limits(container: Container, counts: Counts, max_vertices: int, memory: int) -> None:

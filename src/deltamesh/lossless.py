@@ -71,7 +71,7 @@ def quantize(
     V = np.concatenate([vertices, isolated])
     with np.errstate(over="ignore"):
         single = bool((V.astype(np.float32) == V).all())
-    errors = _errors(V, *surface.parallelograms)
+    errors = _errors(V, *surface.parallelograms[:2])
     axes = [spelling(V[:, a].copy(), errors[:, a], single) for a in range(3)]
     integers = exactly(V.view(np.int64), packed(SINGLE if single else DOUBLE, axes))
     return parameters, integers, V
@@ -150,7 +150,7 @@ def _code(
     classes: NDArray[np.int64],
     values: NDArray[np.int64],
 ) -> None:
-    corners = surface.parallelograms
+    corners = surface.parallelograms[:2]
     indptr, indices = surface.graph
     indptr = np.pad(indptr, (0, surface.isolated_count), mode="edge")
     table: list[tuple[int, ...]] = []

@@ -9,6 +9,7 @@ they are the first to use come next, as most programs number them. The encoder t
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,14 +17,15 @@ from numpy.typing import NDArray
 from deltamesh import entropy
 from deltamesh.kernels import face_order, steps, vertex_order
 from deltamesh.kernels.coder import Coder
-from deltamesh.laplacian import adjacency
-from deltamesh.reordering import Order, inverse
+from deltamesh.laplacian import adjacency_of_edges, edges_between
+from deltamesh.polygons import Polygons
+from deltamesh.reordering import Order, inverse, rows_of
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.reader import read_varint, take
 from deltamesh_formats.writer import write_varint
 
 _Ints = NDArray[np.int64]
-_Stream = Callable[[_Ints, Order, int, int, int | None], bytes]
+_Stream = Callable[["_Rows", Order, int, int, int | None], bytes]
 
 # Plans are compared on so many vertices and faces, at most: enough to tell, seconds for any mesh.
 SAMPLE = 1 << 17
@@ -34,30 +36,63 @@ MARGINS = (0, 2, 4)
 ANCHORS, NEWEST, FACES_FIRST = 3, 4, 8
 
 
-def encode_order(faces: _Ints, order: Order) -> bytes:
+class _Rows(NamedTuple):
+    """Polygons, each told by a triangle of it.
+
+    Attributes
+    ----------
+    faces : int64 (p, 3)
+        The vertices of the lowest triangle of each.
+    corners : int64 (c,), offsets : int64 (p + 1,)
+        The vertices of all corners.
+    within : int64 (p, 3)
+        Which corner of the polygon each corner of its triangle is.
+    """
+
+    faces: _Ints
+    corners: _Ints
+    offsets: _Ints
+    within: _Ints
+
+
+def _rows(faces: _Ints, polygons: Polygons) -> _Rows:
+    """Return the polygons of triangles (m, 3)."""
+    offsets, lowest = polygons.offsets, polygons.lowest
+    within = polygons.of_corners.reshape(-1, 3)[lowest] - offsets[:-1, None]
+    return _Rows(faces[lowest], faces.ravel()[polygons.corners], offsets, within)
+
+
+def _renamed(rows: _Rows, names: _Ints) -> _Rows:
+    return rows._replace(faces=names[rows.faces], corners=names[rows.corners])
+
+
+def encode_order(faces: _Ints, polygons: Polygons, order: Order) -> bytes:
     """Return the payload of ORDR.
 
     Parameters
     ----------
     faces : int64 (m, 3)
         Of the mesh as it is decoded; any triangles.
+    polygons : Polygons
+        Of these.
     order : Order
-        Of all vertices, isolated ones too, and all faces.
+        Of all vertices, isolated ones too, and all polygons.
     """
-    plan, margins = _choose(faces, order)
+    rows = _rows(faces, polygons)
+    plan, margins = _choose(rows, order)
     of_vertices, of_faces = (
-        code(faces, order, plan, margin, None)
+        code(rows, order, plan, margin, None)
         for code, margin in zip((_vertex_stream, _face_stream), margins, strict=True)
     )
     return bytes([plan]) + write_varint(len(of_vertices)) + of_vertices + of_faces
 
 
-def _choose(faces: _Ints, order: Order) -> tuple[int, list[int]]:
+def _choose(rows: _Rows, order: Order) -> tuple[int, list[int]]:
     """Return the plan that seems best, and the margins of its two streams."""
 
     def size(code: _Stream, plan: int, margin: int) -> float:
-        count = len(order.vertices) if code is _vertex_stream else len(faces)
-        return len(code(faces, order, plan, margin, SAMPLE)) * max(1.0, count / SAMPLE)
+        count = len(order.vertices) if code is _vertex_stream else len(order.faces)
+        return len(code(rows, order, plan, margin, SAMPLE)) * max(1.0, count / SAMPLE)
 
     plans = {}
     for first in (0, FACES_FIRST):
@@ -73,23 +108,23 @@ def _choose(faces: _Ints, order: Order) -> tuple[int, list[int]]:
     return plan, margins
 
 
-def _vertex_stream(faces: _Ints, order: Order, plan: int, margin: int, stop: int | None) -> bytes:
+def _vertex_stream(rows: _Rows, order: Order, plan: int, margin: int, stop: int | None) -> bytes:
     """Return the stream of the first `stop` vertices."""
     vertices = order.vertices
     if plan & FACES_FIRST:
-        names = _by_use(faces, order)
-        faces, vertices = names[faces], names[vertices]
+        names = _by_use(rows, order)
+        rows, vertices = _renamed(rows, names), names[vertices]
     coder = _encoder(len(vertices), stop)
-    status = _code_vertices(coder, faces, plan, vertices, margin, stop)
+    status = _code_vertices(coder, rows, plan, vertices, margin, stop)
     return _finished(coder, status)
 
 
-def _face_stream(faces: _Ints, order: Order, plan: int, margin: int, stop: int | None) -> bytes:
+def _face_stream(rows: _Rows, order: Order, plan: int, margin: int, stop: int | None) -> bytes:
     """Return the stream of the first `stop` faces."""
     n = len(order.vertices)
     places = np.full(n, -1) if plan & FACES_FIRST else inverse(order.vertices)
-    coder = _encoder(len(faces), stop)
-    status = _code_faces(coder, faces, plan, places, order.faces, order.turns, margin, stop)
+    coder = _encoder(len(order.faces), stop)
+    status = _code_faces(coder, rows, plan, places, order.faces, order.turns, margin, stop)
     return _finished(coder, status)
 
 
@@ -104,11 +139,10 @@ def _finished(coder: Coder, status: int) -> bytes:
     return entropy.finish(coder)
 
 
-def _by_use(faces: _Ints, order: Order) -> _Ints:
+def _by_use(rows: _Rows, order: Order) -> _Ints:
     """Return the place of each vertex (n,) if places go by their first use in a face."""
     places = np.full(len(order.vertices), -1)
-    corners = (order.turns[:, None] + np.arange(3)) % 3
-    used = np.take_along_axis(faces[order.faces], corners, axis=1).ravel()
+    used = rows.corners[rows_of(rows.offsets, order.faces, order.turns)[0]]
     vertices, first = np.unique(used, return_index=True)
     places[vertices[np.argsort(first)]] = np.arange(len(vertices))
     return _with_the_unused(places)
@@ -121,13 +155,14 @@ def _with_the_unused(places: _Ints) -> _Ints:
     return places
 
 
-def decode_order(payload: memoryview, faces: _Ints, vertex_count: int) -> Order:
+def decode_order(payload: memoryview, faces: _Ints, polygons: Polygons, vertex_count: int) -> Order:
     """Return what `encode_order` was given.
 
     Parameters
     ----------
     payload : memoryview
     faces : int64 (m, 3)
+    polygons : Polygons
     vertex_count : int
         With isolated vertices.
 
@@ -142,46 +177,52 @@ def decode_order(payload: memoryview, faces: _Ints, vertex_count: int) -> Order:
     size, at = read_varint(payload, 1)
     if size > len(payload) - at:
         raise FormatError("the order of the vertices is longer than its section", 1)
+    rows = _rows(faces, polygons)
     vertices = np.empty(vertex_count, dtype=np.int64)
-    order, turns = np.empty(len(faces), dtype=np.int64), np.empty(len(faces), dtype=np.int64)
+    order, turns = np.empty((2, len(rows.faces)), dtype=np.int64)
     if plan & FACES_FIRST:
         places = np.full(vertex_count, -1)
-        _read_faces(payload[at + size :], at + size, faces, plan, places, order, turns)
+        _read_faces(payload[at + size :], at + size, rows, plan, places, order, turns)
         names = _with_the_unused(places)
-        _read_vertices(payload[at : at + size], at, names[faces], plan, vertices)
+        _read_vertices(payload[at : at + size], at, _renamed(rows, names), plan, vertices)
         vertices = inverse(names)[vertices]
     else:
-        _read_vertices(payload[at : at + size], at, faces, plan, vertices)
+        _read_vertices(payload[at : at + size], at, rows, plan, vertices)
         places = inverse(vertices)
-        _read_faces(payload[at + size :], at + size, faces, plan, places, order, turns)
+        _read_faces(payload[at + size :], at + size, rows, plan, places, order, turns)
     return Order(vertices, order, turns)
 
 
-def _read_vertices(stream: memoryview, at: int, faces: _Ints, plan: int, vertices: _Ints) -> None:
+def _read_vertices(stream: memoryview, at: int, rows: _Rows, plan: int, vertices: _Ints) -> None:
     coder = entropy.decoder(stream, steps.SLOTS, steps.MIXERS)
-    if _code_vertices(coder, faces, plan, vertices) != steps.OK:
+    if _code_vertices(coder, rows, plan, vertices) != steps.OK:
         raise FormatError("the order of the vertices is corrupt", at)
     entropy.check_end(coder, at)
 
 
 def _read_faces(
-    stream: memoryview, at: int, faces: _Ints, plan: int, places: _Ints, order: _Ints, turns: _Ints
+    stream: memoryview, at: int, rows: _Rows, plan: int, places: _Ints, order: _Ints, turns: _Ints
 ) -> None:
     coder = entropy.decoder(stream, steps.SLOTS, steps.MIXERS)
-    if _code_faces(coder, faces, plan, places, order, turns) != steps.OK:
+    if _code_faces(coder, rows, plan, places, order, turns) != steps.OK:
         raise FormatError("the order of the faces is corrupt", at)
     entropy.check_end(coder, at)
 
 
 def _code_vertices(
     coder: Coder,
-    faces: _Ints,
+    rows: _Rows,
     plan: int,
     vertices: _Ints,
     margin: int = 0,
     stop: int | None = None,
 ) -> int:
-    indptr, indices = (a.astype(np.int64) for a in adjacency(faces, len(vertices)))
+    n = len(vertices)
+    first, last = rows.offsets[:-1], rows.offsets[1:] - 1
+    after = np.arange(1, len(rows.corners) + 1)
+    after[last] = first
+    pairs = edges_between(rows.corners, rows.corners[after], n)
+    indptr, indices = adjacency_of_edges(pairs, n)
     # By columns, the entries of a symmetric matrix are those by rows, mirrored.
     mirror = inverse(np.argsort(indices, kind="stable"))
     newest = 1 if plan & NEWEST else 0
@@ -194,7 +235,7 @@ def _code_vertices(
 
 def _code_faces(
     coder: Coder,
-    faces: _Ints,
+    rows: _Rows,
     plan: int,
     places: _Ints,
     order: _Ints,
@@ -202,10 +243,10 @@ def _code_faces(
     margin: int = 0,
     stop: int | None = None,
 ) -> int:
-    stop = len(faces) if stop is None else stop
+    stop = len(order) if stop is None else stop
     placed = int(np.count_nonzero(places >= 0))
     anchors = plan & ANCHORS
     status: int = face_order.code_faces(
-        coder, faces, places, placed, anchors, order, turns, margin, stop
+        coder, *rows, places, placed, anchors, order, turns, margin, stop
     )
     return status

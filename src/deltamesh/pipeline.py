@@ -15,19 +15,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import cartesian, highpass, lossless, refined
+from deltamesh.complexes import distinct_faces
+from deltamesh.diagonals import cut_polygons
 from deltamesh.elements import Elements, of_faces
-from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
+from deltamesh.geometry import Integers, Surface, digest, payload_of
 from deltamesh.limits import check_limits
 from deltamesh.mesh import LARGEST, Mesh
 from deltamesh.metrics import VertexErrors, diagonal, errors_from, mean_edge
 from deltamesh.options import Options, Settings
 from deltamesh.order import decode_order, encode_order
 from deltamesh.parts import Told, decode_parts, encode_parts, told_of
-from deltamesh.polygons import Polygons, assembled, plain, sources_of
+from deltamesh.polygons import assembled, sources_of
 from deltamesh.reordering import Order, arrays, order_of, reordered
 from deltamesh.search import Trial, smallest
 from deltamesh.solve import factorization
-from deltamesh.structure import Structure, announced, decode_structure, encode_structure
+from deltamesh.structure import (
+    Origin,
+    Structure,
+    announced,
+    coded_surface,
+    decode_structure,
+    encode_gluing,
+    encode_structure,
+)
 from deltamesh.targets import bounds_of
 from deltamesh.version import __version__
 from deltamesh_formats.errors import FormatError, MeshError
@@ -60,8 +70,8 @@ class Encoded:
         The file.
     order : int64 (n,)
         The input vertex that each vertex of the file was.
-    face_order, rotation : int64 (m,)
-        The input face that each face of the file was, and which of its corners comes first.
+    face_order, rotation : int64 (p,)
+        The input polygon that each polygon of the file was, and which of its corners comes first.
     mesh : PolyMesh
         What a decoder will make of it.
     """
@@ -77,7 +87,7 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
     """Compress a checked mesh; see `codec.encode`."""
     if isinstance(mesh, Mesh):
         mesh = from_triangles(mesh.vertices, mesh.faces)
-    cut = mesh.triangles()
+    cut = cut_polygons(mesh)
     triangles = Mesh(mesh.vertices, cut.faces)
     if len(cut.faces) == 0:
         raise MeshError("the mesh has no faces")
@@ -85,12 +95,15 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
     payloads, structure, origin = encode_structure(
         triangles, options.drop_isolated, exact, progress
     )
+    gluing, structure = encode_gluing(structure, origin, cut)
+    payloads |= gluing
     progress("geometry")
-    surface = surface_of(structure.surface, structure.used, structure.isolated)
+    surface = coded_surface(structure)
     V = triangles.vertices[origin.points]
     used, isolated = V[: structure.used], V[structure.used :]
     factor = factorization(surface.laplacian, options.solver, options.threads)
-    bounds, errors_of = bounds_of(options, diagonal(V)), errors_from(V, surface.faces)
+    bounds = bounds_of(options, diagonal(V))
+    errors_of = errors_from(V, _measured(mesh, structure, origin))
 
     def attempt(settings: Settings) -> Trial:
         progress(f"geometry, {settings.method}")
@@ -101,25 +114,25 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
 
     trial = smallest(options, bounds, mean_edge(used, surface.faces), attempt)
     payloads |= trial.payloads
-    polygons = plain(len(structure.faces))
+    polygons = structure.polygons
     result = assembled(trial.vertices[structure.points], structure.faces, polygons)
     result = replace(result, precision=mesh.precision)
     sources = sources_of(polygons, origin.vertices, origin.corners, cut)
     told = told_of(mesh, sources.faces)
     if told is not None:
         progress("parts")
-        payloads["PART"] = encode_parts(told, partial(_by_face, structure, polygons))
+        payloads["PART"] = encode_parts(told, partial(_by_face, structure))
         result = told.given_to(result)
-    order = origin.vertices
-    face_order, rotation = np.divmod(origin.corners[:, 0], 3)
+    order, face_order = sources.vertices, sources.faces
+    rotation = sources.corners[polygons.offsets[:-1]] - mesh.offsets[face_order]
     kept = None
     if options.keep_order:
         progress("order")
-        kept = order_of(order, structure.faces, cut.faces)
-        payloads["ORDR"] = encode_order(structure.faces, kept)
-        result, order = reordered(result, polygons, kept), order[kept.vertices]
+        kept = order_of(polygons, sources, mesh.offsets)
+        payloads["ORDR"] = encode_order(structure.faces, polygons, kept)
+        result, order = reordered(result, kept), order[kept.vertices]
         face_order, rotation = np.arange(len(face_order)), np.zeros_like(rotation)
-    further = (*arrays(kept), *(() if told is None else told.arrays()))
+    further = (*arrays(kept), *structure.glue, *(() if told is None else told.arrays()))
     checksum = digest(structure.faces, structure.copied, trial.integers, further)
     n, m = len(structure.points), len(structure.faces)
     meta = _meta(trial.errors, diagonal(V), options.source_format)
@@ -145,11 +158,10 @@ def decode_mesh(
     _check_scale(container, integers)
     factor = factorization(surface.laplacian, solver, threads)
     points = coder.reconstruct(surface, container.parameters, integers, factor)
-    polygons = plain(len(structure.faces))
-    mesh = assembled(points[structure.points], structure.faces, polygons)
+    mesh = assembled(points[structure.points], structure.faces, structure.polygons)
     mesh = replace(mesh, precision="float32" if container.parameters.single else "float64")
     mesh = mesh if told is None else told.given_to(mesh)
-    return mesh if order is None else reordered(mesh, polygons, order)
+    return mesh if order is None else reordered(mesh, order)
 
 
 def _read(
@@ -162,29 +174,28 @@ def _read(
     progress("connectivity")
     structure = decode_structure(container, counts)
     progress("geometry")
-    surface = surface_of(structure.surface, structure.used, structure.isolated)
+    surface = coded_surface(structure)
     integers = _METHODS[parameters.method].read(surface, parameters, sections)
     told = None
     if "PART" in sections:
         progress("parts")
-        polygons = plain(len(structure.faces))
         with payload_of(sections["PART"]) as payload:
-            by_face = partial(_by_face, structure, polygons)
-            told = decode_parts(payload, len(polygons.offsets) - 1, by_face)
+            count = len(structure.polygons.offsets) - 1
+            told = decode_parts(payload, count, partial(_by_face, structure))
     order = None
     if "ORDR" in sections:
         progress("order")
         with payload_of(sections["ORDR"]) as payload:
-            order = decode_order(payload, structure.faces, container.vertices)
-    further = (*arrays(order), *(() if told is None else told.arrays()))
+            order = decode_order(payload, structure.faces, structure.polygons, container.vertices)
+    further = (*arrays(order), *structure.glue, *(() if told is None else told.arrays()))
     if digest(structure.faces, structure.copied, integers, further) != container.digest:
         raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)
     return structure, surface, integers, told, order
 
 
-def _by_face(structure: Structure, polygons: Polygons) -> Elements:
+def _by_face(structure: Structure) -> Elements:
     """Return the polygons of a file as elements."""
-    return of_faces(structure.points[structure.faces], polygons)
+    return of_faces(structure.points[structure.faces], structure.polygons)
 
 
 def _check_scale(container: Container, integers: Integers) -> None:
@@ -196,6 +207,15 @@ def _check_scale(container: Container, integers: Integers) -> None:
     steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
     if not values * steps + origin <= 100 * LARGEST:
         raise FormatError("positions that are too large", container.sections["PARM"].offset)
+
+
+def _measured(mesh: PolyMesh, structure: Structure, origin: Origin) -> NDArray[np.int64]:
+    """Return the triangles over points on which errors are measured: those of any reader."""
+    if not len(structure.glued):
+        return structure.surface
+    point = np.full(len(mesh.vertices), -1)
+    point[origin.vertices] = structure.points
+    return distinct_faces(point[mesh.faces])
 
 
 def _meta(errors: VertexErrors, scale: float, source_format: str) -> Meta:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh.kernels.polygons import walk
 from deltamesh_formats.polymesh import PolyMesh
 from deltamesh_formats.triangles import Triangles
 
@@ -21,7 +23,8 @@ class Polygons:
     ----------
     corners : int64 (c,)
         A corner of a triangle, 3 * triangle + 0, 1 or 2, at each corner of a polygon, polygon
-        after polygon; polygons ascend by their lowest triangle.
+        after polygon; polygons ascend by their lowest triangle, and begin at that corner of it
+        where most of their triangles meet.
     offsets : int64 (p + 1,)
         Where the corners of each polygon begin.
     of_corners : int64 (3 m,)
@@ -31,6 +34,12 @@ class Polygons:
     corners: _Ints
     offsets: _Ints
     of_corners: _Ints
+
+    @cached_property
+    def lowest(self) -> _Ints:
+        """The lowest triangle of each polygon, int64 (p,)."""
+        polygon = np.searchsorted(self.offsets, self.of_corners[::3], side="right") - 1
+        return np.unique(polygon, return_index=True)[1]
 
 
 @dataclass(frozen=True)
@@ -55,6 +64,24 @@ def plain(count: int) -> Polygons:
     """Return the polygons of a file of triangles, so many."""
     every = np.arange(3 * count)
     return Polygons(every, np.arange(0, 3 * count + 1, 3), every)
+
+
+def joined(glued: _Ints) -> Polygons:
+    """Return the polygons of glued triangles.
+
+    Parameters
+    ----------
+    glued : int64 (3 m,)
+        The half-edge that each half-edge is glued to, -1 for none; no triangles form a ring.
+    """
+    hidden = int(np.count_nonzero(glued >= 0))
+    if not hidden:
+        return plain(len(glued) // 3)
+    corners = np.empty(len(glued) - hidden, dtype=np.int64)
+    offsets = np.zeros(len(glued) // 3 - hidden // 2 + 1, dtype=np.int64)
+    of_corners = np.empty_like(glued)
+    walk(glued, corners, offsets, of_corners)
+    return Polygons(corners, offsets, of_corners)
 
 
 def sources_of(

@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.correspondence import canonical
-from deltamesh.polygons import Polygons
+from deltamesh.polygons import Polygons, Sources
 from deltamesh_formats.polymesh import Attribute, PolyMesh
 
 _Ints = NDArray[np.int64]
@@ -22,10 +21,10 @@ class Order:
     ----------
     vertices : int64 (n,)
         The vertex of the mesh at each place of the other order.
-    faces : int64 (m,)
-        Likewise, the face.
-    turns : int64 (m,)
-        The corner of that face, 0 to 2, at which it begins there.
+    faces : int64 (p,)
+        Likewise, the polygon.
+    turns : int64 (p,)
+        The corner of that polygon at which it begins there.
     """
 
     vertices: NDArray[np.int64]
@@ -38,52 +37,44 @@ def arrays(order: Order | None) -> tuple[_Ints, ...]:
     return () if order is None else (order.vertices, order.faces, order.turns)
 
 
-def order_of(names: _Ints, faces: _Ints, others: _Ints) -> Order:
-    """Return how another order of a mesh comes from it.
+def order_of(polygons: Polygons, sources: Sources, starts: _Ints) -> Order:
+    """Return how the order of the input comes from that of a file.
 
     Parameters
     ----------
-    names : int64 (n,)
-        What the other order calls the vertices of the mesh, all different; they ascend there.
-    faces : int64 (m, 3)
-        Of the mesh.
-    others : int64 (m, 3)
-        The same faces by those names, in the other order; they may begin at other corners.
-    """
-    named = names[faces]
-    left, right = canonical(named), canonical(others)
-    order = np.empty(len(faces), dtype=np.int64)
-    order[np.lexsort(right.T)] = np.lexsort(left.T)
-    turns = np.zeros(len(faces), dtype=np.int64)
-    for turn in (2, 1, 0):
-        turns[(np.roll(named[order], -turn, axis=1) == others).all(axis=1)] = turn
-    return Order(np.argsort(names), order, turns)
-
-
-def reordered(mesh: PolyMesh, polygons: Polygons, order: Order) -> PolyMesh:
-    """Return a mesh in the other order of its vertices and triangles.
-
-    Polygons come in the order of their first triangles, and begin where these do.
-
-    Parameters
-    ----------
-    mesh : PolyMesh
-        Of these polygons.
     polygons : Polygons
-    order : Order
-        Of the triangles.
+        Of the file.
+    sources : Sources
+        Of what is in the file, which may be less than what is in the input.
+    starts : int64
+        Where the corners of each polygon of the input begin.
     """
-    place, first = inverse(order.faces), polygons.offsets[:-1]
-    of_polygons = np.minimum.reduceat(place[polygons.corners // 3], first)
-    faces = np.argsort(of_polygons)
-    lowest = order.faces[of_polygons[faces]]
-    begin = polygons.of_corners[3 * lowest + order.turns[of_polygons[faces]]] - first[faces]
-    sizes = mesh.sizes[faces]
-    offsets = np.concatenate(([0], np.cumsum(sizes)))
-    within = np.arange(len(mesh.corners)) - np.repeat(offsets[:-1], sizes)
-    corners = np.repeat(first[faces], sizes)
-    corners += (within + np.repeat(begin, sizes)) % np.repeat(sizes, sizes)
-    return rearranged(mesh, order.vertices, faces, corners, offsets)
+    order = np.argsort(sources.faces)
+    is_first = sources.corners == np.repeat(starts[sources.faces], np.diff(polygons.offsets))
+    begin = np.flatnonzero(is_first) - polygons.offsets[:-1]
+    return Order(np.argsort(sources.vertices), order, begin[order])
+
+
+def reordered(mesh: PolyMesh, order: Order) -> PolyMesh:
+    """Return a mesh in the other order of its vertices and polygons."""
+    corners, offsets = rows_of(mesh.offsets, order.faces, order.turns)
+    return rearranged(mesh, order.vertices, order.faces, corners, offsets)
+
+
+def rows_of(offsets: _Ints, faces: _Ints, begin: _Ints) -> tuple[_Ints, _Ints]:
+    """Return the corners of polygons in another order, each from another one on, and offsets.
+
+    Parameters
+    ----------
+    offsets : int64 (p + 1,)
+        Where the corners of each polygon begin.
+    faces, begin : int64 (p,)
+        The polygons, and which of its corners each begins with.
+    """
+    sizes = np.diff(offsets)[faces]
+    ends = np.concatenate(([0], np.cumsum(sizes)))
+    within = np.arange(ends[-1]) - np.repeat(ends[:-1] - begin, sizes)
+    return np.repeat(offsets[faces], sizes) + within % np.repeat(sizes, sizes), ends
 
 
 def rearranged(

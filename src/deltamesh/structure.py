@@ -1,12 +1,12 @@
 """Everything of a mesh but its positions: any triangles to a manifold and back.
 
-encode: weld -> cut -> connectivity -> stitching -> copies; decode is the mirror.
+encode: weld -> cut -> connectivity -> stitching -> copies -> polygons; decode is the mirror.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final
 
@@ -23,10 +23,18 @@ from deltamesh.corners import (
     decode_copies,
     encode_copies,
 )
-from deltamesh.geometry import payload_of
+from deltamesh.geometry import NO_EDGES, Surface, payload_of, surface_of
+from deltamesh.gluing import (
+    decode_polygons,
+    encode_polygons,
+    glued_halfedges,
+    hidden_halfedges,
+    partners,
+)
 from deltamesh.kernels import cutting
 from deltamesh.limits import Counts
 from deltamesh.mesh import Mesh
+from deltamesh.polygons import Polygons, joined, plain
 from deltamesh.stitching import (
     TURN,
     Stitching,
@@ -39,11 +47,12 @@ from deltamesh.stitching import (
 from deltamesh.topology import build_topology, pair_halfedges, weld
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.layout import Container
+from deltamesh_formats.triangles import Triangles
 
 _Ints = NDArray[np.int64]
 
 # The sections that are told by the half-edges of the manifold.
-_NEED_MANIFOLD: Final = frozenset({"STCH", "COPY"})
+_NEED_MANIFOLD: Final = frozenset({"STCH", "COPY", "POLY"})
 
 
 @dataclass(frozen=True)
@@ -62,6 +71,9 @@ class Structure:
         Of the mesh, over its vertices.
     points : int64 (n,)
         The point of each vertex, ascending.
+    glued : int64 (3 m,) or (0,)
+        The half-edge of the mesh that each is glued to in a polygon, -1 for none; nothing if all
+        polygons are triangles.
     """
 
     manifold: _Ints
@@ -70,6 +82,7 @@ class Structure:
     isolated: int
     faces: _Ints
     points: _Ints
+    glued: _Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     @cached_property
     def surface(self) -> _Ints:
@@ -86,6 +99,36 @@ class Structure:
         """The corners of the complex, point by point."""
         count = self.used + self.isolated
         return corners_of(self.manifold, self.opposite, self.stitching, count)
+
+    @cached_property
+    def partners(self) -> _Ints:
+        """The half-edge of the mesh that each may be glued to, (3 m,), or -1."""
+        return partners(self.faces, self.opposite, self.stitching.turned)
+
+    @cached_property
+    def polygons(self) -> Polygons:
+        """The polygons of the mesh."""
+        return joined(self.glued) if len(self.glued) else plain(len(self.faces))
+
+    @cached_property
+    def hidden(self) -> NDArray[np.bool_]:
+        """Half-edges of the manifold, (3 k,), within a polygon; (0,) if all are triangles."""
+        if not len(self.glued):
+            return NO_EDGES
+        return hidden_halfedges(self.glued, self.opposite, self.stitching.turned)
+
+    @property
+    def quads(self) -> _Ints:
+        """The polygons of four corners, (q, 4), over points."""
+        corners, offsets = self.polygons.corners, self.polygons.offsets
+        first = offsets[:-1][np.diff(offsets) == 4]
+        quads: _Ints = corners[first[:, None] + np.arange(4)]
+        return np.asarray(self.points[self.faces.ravel()[quads]])
+
+    @property
+    def glue(self) -> tuple[_Ints, ...]:
+        """What the digest of a file covers of its polygons."""
+        return (self.glued,) if len(self.glued) else ()
 
     @property
     def copied(self) -> _Ints:
@@ -187,6 +230,32 @@ def encode_structure(
     return payloads, structure, Origin(places, vertices, corners)
 
 
+def coded_surface(structure: Structure) -> Surface:
+    """Return what the geometry of a mesh is coded on."""
+    s = structure
+    return surface_of(s.surface, s.used, s.isolated, s.hidden, s.quads)
+
+
+def encode_gluing(
+    structure: Structure, origin: Origin, triangles: Triangles
+) -> tuple[dict[str, bytes], Structure]:
+    """Code which triangles make a polygon; return the payload, if any, and the structure with it.
+
+    Parameters
+    ----------
+    structure : Structure
+    origin : Origin
+    triangles : Triangles
+        Of the input; fans.
+    """
+    sizes = np.bincount(triangles.polygon) + 2
+    if len(sizes) == len(structure.faces):
+        return {}, structure
+    glued = glued_halfedges(triangles, origin.corners)
+    payload = encode_polygons(structure.faces, structure.partners, glued, sizes)
+    return {"POLY": payload}, replace(structure, glued=glued)
+
+
 def _first_appearances(points: _Ints, n: int) -> tuple[_Ints, _Ints]:
     """Return points renumbered in the order of their first appearance, and the points so."""
     at = np.arange(len(points))
@@ -272,11 +341,15 @@ def decode_structure(container: Container, counts: Counts) -> Structure:
             )
         final = complex_faces(faces, stitching)
         structure = Structure(faces, stitching, used, counts.isolated, final, points)
-    if "COPY" not in sections:
-        return structure
-    with payload_of(sections["COPY"]) as payload:
-        copies = decode_copies(payload, structure.corners, container.vertices)
-    return replace(structure, faces=copies.faces, points=copies.points)
+    if "COPY" in sections:
+        with payload_of(sections["COPY"]) as payload:
+            copies = decode_copies(payload, structure.corners, container.vertices)
+        structure = replace(structure, faces=copies.faces, points=copies.points)
+    if "POLY" in sections:
+        with payload_of(sections["POLY"]) as payload:
+            glued = decode_polygons(payload, structure.faces, structure.partners)
+        structure = replace(structure, glued=glued)
+    return structure
 
 
 def _is_manifold(faces: _Ints, opposite: _Ints, n: int) -> bool:

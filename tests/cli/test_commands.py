@@ -234,6 +234,25 @@ def test_encode_keeps_the_order(folder: Path, capsys: pytest.CaptureFixture[str]
         assert json.loads(capsys.readouterr().out)["order_kept"] is kept
 
 
+def test_polygons_come_back(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A pyramid over a pentagon, and a quad at one of its sides."""
+    points = "0 0 0\n3 0 0\n4 2 0\n2 4 0\n-1 2 0\n1 2 3\n0 0 -2\n3 0 -2\n"
+    faces = "5 4 3 2 1 0\n3 0 1 5\n3 1 2 5\n3 2 3 5\n3 3 4 5\n3 4 0 5\n4 0 6 7 1\n"
+    Path("a.off").write_text(f"OFF\n8 7 0\n{points}{faces}")
+    assert cli("encode a.off --lossless") == 0
+    printed = capsys.readouterr()
+    assert "8 vertices, 7 polygons (10 triangles)" in printed.out
+    assert printed.err == ""
+    assert cli("info --json a.off.dmesh") == 0
+    described = json.loads(capsys.readouterr().out)
+    assert (described["faces"], described["polygons"]) == (10, 7)
+    assert cli("decode a.off.dmesh back.off") == 0
+    assert "8 vertices, 7 faces" in capsys.readouterr().out
+    assert sorted(meshfile.read_mesh("back.off").sizes) == [3, 3, 3, 3, 3, 4, 5]
+    assert cli("compare --json a.off a.off.dmesh") == 0
+    assert json.loads(capsys.readouterr().out)["errors"]["max"] == 0
+
+
 TEXTURED = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nl 1 2\nusemtl red\nf 1/1 2/1 3/1\n"
 
 

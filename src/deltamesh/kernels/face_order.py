@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh.kernels.coder import CONTEXT, DECODING, Coder, code_bit
-from deltamesh.kernels.face_turn import anchor_corner, code_turn, place_of
+from deltamesh.kernels.face_turn import anchor_corner, code_skipped, code_turn, place_of
 from deltamesh.kernels.jit import Int, inlined, kernel
 from deltamesh.kernels.remaining import (
     Rings,
@@ -49,6 +49,9 @@ _Ints = NDArray[np.int64]
 def code_faces(
     c: Coder,
     faces: _Ints,
+    corners: _Ints,
+    offsets: _Ints,
+    within: _Ints,
     places: _Ints,
     placed: Int,
     mode: Int,
@@ -57,9 +60,11 @@ def code_faces(
     margin: Int,
     stop: Int,
 ) -> Int:
-    """Code which face comes when, `order` (m,), and at which corner it begins, `turns` (m,).
+    """Code which polygon comes when, `order` (m,), and at which corner it begins, `turns` (m,).
 
-    Both are filled in place when decoding. `places` (n,) are the places of the vertices, -1 without
+    Both are filled in place when decoding. The vertices of a polygon are `corners[offsets[i]:
+    offsets[i + 1]]`; it is told by a triangle of it, `faces` (m, 3), whose corners are those by
+    `within` (m, 3). `places` (n,) are the places of the vertices, -1 without
     one; `placed` have one, and the others get the next ones as faces come to use them. The anchor
     of a face is its FIRST vertex, or the OLDEST or NEWEST of those with a place. At most `stop`
     faces are coded. Returns OK or CORRUPT.
@@ -77,10 +82,14 @@ def code_faces(
     value, found = np.zeros(1, np.int64), np.empty(CANDIDATES, np.int64)
     # The vertices of the last two faces, as they came; no vertex at first.
     recent = np.full((2, 3), -1, np.int64)
-    turned = np.zeros(3, np.int64)
+    turned, skips = np.zeros(3, np.int64), np.zeros(1, np.int64)
     previous = np.int64(-1)
     for i in range(min(m, stop)):
-        face, turn = (order[i], turns[i]) if encoding else (np.int64(-1), np.int64(0))
+        face, turn, skipped = np.int64(-1), np.int64(0), np.int64(0)
+        if encoding:
+            face = order[i]
+            size = offsets[face + 1] - offsets[face]
+            turn, skipped = _split(within, face, size, turns[i])
         following = next_left(left, previous + 1)
         way, count, trail = np.int64(NEXT), 0, -1
         if encoding and face != following:
@@ -116,20 +125,39 @@ def code_faces(
             face = code_any(c, left, face, m - i)
         if way != NEAR or mode != FIRST:
             turn = code_turn(c, faces, places, mode, recent, turned, face, turn)
-        order[i], turns[i] = face, turn
+        first, size = offsets[face], offsets[face + 1] - offsets[face]
+        begin = within[face, turn]
+        gap = (within[face, (turn + 1) % 3] - begin) % size
+        if gap > 1:
+            begin += code_skipped(
+                c, corners, first, size, places, recent, skips, begin, gap, skipped
+            )
+        order[i], turns[i] = face, begin % size
         remove(left, face)
         recent[1] = recent[0]
         for j in range(3):
-            v = faces[face, j]
-            leave_ring(rings, v, 3 * face + j)
-            v = faces[face, (turn + j) % 3]
-            recent[0, j] = v
+            leave_ring(rings, faces[face, j], 3 * face + j)
+        for j in range(size):
+            v = corners[first + (begin + j) % size]
+            if j < 3:
+                recent[0, j] = v
             if places[v] < 0:
                 places[v], at[placed] = placed, v
                 placed += 1
         follow(trails, places[faces[face, anchor_corner(faces, places, mode, face, turn)]])
         previous = face
     return OK
+
+
+@inlined
+def _split(within: _Ints, face: Int, size: Int, begin: Int) -> tuple[Int, Int]:
+    """Return the last corner of a triangle up to a corner of its polygon, and how far that is."""
+    turn, least = np.int64(0), size
+    for j in range(3):
+        distance = (begin - within[face, j]) % size
+        if distance < least:
+            turn, least = np.int64(j), distance
+    return turn, least
 
 
 @kernel

@@ -1,4 +1,7 @@
-"""At which corner a face begins, told from a corner that the places of its vertices single out."""
+"""At which corner a polygon begins: at one of its triangle, or some corners after that.
+
+The corner of the triangle is told from one that the places of its vertices single out.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,18 @@ from numpy.typing import NDArray
 
 from deltamesh.kernels.coder import CONTEXT, Coder, code_bit
 from deltamesh.kernels.jit import Int, inlined, kernel
-from deltamesh.kernels.steps import FIRST, INPUTS, NEWEST, OLDEST, TURN, TURN_MIXER, TURN_SIZE
+from deltamesh.kernels.steps import (
+    FIRST,
+    INPUTS,
+    NEWEST,
+    OLDEST,
+    SKIP,
+    SKIP_MIXER,
+    SKIP_SIZE,
+    TURN,
+    TURN_MIXER,
+    TURN_SIZE,
+)
 
 _Ints = NDArray[np.int64]
 
@@ -32,6 +46,54 @@ def anchor_corner(faces: _Ints, places: _Ints, mode: Int, face: Int, turn: Int) 
     return best
 
 
+@inlined
+def _among(recent: _Ints, v: Int) -> Int:
+    """Return where a vertex is among those of the face before, 3 if it is not."""
+    for k in range(3):
+        if recent[0, k] == v:
+            return np.int64(k)
+    return np.int64(3)
+
+
+@inlined
+def _rising(places: _Ints, v: Int, w: Int) -> Int:
+    """Return 0 if the place of v is below that of w, 1 if above, 2 if both have none, or one."""
+    b, d = place_of(places, v), place_of(places, w)
+    return 0 if b < d else (1 if d < b else 2)
+
+
+@kernel
+def code_skipped(
+    c: Coder,
+    corners: _Ints,
+    first: Int,
+    size: Int,
+    places: _Ints,
+    recent: _Ints,
+    skips: _Ints,
+    at: Int,
+    gap: Int,
+    skipped: Int,
+) -> Int:
+    """Code how many corners, below `gap`, after a corner of its triangle a polygon begins.
+
+    corners[first : first + size] are the vertices of the polygon; at : that corner.
+    skips : int64 (1,), the last answers.
+    """
+    state = c.state
+    for k in range(gap - 1):
+        v, w = corners[first + (at + k) % size], corners[first + (at + k + 1) % size]
+        rising = _rising(places, v, w)
+        state[CONTEXT] = SKIP + 12 * _among(recent, v) + 3 * _among(recent, w) + rising
+        state[CONTEXT + 1] = SKIP + SKIP_SIZE + skips[0]
+        state[CONTEXT + 2] = SKIP + 2 * SKIP_SIZE + 12 * min(k, 3) + 4 * rising + skips[0] % 4
+        bit = code_bit(c, 1 if skipped > k else 0, np.int64(SKIP_MIXER))
+        skips[0] = (2 * skips[0] + bit) & 15
+        if bit == 0:
+            return np.int64(k)
+    return np.int64(gap - 1)
+
+
 @kernel
 def code_turn(
     c: Coder,
@@ -49,17 +111,10 @@ def code_turn(
     mask, pattern = 0, 0
     for j in range(3):
         v = faces[face, (base + j) % 3]
-        where = 3
-        for k in range(3):
-            if recent[0, k] == v:
-                where = min(where, k)
+        where = _among(recent, v)
         mask = 2 * mask + (1 if where < 3 else 0)
         pattern = 4 * pattern + where
-    b, d = (
-        place_of(places, faces[face, (base + 1) % 3]),
-        place_of(places, faces[face, (base + 2) % 3]),
-    )
-    rising = 0 if b < d else (1 if d < b else 2)
+    rising = _rising(places, faces[face, (base + 1) % 3], faces[face, (base + 2) % 3])
     straight = (3 - base) % 3
     result = (turn - base) % 3
     for k in range(2):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from deltamesh.kernels import numbers
 from deltamesh.kernels.coder import Coder
-from deltamesh.kernels.jit import Int, inlined, kernel
+from deltamesh.kernels.jit import Flag, Int, inlined, kernel
 from deltamesh.kernels.numbers import code_number, level
 from deltamesh.kernels.residual import (
     ABSOLUTE,
@@ -49,7 +49,8 @@ CANDIDATES = 3  # the ends of the gate, and the apex
 # the shape of the gate's triangle: the shorter of the two sides at its apex over the longer, in
 # eighths.
 SHAPES = 10
-CLASSES = 4 * SHAPES + 4
+INSIDE = 4 * SHAPES + 4  # the first class of vertices that are predicted within quads
+CLASSES = INSIDE + 4 * SHAPES
 
 # Errors of a prediction are remembered over some 2^DECAY vertices of a class. Another than the mean
 # of the parallelograms is taken only if it errs by less than a third as much: per axis, choices are
@@ -63,12 +64,19 @@ MIXERS = numbers.mixers(MAGNITUDES + 1, SIGNS + 1, CANDIDATES)
 
 @kernel
 def code_positions(
-    c: Coder, indptr: _Ints, indices: _Ints, first: _Ints, corners: _Ints, values: _Ints
+    c: Coder,
+    indptr: _Ints,
+    indices: _Ints,
+    first: _Ints,
+    corners: _Ints,
+    within: _Ints,
+    values: _Ints,
 ) -> None:
     """Code `values` (n, 3), filled in place when decoding.
 
     `corners[first[i]:first[i + 1]]` are the vertices (a, b, o), all below i, of the triangles
-    (a, b, o) across an edge of a triangle (a, b, i); the neighbours are as of `adjacency`.
+    (a, b, o) across an edge of a triangle (a, b, i); the first `within[i]` are quads (a, o, b, i)
+    of the mesh. The neighbours are as of `adjacency`.
     """
     n = len(values)
     residuals = np.zeros((n, 3), np.int64)
@@ -80,7 +88,9 @@ def code_positions(
     for i in range(n):
         known[:] = 0
         _look_around(indptr, indices, residuals, i, known)
-        kind = _predict(indptr, indices, first, corners, values, i, predictions, positions, known)
+        kind = _predict(
+            indptr, indices, first, corners, within, values, i, predictions, positions, known
+        )
         value, residual = values[i], residuals[i]
         _code_position(c, kind, predictions, positions, known, errors, fortunes, value, residual)
 
@@ -106,6 +116,7 @@ def _predict(
     indices: _Ints,
     first: _Ints,
     corners: _Ints,
+    within: _Ints,
     values: _Ints,
     i: Int,
     predictions: _Ints,
@@ -117,29 +128,37 @@ def _predict(
     known[KIND] = min(count, 3)
     if count == 0:
         return _predict_alone(indptr, indices, values, i, predictions, positions, known)
-    gate, shape = _gate(first, corners, values, i)
+    inside = within[i]
+    best = inside if inside > 0 else count
+    gate, shape = _gate(corners, values, first[i], first[i] + best)
     a, b, o = corners[gate, 0], corners[gate, 1], corners[gate, 2]
     if _distance(values, b, o) < _distance(values, a, o):
         a, b = b, a
     spread = np.int64(0)
     for axis in range(3):
         total, low, high = np.int64(0), np.int64(4 * BOUND), np.int64(-4 * BOUND)
+        some = np.int64(0)
         for at in range(first[i], first[i + 1]):
             p = values[corners[at, 0], axis] + values[corners[at, 1], axis]
             p -= values[corners[at, 2], axis]
             total += p
+            if at - first[i] < best:
+                some += p
             low, high = min(low, p), max(high, p)
         near, far, apex = values[a, axis], values[b, axis], values[o, axis]
-        predictions[axis, MEAN] = (2 * total + count) // (2 * count)
+        predictions[axis, MEAN] = (2 * some + best) // (2 * best)
         predictions[axis, NEAR] = near
         predictions[axis, LINE] = 2 * near - apex
         predictions[axis, GATE] = near + far - apex
-        predictions[axis, AROUND] = _neighbour_mean(indptr, indices, values, i, axis)
+        if inside > 0:
+            predictions[axis, AROUND] = (2 * total + count) // (2 * count)
+        else:
+            predictions[axis, AROUND] = _neighbour_mean(indptr, indices, values, i, axis)
         positions[axis, 0], positions[axis, 1], positions[axis, 2] = near, far, apex
         known[HINT + axis] = high - low
         spread += high - low
     known[HINT_ALL] = level(spread) // 2
-    return 4 + min(count, 3) * SHAPES + shape
+    return 4 + (min(count, 3) + (4 if inside > 0 else 0)) * SHAPES + shape
 
 
 @inlined
@@ -174,11 +193,11 @@ def _predict_alone(
 
 
 @inlined
-def _gate(first: _Ints, corners: _Ints, values: _Ints, i: Int) -> tuple[Int, Int]:
+def _gate(corners: _Ints, values: _Ints, first: Int, end: Int) -> tuple[Int, Int]:
     """Return the parallelogram whose triangle has the most equal sides at its apex, and these."""
-    gate: Int = first[i]
+    gate: Int = first
     best: Int = np.int64(-1)
-    for at in range(first[i], first[i + 1]):
+    for at in range(first, end):
         o = corners[at, 2]
         one, other = _distance(values, corners[at, 0], o), _distance(values, corners[at, 1], o)
         shape = 8 * min(one, other) // max(one, other, 1)
@@ -225,7 +244,7 @@ def _code_position(
     total = known[ABSOLUTE] + known[ABSOLUTE + 1] + known[ABSOLUTE + 2]
     spent, along = np.int64(0), np.int64(0)
     for axis in range(3):
-        chosen = _chosen(errors[axis, kind])
+        chosen = _chosen(errors[axis, kind], kind >= INSIDE)
         base = predictions[axis, chosen]
         off = predictions[axis, NEAR] - base
         set_magnitudes(magnitudes, known, axis, total, spent)
@@ -251,11 +270,11 @@ def _code_position(
 
 
 @inlined
-def _chosen(errors: _Ints) -> Int:
+def _chosen(errors: _Ints, inside: Flag) -> Int:
     """Return the prediction with the least error."""
     chosen = np.int64(0)
     for k in range(1, PREDICTIONS):
-        margin = MARGIN if chosen == MEAN else 1
+        margin = MARGIN if chosen == MEAN and not (inside and k == AROUND) else 1
         if errors[k] * margin < errors[chosen]:
             chosen = np.int64(k)
     return chosen

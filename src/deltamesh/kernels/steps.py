@@ -59,7 +59,7 @@ ANCHOR, DISTANCE, DISTANCE_BEFORE = range(3)
 REACH = 12
 
 # Slots and mixers: the distances, as vectors of one coordinate; then those of the ways, of the
-# choice at an anchor, and of the turn of a face.
+# choice at an anchor, of the turn of a face, of the corners skipped where a polygon begins.
 INPUTS = 3
 WAY = VECTOR_SLOTS
 WAY_SIZE = 512
@@ -69,14 +69,18 @@ TURN = CHOOSE + INPUTS * CHOOSE_SIZE
 TURN_SIZE = 256
 TRACK = TURN + 2 * INPUTS * TURN_SIZE
 TRACK_INPUTS, TRACK_SIZE = 2, 1024
-SLOTS = TRACK + TRACK_INPUTS * TRACK_SIZE
+SKIP = TRACK + TRACK_INPUTS * TRACK_SIZE
+SKIP_SIZE = 64
+SLOTS = SKIP + INPUTS * SKIP_SIZE
 WAY_MIXER, CHOOSE_MIXER, TURN_MIXER = AXIS_MIXERS, AXIS_MIXERS + 2, AXIS_MIXERS + 3
 TRACK_MIXER = TURN_MIXER + 2
+SKIP_MIXER = TRACK_MIXER + 1
 LIMIT = 255
 MIXERS = (
     *VECTOR_MIXERS[:AXIS_MIXERS],
     *((INPUTS, LIMIT),) * 5,
     (TRACK_INPUTS, LIMIT),
+    (INPUTS, LIMIT),
 )
 
 
