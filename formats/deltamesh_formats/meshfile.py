@@ -63,10 +63,6 @@ def mesh_format(target: PathOrFile, file_format: str | None = None) -> str:
     if found in FORMATS:
         return found
     known = ", ".join(FORMATS)
-    if found == "dmesh":
-        raise MeshError(
-            f"{name}: {found!r} is not a mesh format of others; save and load are for it"
-        )
     if found:
         raise MeshError(f"{name}: {found!r} is not a mesh format known here: {known}")
     raise MeshError(f"{name}: the name does not tell the mesh format; give one of {known}")

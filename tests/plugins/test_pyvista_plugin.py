@@ -88,7 +88,7 @@ def test_lines_points_and_words_are_told(tmp_path: Path) -> None:
     assert mesh.face_data["R"].tolist() == [9]
     assert mesh.face_data["seen"].tolist() == [1]
     with pytest.warns(UserWarning, match=r"not kept in a \.dmesh: 1 cells of single vertices"):
-        made.save(tmp_path / "x.dmesh")
+        write_dmesh(made, str(tmp_path / "x.dmesh"))
 
 
 @pytest.mark.parametrize(
@@ -101,7 +101,7 @@ def test_lines_points_and_words_are_told(tmp_path: Path) -> None:
 )
 def test_what_has_no_faces_is_refused(made: object, message: str, tmp_path: Path) -> None:
     with pytest.raises(deltamesh.MeshError, match=message):
-        made().save(tmp_path / "x.dmesh")
+        write_dmesh(made(), str(tmp_path / "x.dmesh"))
     assert not list(tmp_path.iterdir())
 
 

@@ -191,6 +191,8 @@ def test_files_by_name_and_as_objects(tmp_path: Path) -> None:
         assert np.abs(again.vertices - doubled).max() <= 1e-3
     merged = trimesh.load_mesh(io.BytesIO(data), file_type="dmesh", process=True)
     assert len(merged.vertices) == len(V)
+    with pytest.raises(deltamesh.LimitError):
+        trimesh.load_mesh(io.BytesIO(data), file_type="dmesh", max_vertices=100)
     free = made.export(file_type="dmesh", max_error=1e-3, keep_order=False)
     assert len(free) < len(data)
 

@@ -41,6 +41,7 @@ from deltamesh_formats.seams import at_vertices, split
 from deltamesh_formats.triangles import Triangles
 
 _CORNER: Final = "corner_"
+_DECODING: Final = ("max_vertices", "memory", "solver", "threads")
 
 
 def to_trimesh(mesh: PolyMesh, *, split_seams: bool = False) -> trimesh.Trimesh:
@@ -99,9 +100,11 @@ def from_trimesh(mesh: trimesh.Trimesh | trimesh.Scene) -> PolyMesh:
 def load_dmesh(file_obj: BinaryIO, file_type: str | None = None, **options: Any) -> dict[str, Any]:
     """Return what `Trimesh` is made of; a loader of `trimesh.exchange.load.mesh_loaders`.
 
-    `split_seams` is that of `to_trimesh`; `process` is False unless it is given.
+    `split_seams` is that of `to_trimesh`; `process` is False unless it is given; `max_vertices`,
+    `memory`, `solver` and `threads` are those of `deltamesh.decode`.
     """
-    made = _arguments(decode(file_obj), options.get("split_seams", False))
+    mesh = decode(file_obj, **{name: options[name] for name in _DECODING if name in options})
+    made = _arguments(mesh, options.get("split_seams", False))
     made["metadata"] |= options.get("metadata") or {}
     return {**made, "process": options.get("process", False)}
 
