@@ -70,6 +70,7 @@ ANCHORS: Final = "ANCH"
 DELTAS: Final = "DELT"
 NORMALS: Final = "NORM"
 CARTESIAN: Final = "CART"
+ATTRIBUTES: Final = "ATTR"
 ORDER: Final = "ORDR"
 EXACT: Final = "EXAC"
 CORRECTIONS: Final = "FIXS"
@@ -85,10 +86,10 @@ REQUIRED: Final[Mapping[str, tuple[str, ...]]] = {
 # What follows `CONN`, and what comes after all of these, in this order, where it is needed.
 AFTER_CONNECTIVITY: Final = (STITCHES, COPIES)
 FURTHER: Final[Mapping[str, tuple[str, ...]]] = {
-    "highpass": (CORRECTIONS, ORDER),
-    "cartesian": (ORDER,),
-    "refined": (CORRECTIONS, ORDER),
-    "lossless": (ORDER,),
+    "highpass": (CORRECTIONS, ATTRIBUTES, ORDER),
+    "cartesian": (ATTRIBUTES, ORDER),
+    "refined": (CORRECTIONS, ATTRIBUTES, ORDER),
+    "lossless": (ATTRIBUTES, ORDER),
 }
 KNOWN: Final = frozenset(
     {META, CHECK, *AFTER_CONNECTIVITY}.union(

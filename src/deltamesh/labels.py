@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from deltamesh import entropy
 from deltamesh.elements import Elements
 from deltamesh.kernels import labels as kernels
-from deltamesh.limits import PER_BYTE
 from deltamesh_formats.errors import FormatError
 
 _Ints = NDArray[np.int64]
@@ -64,8 +63,6 @@ def decode_labels(payload: bytes | memoryview, elements: Elements) -> _Ints:
     FormatError
         If no encoder has written the stream; the offset counts from its beginning.
     """
-    if elements.count > 1 + PER_BYTE * (len(payload) + 4):
-        raise FormatError(f"{elements.count} labels do not fit into a stream of this size", 0)
     coder = entropy.decoder(payload, kernels.SLOTS, kernels.MIXERS)
     labels = np.zeros(elements.count, dtype=np.int64)
     if kernels.code_labels(coder, elements.indptr, elements.indices, labels) < 0:

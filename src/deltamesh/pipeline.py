@@ -7,7 +7,7 @@ decode: container -> limits -> structure -> read -> digest -> reconstruct
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
@@ -15,13 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import cartesian, highpass, lossless, refined
+from deltamesh.attributes.coded import Coded, all_arrays, restored
+from deltamesh.attributes.decoding import decode_attributes
+from deltamesh.attributes.encoding import Wanted, encode_attributes
+from deltamesh.attributes.places import Places
 from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
 from deltamesh.limits import check_limits
 from deltamesh.mesh import LARGEST, Mesh
 from deltamesh.metrics import VertexErrors, diagonal, errors_from, mean_edge
 from deltamesh.options import Options, Settings
 from deltamesh.order import decode_order, encode_order
-from deltamesh.polygons import assembled, plain
+from deltamesh.polygons import assembled, plain, sources_of
 from deltamesh.reordering import Order, arrays, order_of, reordered
 from deltamesh.search import Trial, smallest
 from deltamesh.solve import factorization
@@ -101,6 +105,15 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
     payloads |= trial.payloads
     polygons = plain(len(structure.faces))
     result = assembled(trial.vertices[structure.points], structure.faces, polygons)
+    coded: tuple[Coded, ...] = ()
+    if mesh.attributes:
+        progress("attributes")
+        places = Places(structure, polygons)
+        sources = sources_of(polygons, origin.vertices, origin.corners, cut)
+        payloads["ATTR"], coded = encode_attributes(
+            mesh, sources, places, Wanted(12, 10, options.method == "lossless")
+        )
+        result = replace(result, attributes=tuple(map(restored, coded)))
     order = origin.vertices
     face_order, rotation = np.divmod(origin.corners[:, 0], 3)
     kept = None
@@ -110,7 +123,9 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
         payloads["ORDR"] = encode_order(structure.faces, kept)
         result, order = reordered(result, polygons, kept), order[kept.vertices]
         face_order, rotation = np.arange(len(face_order)), np.zeros_like(rotation)
-    checksum = digest(structure.faces, structure.copied, trial.integers, arrays(kept))
+    checksum = digest(
+        structure.faces, structure.copied, trial.integers, (*arrays(kept), *all_arrays(coded))
+    )
     n, m = len(structure.points), len(structure.faces)
     meta = _meta(trial.errors, diagonal(V), options.source_format)
     data = write_container(n, m, trial.parameters, payloads, meta, checksum)
@@ -128,7 +143,8 @@ def decode_mesh(
 ) -> PolyMesh:
     """Decompress a file; see `codec.decode`."""
     container = read_container(data)
-    structure, surface, integers, order = _read(container, max_vertices, memory, progress)
+    read = _read(container, max_vertices, memory, progress)
+    structure, surface, integers, coded, order = read
     progress("positions")
     coder = _METHODS[container.parameters.method]
     _check_scale(container, integers)
@@ -136,12 +152,13 @@ def decode_mesh(
     points = coder.reconstruct(surface, container.parameters, integers, factor)
     polygons = plain(len(structure.faces))
     mesh = assembled(points[structure.points], structure.faces, polygons)
+    mesh = replace(mesh, attributes=tuple(map(restored, coded)))
     return mesh if order is None else reordered(mesh, polygons, order)
 
 
 def _read(
     container: Container, max_vertices: int, memory: int, progress: Progress
-) -> tuple[Structure, Surface, Integers, Order | None]:
+) -> tuple[Structure, Surface, Integers, tuple[Coded, ...], Order | None]:
     """Return everything exact in a file, checked."""
     counts = announced(container)
     check_limits(container, counts, max_vertices, memory)
@@ -151,14 +168,20 @@ def _read(
     progress("geometry")
     surface = surface_of(structure.surface, structure.used, structure.isolated)
     integers = _METHODS[parameters.method].read(surface, parameters, sections)
+    coded: tuple[Coded, ...] = ()
+    if "ATTR" in sections:
+        progress("attributes")
+        with payload_of(sections["ATTR"]) as payload:
+            coded = decode_attributes(payload, Places(structure, plain(len(structure.faces))))
     order = None
     if "ORDR" in sections:
         progress("order")
         with payload_of(sections["ORDR"]) as payload:
             order = decode_order(payload, structure.faces, container.vertices)
-    if digest(structure.faces, structure.copied, integers, arrays(order)) != container.digest:
+    further = (*arrays(order), *all_arrays(coded))
+    if digest(structure.faces, structure.copied, integers, further) != container.digest:
         raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)
-    return structure, surface, integers, order
+    return structure, surface, integers, coded, order
 
 
 def _check_scale(container: Container, integers: Integers) -> None:

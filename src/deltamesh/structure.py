@@ -43,7 +43,7 @@ from deltamesh_formats.layout import Container
 _Ints = NDArray[np.int64]
 
 # The sections that are told by the half-edges of the manifold.
-_NEED_MANIFOLD: Final = frozenset({"STCH", "COPY"})
+_NEED_MANIFOLD: Final = frozenset({"STCH", "COPY", "ATTR"})
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,120 @@
+"""The payload of ATTR to attributes: the mirror of `deltamesh.attributes.encoding`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh.attributes import numbers
+from deltamesh.attributes.coded import Coded
+from deltamesh.attributes.columns import decode_columns
+from deltamesh.attributes.floats import decode_floats
+from deltamesh.attributes.places import Places, alone, among, of_classes
+from deltamesh.attributes.seams import decode_classes
+from deltamesh.elements import Elements
+from deltamesh.labels import decode_labels
+from deltamesh.limits import PER_BYTE
+from deltamesh_formats.attribute_table import FACES, OWN_CLASSES, Entry, read_table
+from deltamesh_formats.errors import FormatError
+
+_Ints = NDArray[np.int64]
+
+
+def decode_attributes(payload: memoryview, places: Places) -> tuple[Coded, ...]:
+    """Return what is in a payload.
+
+    Raises
+    ------
+    FormatError
+        If no encoder has written it; the offset counts from its beginning.
+    """
+    entries, at = read_table(payload)
+    coded: list[Coded] = []
+    for entry in entries:
+        coded.append(_decoded(payload, at, entry, places, coded))
+        at += entry.size
+    return tuple(coded)
+
+
+def _decoded(
+    payload: memoryview, at: int, entry: Entry, places: Places, before: list[Coded]
+) -> Coded:
+    streams = list(_streams(entry, at))
+    of_elements, classes, elements = _units(payload, streams, entry, places, before)
+    has = np.ones(elements.count, dtype=bool)
+    if entry.partly:
+        found = _labels(payload, streams.pop(0), elements)
+        if found.max(initial=0) > 1:
+            raise FormatError("elements that have more or less than a value", at)
+        has = (found == 1) == entry.first_none
+    near = among(elements, has)
+    labels = np.arange(near.count)
+    rows = near
+    if entry.palette is not None:
+        labels = _labels(payload, streams.pop(0), near)
+        if int(labels.max(initial=-1)) + 1 != entry.palette:
+            raise FormatError("a palette of another number of rows", at)
+        rows = alone(entry.palette)
+    codes = decode_rows(payload, streams, entry, rows)
+    try:
+        numbers.check_codes(entry, codes)
+    except FormatError as error:
+        raise FormatError(error.reason, at) from None
+    return Coded(entry, of_elements, classes, has, labels, codes)
+
+
+def decode_rows(
+    payload: memoryview, streams: list[tuple[int, int]], entry: Entry, elements: Elements
+) -> _Ints:
+    """Return the rows (n, c) of elements.
+
+    Raises
+    ------
+    FormatError
+    """
+    width = entry.columns
+    if entry.coding == "exact":
+        return decode_floats(payload, streams, elements, width, entry.number_size)
+    for begin, end in streams:
+        if 3 * elements.count > PER_BYTE * (end - begin + 4):
+            raise FormatError("more values of an attribute than fit into its bytes", begin)
+    found = decode_columns(payload, streams, elements, width)
+    return numbers.unmixed(found) if entry.mixed else found
+
+
+def _labels(payload: memoryview, stream: tuple[int, int], elements: Elements) -> _Ints:
+    begin, end = stream
+    try:
+        return decode_labels(payload[begin:end], elements)
+    except FormatError as error:
+        raise FormatError(error.reason, begin + (error.offset or 0)) from None
+
+
+def _streams(entry: Entry, at: int) -> Iterator[tuple[int, int]]:
+    for size in entry.sizes:
+        yield at, at + size
+        at += size
+
+
+def _units(
+    payload: memoryview,
+    streams: list[tuple[int, int]],
+    entry: Entry,
+    places: Places,
+    before: list[Coded],
+) -> tuple[_Ints, _Ints | None, Elements]:
+    """Return the unit of each element, the classes of corners, and the units' elements."""
+    if entry.domain != "corner":
+        elements = places.vertices if entry.domain == "vertex" else places.faces
+        return places.units(entry.domain), None, elements
+    if entry.classes == FACES:
+        return places.face_of_corners, None, places.faces
+    if entry.classes == OWN_CLASSES:
+        classes = decode_classes(payload, *streams.pop(0), places.structure)
+    else:
+        shared = before[entry.classes - 2].classes
+        assert shared is not None  # by the rules of the table
+        classes = shared
+    return classes[places.polygons.corners], classes, of_classes(classes)
