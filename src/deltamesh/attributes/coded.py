@@ -46,6 +46,8 @@ class Coded:
         return self.units, self.has.astype(np.int64), self.labels, self.codes
 
 
+# Any bits may be numbers, those of a signalling NaN too.
+@np.errstate(over="ignore", invalid="ignore")
 def restored(coded: Coded) -> Attribute:
     """Return the attribute: of vertices and faces row by row, where all have one."""
     entry = coded.entry

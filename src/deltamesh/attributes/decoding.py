@@ -22,6 +22,8 @@ from deltamesh_formats.errors import FormatError
 _Ints = NDArray[np.int64]
 
 
+# Any bits may be numbers, those of a signalling NaN too.
+@np.errstate(over="ignore", invalid="ignore")
 def decode_attributes(payload: memoryview, places: Places) -> tuple[Coded, ...]:
     """Return what is in a payload.
 

@@ -59,6 +59,8 @@ class _Units:
     stream: bytes | None
 
 
+# Any bits may be numbers, those of a signalling NaN too.
+@np.errstate(over="ignore", invalid="ignore")
 def encode_attributes(
     mesh: PolyMesh, sources: Sources, places: Places, wanted: Wanted
 ) -> tuple[bytes, tuple[Coded, ...]]:

@@ -56,11 +56,10 @@ def encode_floats(elements: Elements, bits: _Ints, size: int) -> list[bytes]:
 
 def _encoded(elements: Elements, bits: _Ints, size: int) -> bytes:
     V = from_bits(bits, np.dtype(f"f{size}")).astype(np.float64)
-    with np.errstate(over="ignore", invalid="ignore"):
-        short = V.astype(np.float32)
-        single = size < 8 or bool((short.astype(np.float64).view(np.int64) == bits).all())
-        usable = np.abs(V) <= LARGEST
-        errors = parallelogram_errors(V, elements)
+    short = V.astype(np.float32)
+    single = size < 8 or bool((short.astype(np.float64).view(np.int64) == bits).all())
+    usable = np.abs(V) <= LARGEST
+    errors = parallelogram_errors(V, elements)
     raw = bits_of(short) if single and size == 8 else bits
     axes, classes, values = [], np.empty_like(bits), np.empty_like(bits)
     for a in range(3):
@@ -113,8 +112,7 @@ def _decoded(payload: memoryview, elements: Elements, size: int) -> _Ints:
     V = np.empty(values.shape)
     for a, how in enumerate(axes):
         V[:, a] = to_values(classes[:, a], np.where(classes == RAW, 0, values)[:, a], how, single)
-    with np.errstate(over="ignore"):
-        numbers = V.astype(f"f{size}")
+    numbers = V.astype(f"f{size}")
     if not (np.abs(V) <= LARGEST).all() or (numbers != V).any():
         raise FormatError(f"a number that none of {8 * size} bits is", at)
     raw = values[classes == RAW]

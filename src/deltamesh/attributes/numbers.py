@@ -40,8 +40,7 @@ def to_values(entry: Entry, codes: _Ints) -> _Any:
         return from_bits(codes, entry.dtype)
     if entry.coding == "grid":
         origin = np.array(entry.origin, dtype=np.float64)
-        with np.errstate(over="ignore"):
-            return (origin + codes / entry.density).astype(entry.dtype)
+        return (origin + codes / entry.density).astype(entry.dtype)
     words = _joined(entry, codes)
     if entry.dtype.kind == "i":
         return words.view(np.int64).astype(entry.dtype)
@@ -121,9 +120,8 @@ def grid_entry(entry: Entry, values: _Any, bits: int) -> Entry | None:
     V = values.astype(np.float64)
     if not V.size or not np.isfinite(V).all():
         return None
-    with np.errstate(over="ignore"):
-        extent = float(np.ptp(V, axis=0).max())
-        density = ((1 << bits) - 1) / extent if extent > 0 else 1.0
+    extent = float(np.ptp(V, axis=0).max())
+    density = ((1 << bits) - 1) / extent if extent > 0 else 1.0
     if not (0 < density < np.inf and np.isfinite(extent)):
         return None
     origin = tuple(V.min(axis=0).tolist())
