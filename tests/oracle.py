@@ -743,7 +743,9 @@ def code_labels(coder, neighbours, labels):
             votes[done[u]] = votes.get(done[u], 0) + 1
         order = _by_votes([done[u] for u in known])
         before, earlier = [*reversed(done[-2:]), -1, -1][:2]
-        for further in (before, expected):
+        unknown = [u for u in neighbours[i] if u > i]
+        ahead = [done[w] for u in unknown for w in neighbours[u] if w < i][:16]
+        for further in (before, expected, *ahead):
             if further not in (*order, -1, None):
                 order.append(further)
         found = None
@@ -753,14 +755,17 @@ def code_labels(coder, neighbours, labels):
             matched = 0 if expected is None else 1 + (expected != label)
             share = 0 if vote == 0 else 1 + (vote == len(known))
             way = number_of(outcomes, 2)
+            same, differ = ahead.count(label), len(ahead) - ahead.count(label)
+            front = (min(same, 3) * 4 + min(differ, 3)) * 2 + last
             slots = label_slots(
                 0,
                 (((min(vote, 7) * 16 + len(known)) * 8 + min(len(order) - k, 4)) * 4 + rank) * 2
                 + last,
                 ((min(length, 15) * 8 + number_of(right, 2)) * 3 + matched) * 4 + rank,
                 joined(label, before, earlier),
-                joined(label, other, rank),
-                ((way * 4 + rank) * 3 + share) * 2 + last,
+                joined(label, other, front),
+                (front * 8 + min(vote, 7)) * 4 + min(len(known), 3),
+                (((way * 4 + rank) * 3 + share) * 2 + last) * 9 + min(same, 2) * 3 + min(differ, 2),
                 ((matched * 2 + last) * 3 + share) * 8 + min(length, 7),
             )
             if coder.bit(int(wanted == label), slots, min(k, 2)):

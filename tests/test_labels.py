@@ -199,7 +199,7 @@ def test_patches_cost_about_a_bit_an_element_on_their_boundaries() -> None:
     pairs = np.repeat(np.arange(len(F)), np.diff(these.indptr))
     on_boundary = np.unique(pairs[inside[pairs] != inside[these.indices]])
     assert 100 < len(on_boundary) < 0.1 * len(F)
-    assert 8 * size(these, inside.astype(np.int64)) < 2.2 * len(on_boundary)
+    assert 8 * size(these, inside.astype(np.int64)) < 1.8 * len(on_boundary)
 
 
 def test_noise_costs_little_more_than_its_entropy() -> None:

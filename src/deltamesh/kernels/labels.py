@@ -3,9 +3,10 @@
 The labels of the known neighbours are candidates, the one that most of them have first; then the
 label of the element before; then what followed the last time that the labels were as they are
 now, the match model of Mahoney ("Adaptive weighing of context models for lossless data
-compression", 2005). Candidates are asked for one by one. Another label is new, which is the next
-number, or its number is spelled from the low bit up, where bits that would lead to no label are
-left out: no stream can name one that is none.
+compression", 2005); then what lies ahead, the known neighbours of unknown ones. Candidates are
+asked for one by one. Another label is new, which is the next number, or its number is spelled
+from the low bit up, where bits that would lead to no label are left out: no stream can name one
+that is none.
 """
 
 from __future__ import annotations
@@ -20,13 +21,14 @@ from deltamesh.kernels.numbers import hashed
 _Ints = NDArray[np.int64]
 
 NEIGHBOURS = 8  # that are looked at, the latest ones
-CANDIDATES = NEIGHBOURS + 2
+AHEAD = 16  # labels ahead that are looked at, the first ones
+CANDIDATES = NEIGHBOURS + AHEAD + 2
 DIGITS = 40  # of a number: more labels than elements there may be
 LONGEST = 15  # of a match, as a context
 
 # Contexts are hashed by these numbers and those that follow them, as many as inputs.
 CANDIDATE, NEW, DIGIT = 0, 8, 12
-INPUTS = (6, 3, 3)
+INPUTS = (7, 3, 3)
 SLOTS = 1 << 18
 FOLLOWERS = 1 << 16
 
@@ -55,15 +57,17 @@ def code_labels(c: Coder, indptr: _Ints, indices: _Ints, labels: _Ints) -> Int:
     """
     followers = np.full(FOLLOWERS, -1, np.int64)
     candidates, votes = np.empty(CANDIDATES, np.int64), np.empty(CANDIDATES, np.int64)
+    ahead = np.empty(AHEAD, np.int64)
     seen = np.int64(0)
     match, length, fared = np.int64(-1), np.int64(0), np.int64(0)
     hits, news = np.int64(0), np.int64(0)
     for i in range(len(labels)):
         expected = labels[match] if match >= 0 else np.int64(-1)
         known = _vote(indptr, indices, labels, i, candidates, votes)
-        found = _others(labels, i, expected, candidates, votes)
+        front = ahead[: _look_ahead(indptr, indices, labels, i, ahead)]
+        found = _others(labels, i, expected, front, candidates, votes)
         label = _code_candidate(
-            c, labels, i, candidates, votes, found, known, expected, length, fared, hits
+            c, labels, i, candidates, votes, found, known, front, expected, length, fared, hits
         )
         if found > 0:
             hits = (2 * hits + (label >= 0 and label == candidates[0])) & 63
@@ -118,13 +122,34 @@ def _vote(
 
 
 @inlined
-def _others(labels: _Ints, i: Int, expected: Int, candidates: _Ints, votes: _Ints) -> Int:
-    """Add the label before and the one that is expected; return how many candidates there are."""
+def _look_ahead(indptr: _Ints, indices: _Ints, labels: _Ints, i: Int, ahead: _Ints) -> Int:
+    """Find the labels of the known neighbours of unknown ones; return how many."""
+    found = 0
+    for at in range(indptr[i], indptr[i + 1]):
+        u = indices[at]
+        if u < i:
+            continue
+        for by in range(indptr[u], indptr[u + 1]):
+            if indices[by] >= i or found == AHEAD:
+                break
+            ahead[found] = labels[indices[by]]
+            found += 1
+    return found
+
+
+@inlined
+def _others(
+    labels: _Ints, i: Int, expected: Int, ahead: _Ints, candidates: _Ints, votes: _Ints
+) -> Int:
+    """Add the label before, the expected one, those ahead; return how many candidates there are."""
     found = 0
     while votes[found] > 0:
         found += 1
-    for turn in range(2):
-        label = expected if turn == 1 else (labels[i - 1] if i > 0 else np.int64(-1))
+    for turn in range(-2, len(ahead)):
+        if turn >= 0:
+            label = ahead[turn]
+        else:
+            label = expected if turn == -1 else (labels[i - 1] if i > 0 else np.int64(-1))
         k = 0
         while k < found and candidates[k] != label:
             k += 1
@@ -143,6 +168,7 @@ def _code_candidate(
     votes: _Ints,
     found: Int,
     known: Int,
+    ahead: _Ints,
     expected: Int,
     length: Int,
     fared: Int,
@@ -157,15 +183,23 @@ def _code_candidate(
         other = candidates[1 if k == 0 else 0] if found > 1 else np.int64(-1)
         matched = 0 if expected < 0 else (1 if expected == label else 2)
         last = 1 if label == before else 0
+        share = 0 if votes[k] == 0 else (1 if votes[k] < known else 2)
+        same = 0
+        for at in range(len(ahead)):
+            same += ahead[at] == label
+        differ = len(ahead) - same
         agreement = (min(votes[k], 7) * 16 + known) * 8 + rivals
         _set(c, 0, np.int64(CANDIDATE), (agreement * 4 + rank) * 2 + last)
         trust = (min(length, LONGEST) * 8 + fared) * 3 + matched
         _set(c, 1, np.int64(CANDIDATE), trust * 4 + rank)
         _set(c, 2, np.int64(CANDIDATE), _joined(_joined(label, before), earlier))
-        _set(c, 3, np.int64(CANDIDATE), _joined(_joined(label, other), rank))
-        share = 0 if votes[k] == 0 else (1 if votes[k] < known else 2)
-        _set(c, 4, np.int64(CANDIDATE), ((hits * 4 + rank) * 3 + share) * 2 + last)
-        _set(c, 5, np.int64(CANDIDATE), ((matched * 2 + last) * 3 + share) * 8 + min(length, 7))
+        front = (min(same, 3) * 4 + min(differ, 3)) * 2 + last
+        _set(c, 3, np.int64(CANDIDATE), _joined(_joined(label, other), front))
+        _set(c, 4, np.int64(CANDIDATE), (front * 8 + min(votes[k], 7)) * 4 + min(known, 3))
+        way = (hits * 4 + rank) * 3 + share
+        _set(c, 5, np.int64(CANDIDATE), (way * 2 + last) * 9 + min(same, 2) * 3 + min(differ, 2))
+        run = ((matched * 2 + last) * 3 + share) * 8 + min(length, 7)
+        _set(c, 6, np.int64(CANDIDATE), run)
         if code_bit(c, np.int64(labels[i] == label), np.int64(CANDIDATE_MIXER + min(k, 2))) == 1:
             return label
     return np.int64(-1)
