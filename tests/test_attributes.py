@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
-import forging
-import meshes
 import numpy as np
-import pytest
 import strategies
 from hypothesis import given
 from hypothesis import strategies as st
@@ -18,7 +14,6 @@ from deltamesh import decode
 from deltamesh.options import Options
 from deltamesh.pipeline import Encoded, encode_mesh
 from deltamesh_formats.attribute_table import TYPES, Entry, read_table
-from deltamesh_formats.errors import FormatError, MeshError
 from deltamesh_formats.polymesh import Attribute, PolyMesh, from_triangles
 from deltamesh_formats.reader import read_container
 

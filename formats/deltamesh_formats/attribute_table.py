@@ -38,7 +38,7 @@ _CODING: Final = 3
 # A residual of such numbers is below 2^30: its length ends with a bit of zero, so that no number of
 # elements takes no bytes.
 MAX_LIMB_BITS: Final = 29
-MAX_NORMAL_BITS: Final = 15
+MAX_NORMAL_BITS: Final = 30
 
 # What the corners of an attribute are coded by, where it is not the classes of attribute k, k + 2.
 OWN_CLASSES, FACES = 0, 1
@@ -121,7 +121,7 @@ class Entry:
     def columns(self) -> int:
         """Columns that are coded."""
         if self.coding == "octahedral":
-            return 2
+            return 3
         return self.numbers * (self.limbs if self.coding == "integer" else 1)
 
     @property

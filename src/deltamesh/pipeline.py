@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from deltamesh import cartesian, highpass, lossless, refined
 from deltamesh.attributes.coded import Coded, all_arrays, restored
 from deltamesh.attributes.decoding import decode_attributes
-from deltamesh.attributes.encoding import Wanted, encode_attributes
+from deltamesh.attributes.encoding import encode_attributes
 from deltamesh.attributes.places import Places
+from deltamesh.attributes.ways import Wanted
 from deltamesh.geometry import Integers, Surface, digest, payload_of, surface_of
 from deltamesh.limits import check_limits
 from deltamesh.mesh import LARGEST, Mesh
@@ -32,6 +33,7 @@ from deltamesh.solve import factorization
 from deltamesh.structure import Structure, announced, decode_structure, encode_structure
 from deltamesh.targets import bounds_of
 from deltamesh.version import __version__
+from deltamesh_formats.dropping import without
 from deltamesh_formats.errors import FormatError, MeshError
 from deltamesh_formats.layout import Container, Meta
 from deltamesh_formats.polymesh import PolyMesh, from_triangles
@@ -46,6 +48,10 @@ _METHODS: Final = {
     "cartesian": cartesian,
     "lossless": lossless,
 }
+
+
+# How far apart positions of two decoders may be, in diagonals of the bounding box (SPEC.md 5.4).
+SOLVED: Final = 1e-9
 
 
 def silent(stage: str) -> None:
@@ -79,6 +85,7 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
     """Compress a checked mesh; see `codec.encode`."""
     if isinstance(mesh, Mesh):
         mesh = from_triangles(mesh.vertices, mesh.faces)
+    mesh = without(mesh, options.drop)
     cut = mesh.triangles()
     triangles = Mesh(mesh.vertices, cut.faces)
     if len(cut.faces) == 0:
@@ -110,10 +117,9 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
         progress("attributes")
         places = Places(structure, polygons)
         sources = sources_of(polygons, origin.vertices, origin.corners, cut)
-        payloads["ATTR"], coded = encode_attributes(
-            mesh, sources, places, Wanted(12, 10, options.method == "lossless")
-        )
-        result = replace(result, attributes=tuple(map(restored, coded)))
+        wanted = _wanted(options, trial, result.vertices, diagonal(V))
+        payloads["ATTR"], coded = encode_attributes(mesh, sources, places, wanted)
+        result = _with_attributes(result, coded, places)
     order = origin.vertices
     face_order, rotation = np.divmod(origin.corners[:, 0], 3)
     kept = None
@@ -152,7 +158,7 @@ def decode_mesh(
     points = coder.reconstruct(surface, container.parameters, integers, factor)
     polygons = plain(len(structure.faces))
     mesh = assembled(points[structure.points], structure.faces, polygons)
-    mesh = replace(mesh, attributes=tuple(map(restored, coded)))
+    mesh = _with_attributes(mesh, coded, Places(structure, polygons))
     return mesh if order is None else reordered(mesh, polygons, order)
 
 
@@ -182,6 +188,22 @@ def _read(
     if digest(structure.faces, structure.copied, integers, further) != container.digest:
         raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)
     return structure, surface, integers, coded, order
+
+
+def _wanted(options: Options, trial: Trial, V: NDArray[np.float64], scale: float) -> Wanted:
+    """Return how attributes are coded, at positions of this scale."""
+    exact = trial.parameters.method in ("cartesian", "lossless")
+    return Wanted(
+        bits_uv=options.bits_uv,
+        bits_normal=options.bits_normal,
+        lossless=options.lossless_attributes or options.method == "lossless",
+        positions=V,
+        tolerance=0.0 if exact else SOLVED * scale,
+    )
+
+
+def _with_attributes(mesh: PolyMesh, coded: tuple[Coded, ...], places: Places) -> PolyMesh:
+    return replace(mesh, attributes=tuple(restored(one, places, mesh.vertices) for one in coded))
 
 
 def _check_scale(container: Container, integers: Integers) -> None:

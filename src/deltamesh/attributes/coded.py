@@ -8,7 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh.attributes.directions import surroundings
 from deltamesh.attributes.numbers import to_values
+from deltamesh.attributes.places import Places
+from deltamesh.unit_normals import Normals, values_of
 from deltamesh_formats.attribute_table import Entry
 from deltamesh_formats.polymesh import Attribute
 
@@ -31,6 +34,8 @@ class Coded:
     labels : int64 (values,)
         The row of each unit that has one.
     codes : int64 (rows, columns)
+    normals : Normals or None
+        What the codes are of, where the coding is octahedral; each unit has a row then.
     """
 
     entry: Entry
@@ -39,6 +44,7 @@ class Coded:
     has: NDArray[np.bool_]
     labels: _Ints
     codes: _Ints
+    normals: Normals | None = None
 
     @property
     def arrays(self) -> tuple[_Ints, ...]:
@@ -48,18 +54,28 @@ class Coded:
 
 # Any bits may be numbers, those of a signalling NaN too.
 @np.errstate(over="ignore", invalid="ignore")
-def restored(coded: Coded) -> Attribute:
-    """Return the attribute: of vertices and faces row by row, where all have one."""
-    entry = coded.entry
+def restored(coded: Coded, places: Places, V: NDArray[np.float64]) -> Attribute:
+    """Return the attribute: of vertices and faces row by row, where all have one.
+
+    Parameters
+    ----------
+    coded : Coded
+    places : Places
+    V : float64 (n, 3)
+        Decoded positions of the vertices.
+    """
+    e = coded.entry
+    if coded.normals is None:
+        values = to_values(e, coded.codes)
+    else:
+        around = surroundings(e, coded.units, len(coded.has), places)
+        values = values_of(coded.normals, V, around).astype(e.dtype)
     row = np.full(len(coded.has), -1, dtype=np.int64)
     row[coded.has] = coded.labels
-    values, index = to_values(entry, coded.codes), row[coded.units]
-    attribute = Attribute(entry.name, entry.domain, values, entry.role, index, entry.normalized)
-    if entry.domain == "corner" or not coded.has.all():
-        return attribute
-    return Attribute(
-        entry.name, entry.domain, values[index], entry.role, normalized=entry.normalized
-    )
+    index = row[coded.units]
+    if e.domain == "corner" or not coded.has.all():
+        return Attribute(e.name, e.domain, values, e.role, index, e.normalized)
+    return Attribute(e.name, e.domain, values[index], e.role, normalized=e.normalized)
 
 
 def all_arrays(coded: Iterable[Coded]) -> tuple[_Ints, ...]:

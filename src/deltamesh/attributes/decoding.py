@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 from deltamesh.attributes import numbers
 from deltamesh.attributes.coded import Coded
 from deltamesh.attributes.columns import decode_columns
+from deltamesh.attributes.directions import decode_directions
 from deltamesh.attributes.floats import decode_floats
-from deltamesh.attributes.places import Places, alone, among, of_classes
-from deltamesh.attributes.seams import decode_classes
+from deltamesh.attributes.places import Places, alone, among
+from deltamesh.attributes.units import decode_units
 from deltamesh.elements import Elements
 from deltamesh.labels import decode_labels
 from deltamesh.limits import PER_BYTE
-from deltamesh_formats.attribute_table import FACES, OWN_CLASSES, Entry, read_table
+from deltamesh_formats.attribute_table import Entry, read_table
 from deltamesh_formats.errors import FormatError
 
 _Ints = NDArray[np.int64]
@@ -41,41 +42,39 @@ def decode_attributes(payload: memoryview, places: Places) -> tuple[Coded, ...]:
 
 
 def _decoded(
-    payload: memoryview, at: int, entry: Entry, places: Places, before: list[Coded]
+    payload: memoryview, at: int, entry: Entry, places: Places, before: Sequence[Coded]
 ) -> Coded:
-    streams = list(_streams(entry, at))
-    of_elements, classes, elements = _units(payload, streams, entry, places, before)
-    has = np.ones(elements.count, dtype=bool)
+    streams = list(_places_of(entry, at))
+    units = decode_units(payload, streams, entry, places, before)
+    has = np.ones(units.elements.count, dtype=bool)
     if entry.partly:
-        found = _labels(payload, streams.pop(0), elements)
+        found = _labels(payload, streams.pop(0), units.elements)
         if found.max(initial=0) > 1:
             raise FormatError("elements that have more or less than a value", at)
         has = (found == 1) == entry.first_none
-    near = among(elements, has)
-    labels = np.arange(near.count)
-    rows = near
+    if entry.coding == "octahedral":
+        normals = decode_directions(payload, streams[0], entry, units.elements)
+        rows = np.flatnonzero(has)
+        return Coded(entry, units.of_elements, units.classes, has, rows, normals.codes, normals)
+    near = among(units.elements, has)
+    labels, of_rows = np.arange(near.count), near
     if entry.palette is not None:
         labels = _labels(payload, streams.pop(0), near)
         if int(labels.max(initial=-1)) + 1 != entry.palette:
             raise FormatError("a palette of another number of rows", at)
-        rows = alone(entry.palette)
-    codes = decode_rows(payload, streams, entry, rows)
+        of_rows = alone(entry.palette)
+    codes = _rows(payload, streams, entry, of_rows)
     try:
         numbers.check_codes(entry, codes)
     except FormatError as error:
         raise FormatError(error.reason, at) from None
-    return Coded(entry, of_elements, classes, has, labels, codes)
+    return Coded(entry, units.of_elements, units.classes, has, labels, codes)
 
 
-def decode_rows(
+def _rows(
     payload: memoryview, streams: list[tuple[int, int]], entry: Entry, elements: Elements
 ) -> _Ints:
-    """Return the rows (n, c) of elements.
-
-    Raises
-    ------
-    FormatError
-    """
+    """Return the rows (n, c) of elements."""
     width = entry.columns
     if entry.coding == "exact":
         return decode_floats(payload, streams, elements, width, entry.number_size)
@@ -94,29 +93,7 @@ def _labels(payload: memoryview, stream: tuple[int, int], elements: Elements) ->
         raise FormatError(error.reason, begin + (error.offset or 0)) from None
 
 
-def _streams(entry: Entry, at: int) -> Iterator[tuple[int, int]]:
+def _places_of(entry: Entry, at: int) -> Iterator[tuple[int, int]]:
     for size in entry.sizes:
         yield at, at + size
         at += size
-
-
-def _units(
-    payload: memoryview,
-    streams: list[tuple[int, int]],
-    entry: Entry,
-    places: Places,
-    before: list[Coded],
-) -> tuple[_Ints, _Ints | None, Elements]:
-    """Return the unit of each element, the classes of corners, and the units' elements."""
-    if entry.domain != "corner":
-        elements = places.vertices if entry.domain == "vertex" else places.faces
-        return places.units(entry.domain), None, elements
-    if entry.classes == FACES:
-        return places.face_of_corners, None, places.faces
-    if entry.classes == OWN_CLASSES:
-        classes = decode_classes(payload, *streams.pop(0), places.structure)
-    else:
-        shared = before[entry.classes - 2].classes
-        assert shared is not None  # by the rules of the table
-        classes = shared
-    return classes[places.polygons.corners], classes, of_classes(classes)

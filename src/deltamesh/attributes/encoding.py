@@ -5,8 +5,8 @@ An attribute is coded in every way that fits what it is, and the smallest is kep
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -15,48 +15,24 @@ from numpy.typing import NDArray
 from deltamesh.attributes import numbers
 from deltamesh.attributes.coded import Coded
 from deltamesh.attributes.columns import encode_columns
+from deltamesh.attributes.directions import encode_directions, surroundings
 from deltamesh.attributes.floats import encode_floats
-from deltamesh.attributes.places import Places, alone, among, of_classes
-from deltamesh.attributes.seams import encode_classes
+from deltamesh.attributes.places import Places, alone, among
+from deltamesh.attributes.units import Units, encode_units
+from deltamesh.attributes.ways import Wanted, ways_of
 from deltamesh.elements import Elements
 from deltamesh.labels import encode_labels, numbered
 from deltamesh.polygons import Sources
-from deltamesh_formats.attribute_table import FACES, OWN_CLASSES, TYPES, Entry, write_table
+from deltamesh_formats.attribute_table import TYPES, Entry, write_table
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh import Attribute, PolyMesh
 
 _Ints = NDArray[np.int64]
 _Any = NDArray[Any]
 
-# A palette is tried where there are fewer different rows than that, and these few of all.
-_MOST_COLOURS: Final = 4096
-_FEW: Final = 4
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """How attributes are to be coded.
-
-    Attributes
-    ----------
-    bits_uv, bits_normal : int
-    lossless : bool
-    """
-
-    bits_uv: int
-    bits_normal: int
-    lossless: bool
-
-
-@dataclass(frozen=True)
-class _Units:
-    """What the values of an attribute belong to, and the stream of it."""
-
-    classes: int
-    of_elements: _Ints
-    of_corners: _Ints | None
-    elements: Elements
-    stream: bytes | None
+# A palette is tried where there are not more different rows, and at most one for so many of all.
+_MOST_DIFFERENT: Final = 4096
+_EACH: Final = 4
 
 
 # Any bits may be numbers, those of a signalling NaN too.
@@ -85,14 +61,13 @@ def encode_attributes(
     streams: list[bytes] = []
     for attribute in mesh.attributes:
         check_attribute(attribute, mesh)
-        rows = attribute.rows()[came_from[attribute.domain]]
-        used, rows = _used(rows)
+        used, rows = _used(attribute.rows()[came_from[attribute.domain]])
         values = _native(attribute.values[used])
         ways = (
-            _encoded(entry, values, rows, places, coded)
-            for entry in _entries(attribute, values, wanted)
+            _encoded(way, values, rows, places, wanted, coded)
+            for way in ways_of(attribute, values, wanted)
         )
-        one, parts = min(ways, key=lambda way: sum(map(len, way[1])))
+        one, parts = min(ways, key=lambda way: way[0].entry.size)
         coded.append(one)
         streams += parts
     return write_table(tuple(one.entry for one in coded)) + b"".join(streams), tuple(coded)
@@ -130,93 +105,90 @@ def _native(values: _Any) -> _Any:
     return np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("="))
 
 
-def _entries(attribute: Attribute, values: _Any, wanted: Wanted) -> Iterator[Entry]:
-    """Yield the ways in which values (r, width) may be coded; there is at least one."""
-    a = attribute
-    entry = Entry(a.name, a.domain, a.role, values.dtype, a.width, a.normalized, "exact")
-    can_mix = a.role == "colour" and a.width >= 3
-    for one in _plain_entries(entry, values, wanted):
-        yield one
-        if can_mix and one.coding != "exact" and one.limbs == 1:
-            yield replace(one, mixed=True)
-
-
-def _plain_entries(entry: Entry, values: _Any, wanted: Wanted) -> Iterator[Entry]:
-    if values.dtype.kind in "bui":
-        yield from numbers.integer_entries(entry, values)
-        return
-    yield entry
-    if values.dtype.kind == "c":
-        return
-    levels = numbers.colour_entry(entry, values) if entry.role == "colour" else None
-    if levels is not None and (not wanted.lossless or numbers.is_lossless(levels, values)):
-        yield levels
-    if entry.role == "uv" and not wanted.lossless:
-        grid = numbers.grid_entry(entry, values, wanted.bits_uv)
-        if grid is not None:
-            yield grid
-
-
 def _encoded(
-    entry: Entry, values: _Any, rows: _Ints, places: Places, before: list[Coded]
+    entry: Entry,
+    values: _Any,
+    rows: _Ints,
+    places: Places,
+    wanted: Wanted,
+    before: Sequence[Coded],
 ) -> tuple[Coded, list[bytes]]:
     """Return an attribute that is coded so, and its streams.
 
     rows : int64 (count,), into `values`, -1 for none.
     """
-    codes, ids = _distinct(numbers.to_codes(entry, values))
-    ids = np.where(rows < 0, -1, ids[rows]) if len(ids) else rows
-    units = _units(entry, ids, places, before)
-    of_units = np.full(units.elements.count, -1, dtype=np.int64)
-    of_units[units.of_elements] = ids
-    has = of_units >= 0
-    streams = [] if units.stream is None else [units.stream]
-    entry = replace(entry, classes=units.classes)
+    codes = numbers.to_codes(entry, values)
+    first, ids = _different(codes)
+    same = np.append(first[ids], -1)[rows]  # the first row with the same codes
+    units = encode_units(entry, same, places, before)
+    of_units = np.empty(units.elements.count, dtype=np.int64)
+    of_units[units.of_elements] = same
+    has, streams = of_units >= 0, units.streams
+    entry = replace(entry, classes=units.reference)
     if not has.all():
-        streams.append(encode_labels(units.elements, numbered(has.astype(np.int64))[0]))
+        streams = [*streams, encode_labels(units.elements, numbered(has.astype(np.int64))[0])]
         entry = replace(entry, partly=True, first_none=not has[0])
-    near, labels = among(units.elements, has), of_units[has]
-    rows, palette = np.arange(near.count), None
-    rest = encode_rows(entry, codes[labels], near)
-    if 0 < len(codes) <= min(_MOST_COLOURS, len(labels) // _FEW + 1):
-        named, order = numbered(labels)
-        other = [encode_labels(near, named), *encode_rows(entry, codes[order], alone(len(order)))]
-        if sum(map(len, other)) < sum(map(len, rest)):
-            rest, rows, labels, palette = other, named, order, len(order)
-    streams += rest
-    entry = replace(entry, palette=palette, sizes=tuple(map(len, streams)))
-    one = Coded(entry, units.of_elements, units.of_corners, has, rows, codes[labels])
-    return one, streams
+    chosen = of_units[has]
+    way = _directions if entry.coding == "octahedral" else _rows
+    one, rest = way(entry, values, codes, chosen, has, units, places, wanted)
+    streams = [*streams, *rest]
+    entry = replace(one.entry, sizes=tuple(map(len, streams)))
+    return replace(one, entry=entry), streams
 
 
-def encode_rows(entry: Entry, codes: _Ints, elements: Elements) -> list[bytes]:
+def _different(codes: _Ints) -> tuple[_Ints, _Ints]:
+    """Return the first of the different rows of codes (r, c), and which of these each is."""
+    if not codes.size:
+        return np.zeros(min(len(codes), 1), np.int64), np.zeros(len(codes), np.int64)
+    keys = np.ascontiguousarray(codes).view(f"V{codes.shape[1] * 8}").ravel()
+    _, first, ids = np.unique(keys, return_index=True, return_inverse=True)
+    return first, ids
+
+
+def _directions(
+    entry: Entry,
+    values: _Any,
+    codes: _Ints,
+    chosen: _Ints,
+    has: NDArray[np.bool_],
+    units: Units,
+    places: Places,
+    wanted: Wanted,
+) -> tuple[Coded, list[bytes]]:
+    around = surroundings(entry, units.of_elements, len(has), places)
+    V, tolerance = wanted.positions, wanted.tolerance
+    entry, normals, stream = encode_directions(
+        entry, values[chosen], has, units.elements, around, V, tolerance
+    )
+    rows = np.flatnonzero(has)
+    one = Coded(entry, units.of_elements, units.classes, has, rows, normals.codes, normals)
+    return one, [stream]
+
+
+def _rows(
+    entry: Entry,
+    values: _Any,
+    codes: _Ints,
+    chosen: _Ints,
+    has: NDArray[np.bool_],
+    units: Units,
+    places: Places,
+    wanted: Wanted,
+) -> tuple[Coded, list[bytes]]:
+    near = among(units.elements, has)
+    streams, labels, rows = _streams(entry, codes[chosen], near), np.arange(near.count), chosen
+    named, order = numbered(chosen)
+    if 0 < len(order) <= min(_MOST_DIFFERENT, len(chosen) // _EACH + 1):
+        palette = _streams(entry, codes[order], alone(len(order)))
+        other = [encode_labels(near, named), *palette]
+        if sum(map(len, other)) < sum(map(len, streams)):
+            streams, labels, rows = other, named, order
+            entry = replace(entry, palette=len(order))
+    return Coded(entry, units.of_elements, units.classes, has, labels, codes[rows]), streams
+
+
+def _streams(entry: Entry, codes: _Ints, elements: Elements) -> list[bytes]:
     """Return the streams of the rows (n, c) of elements."""
     if entry.coding == "exact":
         return encode_floats(elements, codes, entry.number_size)
     return encode_columns(elements, numbers.mixed(codes) if entry.mixed else codes)
-
-
-def _distinct(codes: _Ints) -> tuple[_Ints, _Ints]:
-    """Return the different rows of codes (r, c), and which of these each is."""
-    if not codes.size:
-        return codes[:1], np.zeros(len(codes), dtype=np.int64)
-    keys = np.ascontiguousarray(codes).view(f"V{codes.shape[1] * 8}").ravel()
-    _, first, ids = np.unique(keys, return_index=True, return_inverse=True)
-    return codes[first], ids
-
-
-def _units(entry: Entry, ids: _Ints, places: Places, before: list[Coded]) -> _Units:
-    """Return what values belong to, where elements have those of these ids (count,)."""
-    if entry.domain != "corner":
-        elements = places.vertices if entry.domain == "vertex" else places.faces
-        return _Units(OWN_CLASSES, places.units(entry.domain), None, elements, None)
-    first = places.polygons.offsets[:-1]
-    if (ids == ids[first][places.face_of_corners]).all():
-        return _Units(FACES, places.face_of_corners, None, places.faces, None)
-    stream, classes = encode_classes(places.structure, places.polygons, ids + 1)
-    of_elements = classes[places.polygons.corners]
-    for k, other in enumerate(before):
-        own = other.entry.classes == OWN_CLASSES and other.classes is not None
-        if own and np.array_equal(np.asarray(other.classes), classes):
-            return _Units(k + 2, of_elements, classes, of_classes(classes), None)
-    return _Units(OWN_CLASSES, of_elements, classes, of_classes(classes), stream)

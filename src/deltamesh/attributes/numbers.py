@@ -22,9 +22,14 @@ COLOUR_DENSITY: Final = 255.0
 
 
 def to_codes(entry: Entry, values: _Any) -> _Ints:
-    """Return the integers (r, c) that rows of values (r, width) become."""
+    """Return the integers (r, c) that rows of values (r, width) become.
+
+    Those of unit normals only tell which are equal; what these become depends on the surface.
+    """
     if entry.coding == "exact":
         return bits_of(values)
+    if entry.coding == "octahedral":
+        return bits_of(values + values.dtype.type(0))  # -0.0 is 0.0
     if entry.coding == "grid":
         origin = np.array(entry.origin, dtype=np.float64)
         return np.rint((values.astype(np.float64) - origin) * entry.density).astype(np.int64)

@@ -54,10 +54,6 @@ class Places:
         """The polygon of each corner, (c,)."""
         return np.repeat(np.arange(self.count("face")), np.diff(self.polygons.offsets))
 
-    def units(self, domain: Domain) -> _Ints:
-        """Return the numbers of the elements."""
-        return np.arange(self.count(domain))
-
 
 def of_classes(classes: _Ints) -> Elements:
     """Return the classes of corners of triangles, (3 m,), each an element."""
