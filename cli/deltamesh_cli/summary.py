@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from deltamesh_cli.output import number, shown, table
 from deltamesh_formats.layout import ORDER, Container, Meta, Parameters
+
+if TYPE_CHECKING:
+    from deltamesh_formats.attribute_table import Entry
 
 METHODS = {
     "highpass": "high-pass",
@@ -29,7 +33,9 @@ def _header_bytes(container: Container) -> int:
     return container.size - sum(section.size for section in container.sections.values())
 
 
-def as_object(name: str, container: Container) -> dict[str, object]:
+def as_object(
+    name: str, container: Container, attributes: Sequence[Entry] = ()
+) -> dict[str, object]:
     """Return everything about a container for `--json`; lengths in units of the mesh."""
     n, parameters, meta = container.vertices, container.parameters, container.meta
     return {
@@ -45,10 +51,28 @@ def as_object(name: str, container: Container) -> dict[str, object]:
         "sections": [
             {"id": s.id, "offset": s.offset, "bytes": s.size} for s in container.sections.values()
         ],
+        "attributes": [_attribute(entry) for entry in attributes],
         "errors": None if meta is None else errors(meta),
         "encoder": None if meta is None else meta.encoder,
         "source_format": None if meta is None else meta.source or None,
         "digest": container.digest.hex(),
+    }
+
+
+def _attribute(entry: Entry) -> dict[str, object]:
+    return {
+        "name": entry.name,
+        "domain": entry.domain,
+        "role": entry.role,
+        "type": str(entry.dtype),
+        "width": entry.width,
+        "normalized": entry.normalized,
+        "partly": entry.partly,
+        "coding": entry.coding,
+        "bits": entry.bits if entry.coding in ("grid", "octahedral") else None,
+        "palette": entry.palette,
+        "largest_error": entry.error,
+        "bytes": entry.size,
     }
 
 
@@ -98,9 +122,12 @@ def achieved(meta: Meta) -> str:
     )
 
 
-def as_text(name: str, container: Container) -> str:
+def as_text(name: str, container: Container, attributes: Sequence[Entry] = ()) -> str:
     """Return everything about a container as `deltamesh info` prints it."""
-    return "\n".join(_lines(name, container))
+    lines = [*_lines(name, container)]
+    if attributes:
+        lines += ["", table(_attribute_rows(attributes))]
+    return "\n".join(lines)
 
 
 def _lines(name: str, container: Container) -> Iterator[str]:
@@ -131,6 +158,19 @@ def _described(parameters: Parameters) -> Iterator[str]:
         yield f"anchors: {parameters.anchor_count}, {parameters.anchor_method}{seed}"
     if parameters.isolated:
         yield f"isolated vertices: {parameters.isolated}"
+
+
+def _attribute_rows(attributes: Sequence[Entry]) -> Iterator[tuple[str, ...]]:
+    yield "attribute", "of", "numbers", "coding", "bits", "largest error", "bytes"
+    for entry in attributes:
+        numbers = f"{entry.width} {entry.dtype}"
+        if entry.coding == "octahedral":
+            lost = f"{number(entry.error)} degrees"
+        else:
+            lost = number(entry.error) if entry.error else "none"
+        coding = entry.coding if entry.palette is None else f"{entry.coding}, palette"
+        bits = str(entry.bits) if entry.coding in ("grid", "octahedral") else ""
+        yield shown(entry.name), entry.domain, numbers, coding, bits, lost, str(entry.size)
 
 
 def _section_rows(container: Container) -> Iterator[tuple[str, str, str]]:

@@ -13,7 +13,8 @@ from typing import Any, Final, Literal, TypeAlias, get_args
 
 import numpy as np
 
-from deltamesh_formats.errors import FormatError, MeshError
+from deltamesh_formats.errors import FormatError
+from deltamesh_formats.layout import ATTRIBUTES, CRC_SIZE, Container
 from deltamesh_formats.polymesh import Domain, Role
 from deltamesh_formats.reader import read_varint, take
 from deltamesh_formats.writer import write_varint
@@ -28,6 +29,8 @@ TYPES: Final = tuple(
     np.dtype(code)
     for code in ("?", "u1", "u2", "u4", "u8", "i1", "i2", "i4", "i8", "f2", "f4", "f8", "c8", "c16")
 )
+# Surrogates, which stand for bytes of a name that was no UTF-8, are spelled like other code points.
+_NAMES: Final = "surrogatepass"
 # Of each coding, the kinds of types that it is for.
 _FITTING: Final = {"integer": "bui", "exact": "fc", "grid": "f", "octahedral": "f"}
 
@@ -38,6 +41,7 @@ _CODING: Final = 3
 # A residual of such numbers is below 2^30: its length ends with a bit of zero, so that no number of
 # elements takes no bytes.
 MAX_LIMB_BITS: Final = 29
+MIN_NORMAL_BITS: Final = 2
 MAX_NORMAL_BITS: Final = 30
 
 # What the corners of an attribute are coded by, where it is not the classes of attribute k, k + 2.
@@ -137,21 +141,12 @@ class Entry:
 
 
 def write_table(entries: tuple[Entry, ...]) -> bytes:
-    """Return the bytes of a table.
-
-    Raises
-    ------
-    MeshError
-        For a name that is no text.
-    """
+    """Return the bytes of a table."""
     return write_varint(len(entries)) + b"".join(map(_written, entries))
 
 
 def _written(e: Entry) -> bytes:
-    try:
-        name = e.name.encode()
-    except UnicodeEncodeError as error:
-        raise MeshError(f"the name of attribute {e.name!r} is no text: {error.reason}") from None
+    name = e.name.encode(errors=_NAMES)
     flags = _NORMALIZED * e.normalized | _PARTLY * e.partly | _PALETTE * (e.palette is not None)
     flags |= _FIRST_NONE * e.first_none | _MIXED * e.mixed | CODINGS.index(e.coding) << _CODING_AT
     what = DOMAINS.index(e.domain) | ROLES.index(e.role) << 2 | TYPES.index(e.dtype) << 4
@@ -167,6 +162,24 @@ def _written(e: Entry) -> bytes:
     if e.coding == "grid":
         parts += map(_F64.pack, (e.density, *e.origin))
     return b"".join([*parts, *map(write_varint, e.sizes)])
+
+
+def entries_of(container: Container) -> tuple[Entry, ...]:
+    """Return the attributes of a file, by its table; nothing is decoded.
+
+    Raises
+    ------
+    FormatError
+    """
+    section = container.sections.get(ATTRIBUTES)
+    if section is None:
+        return ()
+    try:
+        return read_table(section.payload)[0]
+    except FormatError as error:
+        start = section.offset + section.size - CRC_SIZE - len(section.payload)
+        reason = f"{ATTRIBUTES}: {error.reason}"
+        raise FormatError(reason, start + (error.offset or 0)) from None
 
 
 def read_table(payload: bytes | memoryview) -> tuple[tuple[Entry, ...], int]:
@@ -194,7 +207,7 @@ def _read(payload: bytes | memoryview, at: int, before: list[Entry]) -> tuple[En
     start = at
     length, at = read_varint(payload, at)
     try:
-        name = bytes(take(payload, at, length)).decode()
+        name = bytes(take(payload, at, length)).decode(errors=_NAMES)
     except UnicodeDecodeError as error:
         raise FormatError("a name that is not UTF-8", at + error.start) from None
     at += length
@@ -261,8 +274,10 @@ def _fault(e: Entry) -> str:
     if e.coding == "integer":
         fits = 1 <= e.bits <= MAX_LIMB_BITS and 1 <= e.limbs <= -(-64 // e.bits)
         return "" if fits else f"{e.limbs} limbs of {e.bits} bits"
-    if e.coding == "octahedral" and not (e.width == 3 and 2 <= e.bits <= MAX_NORMAL_BITS):
-        return f"normals of {e.width} numbers and {e.bits} bits"
+    if e.coding == "octahedral":
+        fits = e.width == 3 and MIN_NORMAL_BITS <= e.bits <= MAX_NORMAL_BITS
+        if not fits or e.palette is not None:
+            return f"normals of {e.width} numbers and {e.bits} bits"
     if not all(map(math.isfinite, (e.error, e.density, *e.origin))):
         return "a grid that is not finite"
     if e.error < 0 or (e.coding == "grid" and not e.density > 0):

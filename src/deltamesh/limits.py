@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from deltamesh_formats.attribute_table import entries_of
 from deltamesh_formats.errors import FormatError, LimitError
 from deltamesh_formats.layout import Container, Section
 
@@ -20,6 +21,9 @@ BASE = {
     "refined": 256 << 20,
 }
 PER_FACE = 320
+# Of attributes: an element, and each number of one; three of them share a stream.
+PER_ELEMENT = 400
+PER_NUMBER = 64
 PER_VERTEX = {"cartesian": 400, "lossless": 600, "highpass": 4000, "refined": 4000}
 
 # The range coder spends at least log2(65536 / (65536 - P_MIN)) bits on a bit, and at least one
@@ -48,10 +52,21 @@ class Counts:
 
 
 def memory_needed(container: Container) -> int:
-    """Estimate the memory that decoding takes, in bytes, from counts alone."""
+    """Estimate the memory that decoding takes, in bytes, from counts alone.
+
+    Raises
+    ------
+    FormatError
+        If the table of the attributes is none.
+    """
     method = container.parameters.method
     fixed, per_vertex = BASE[method], PER_VERTEX[method]
-    return fixed + per_vertex * container.vertices + PER_FACE * container.faces
+    needed = fixed + per_vertex * container.vertices + PER_FACE * container.faces
+    counts = {"vertex": container.vertices, "corner": 3 * container.faces, "face": container.faces}
+    for entry in entries_of(container):
+        columns = 3 * -(-entry.columns // 3)
+        needed += counts[entry.domain] * (PER_ELEMENT + PER_NUMBER * columns)
+    return needed
 
 
 def check_limits(container: Container, counts: Counts, max_vertices: int, memory: int) -> None:

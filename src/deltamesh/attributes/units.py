@@ -13,6 +13,7 @@ from deltamesh.attributes.places import Places, of_classes
 from deltamesh.attributes.seams import decode_classes, encode_classes
 from deltamesh.elements import Elements
 from deltamesh_formats.attribute_table import FACES, OWN_CLASSES, Entry
+from deltamesh_formats.errors import FormatError
 
 _Ints = NDArray[np.int64]
 
@@ -80,7 +81,11 @@ def decode_units(
     if entry.classes == FACES:
         return Units(places.face_of_corners, places.faces, reference=FACES)
     if entry.classes == OWN_CLASSES:
-        classes = decode_classes(payload, *streams.pop(0), places.structure)
+        begin, end = streams.pop(0)
+        classes = decode_classes(payload, begin, end, places.structure)
+        p = places.polygons
+        if (classes[p.corners][p.of_corners] != classes).any():
+            raise FormatError("a corner of a polygon in two classes", begin)
         return _of_classes(classes, places, OWN_CLASSES)
     shared = before[entry.classes - 2].classes
     assert shared is not None  # by the rules of the table
