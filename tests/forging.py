@@ -7,8 +7,13 @@ import struct
 import zlib
 
 from deltamesh import pipeline
+from deltamesh.attributes.coded import all_arrays
+from deltamesh.attributes.decoding import decode_attributes
+from deltamesh.attributes.places import Places
 from deltamesh.geometry import digest, payload_of, surface_of
 from deltamesh.order import decode_order
+from deltamesh.parts import decode_parts
+from deltamesh.polygons import plain
 from deltamesh.reordering import arrays
 from deltamesh.structure import announced, decode_structure
 from deltamesh_formats import layout
@@ -46,7 +51,15 @@ def consistent(data):
     if "ORDR" in container.sections:
         with payload_of(container.sections["ORDR"]) as payload:
             order = decode_order(payload, s.faces, container.vertices)
-    return forged(data, checksum=digest(s.faces, s.copied, integers, arrays(order)))
+    places, attributes, told = Places(s, plain(len(s.faces))), (), ()
+    if "ATTR" in container.sections:
+        with payload_of(container.sections["ATTR"]) as payload:
+            attributes = all_arrays(decode_attributes(payload, places))
+    if "PART" in container.sections:
+        with payload_of(container.sections["PART"]) as payload:
+            told = decode_parts(payload, places.count("face"), lambda: places.faces).arrays()
+    further = (*arrays(order), *attributes, *told)
+    return forged(data, checksum=digest(s.faces, s.copied, integers, further))
 
 
 def section(name, payload):

@@ -145,6 +145,7 @@ def containers(draw):
         draw(st.floats(1, 2**100, width=32)) if method == "refined" else 1.0,
         draw(hundredths),
         draw(hundredths),
+        draw(st.booleans()),
     )
     further = layout.FURTHER[method]
     needed = draw(st.sets(st.sampled_from((*layout.AFTER_CONNECTIVITY, *further))))
@@ -439,6 +440,8 @@ def test_parameters_out_of_range(changes, field, message):
 def test_unused_flags_are_ignored():
     assert read_container(with_parameters(flags=0xFF)).parameters.diffusion
     assert not read_container(with_parameters(flags=0xFE)).parameters.diffusion
+    for flags, single in ((0xFF, True), (0xFD, False), (2, True), (0, False)):
+        assert read_container(with_parameters(flags=flags)).parameters.single is single
 
 
 @pytest.mark.parametrize("cut", range(1, 20))

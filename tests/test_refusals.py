@@ -332,7 +332,7 @@ def test_sections_of_another_mesh() -> None:
 def test_component_without_an_anchor() -> None:
     mesh = meshes.union(SPHERE, (SPHERE[0] + 9, SPHERE[1]))
     data = encode(*mesh, anchors=2, anchor_method="greedy", method="highpass")
-    _, surface, integers, _, _ = _read(read_container(data), 10**9, 10**12, silent)
+    _, surface, integers, *_ = _read(read_container(data), 10**9, 10**12, silent)
     parameters = read_container(data).parameters
     for anchors in ([0, 1], [42, 83], [80, 81]):
         one_sided = Integers(
@@ -350,7 +350,7 @@ def test_component_without_an_anchor() -> None:
 
 def test_anchors_that_are_no_vertices() -> None:
     data = FILES["greedy"]
-    _, surface, integers, _, _ = _read(read_container(data), 10**9, 10**12, silent)
+    _, surface, integers, *_ = _read(read_container(data), 10**9, 10**12, silent)
     parameters = read_container(data).parameters
     outside = Integers(
         integers.values, np.array([0, 1, 2, 42]), integers.positions, integers.isolated

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -241,7 +240,7 @@ def command(
             size, data, lost = encode_file(source, target, input_format, stage, parameters)
         note_not_kept(source, lost, quiet=quiet)
         if as_json or not (quiet or target == files.STDIO):
-            _print_summary((source, size), target, data, lost if as_json else None)
+            _print_summary((source, size), target, data, as_json=as_json)
 
     each([source], encode, as_json=as_json)
 
@@ -287,7 +286,7 @@ def encode_file(
         data = interruptible(lambda: _encoded(mesh, stage, parameters))
     with files.open_output(target) as stream:
         stream.write(data)
-    return len(original), data, _not_kept(mesh, parameters["drop"] or ())
+    return len(original), data, _not_kept(data)
 
 
 def _refuse_two_rates(parameters: dict[str, Any]) -> None:
@@ -319,26 +318,22 @@ def _encoded(mesh: PolyMesh, stage: Stage, parameters: dict[str, Any]) -> bytes:
     )
 
 
-def _not_kept(mesh: PolyMesh, drop: Collection[str]) -> tuple[str, ...]:
-    """Return words for what is in the mesh that a `.dmesh` has no place for, but is wanted."""
-    from deltamesh_formats.contents import unkept
-    from deltamesh_formats.dropping import without
+def _not_kept(data: bytes) -> tuple[str, ...]:
+    """Return words for what of the source is not in a `.dmesh` file."""
+    from deltamesh_formats.reader import read_container
+    from deltamesh_formats.texts import texts_of
 
-    return unkept(without(mesh, drop), attributes=mesh.attributes)
+    return texts_of(read_container(data)).lost
 
 
-def _print_summary(
-    source: tuple[str, int], target: str, data: bytes, not_kept: tuple[str, ...] | None
-) -> None:
-    """Print what became of `source`, a name and a size in bytes; as JSON with what is not kept."""
-    from deltamesh_formats.attribute_table import entries_of
+def _print_summary(source: tuple[str, int], target: str, data: bytes, *, as_json: bool) -> None:
+    """Print what became of `source`, a name and a size in bytes."""
     from deltamesh_formats.reader import read_container
 
     container = read_container(data)
     name, size = source
-    if not_kept is not None:
-        made = summary.as_object(target, container, entries_of(container))
-        print_json({"source": name, "source_bytes": size, **made, "not_kept": list(not_kept)})
+    if as_json:
+        print_json({"source": name, "source_bytes": size, **summary.as_object(target, container)})
         return
     click.echo(f"{shown(name)}: {size} bytes")
     click.echo(f"{shown(target)}: {container.size} bytes, {summary.counts(container)}")

@@ -33,10 +33,18 @@ def _header_bytes(container: Container) -> int:
     return container.size - sum(section.size for section in container.sections.values())
 
 
-def as_object(
-    name: str, container: Container, attributes: Sequence[Entry] = ()
-) -> dict[str, object]:
-    """Return everything about a container for `--json`; lengths in units of the mesh."""
+def as_object(name: str, container: Container) -> dict[str, object]:
+    """Return everything about a container for `--json`; lengths in units of the mesh.
+
+    Raises
+    ------
+    FormatError
+        If its names or its table of attributes are damaged.
+    """
+    from deltamesh_formats.attribute_table import entries_of
+    from deltamesh_formats.listing import texts_object
+    from deltamesh_formats.texts import texts_of
+
     n, parameters, meta = container.vertices, container.parameters, container.meta
     return {
         "file": name,
@@ -47,11 +55,13 @@ def as_object(
         "bits_per_vertex": bits_per_vertex(container.size, n),
         "parameters": _parameters(parameters),
         "header": {"bytes": _header_bytes(container)},
+        "precision": "float32" if parameters.single else "float64",
         "order_kept": ORDER in container.sections,
+        **texts_object(texts_of(container)),
         "sections": [
             {"id": s.id, "offset": s.offset, "bytes": s.size} for s in container.sections.values()
         ],
-        "attributes": [_attribute(entry) for entry in attributes],
+        "attributes": [_attribute(entry) for entry in entries_of(container)],
         "errors": None if meta is None else errors(meta),
         "encoder": None if meta is None else meta.encoder,
         "source_format": None if meta is None else meta.source or None,
@@ -122,20 +132,32 @@ def achieved(meta: Meta) -> str:
     )
 
 
-def as_text(name: str, container: Container, attributes: Sequence[Entry] = ()) -> str:
-    """Return everything about a container as `deltamesh info` prints it."""
-    lines = [*_lines(name, container)]
+def as_text(name: str, container: Container) -> str:
+    """Return everything about a container as `deltamesh info` prints it.
+
+    Raises
+    ------
+    FormatError
+        If its names or its table of attributes are damaged.
+    """
+    from deltamesh_formats.attribute_table import entries_of
+
+    lines, attributes = [*_lines(name, container)], entries_of(container)
     if attributes:
         lines += ["", table(_attribute_rows(attributes))]
     return "\n".join(lines)
 
 
 def _lines(name: str, container: Container) -> Iterator[str]:
+    from deltamesh_formats.listing import text_lines
+    from deltamesh_formats.texts import texts_of
+
     meta = container.meta
     yield f"{shown(name)}: {container.size} bytes, {counts(container)}"
     yield from (f"  {line}" for line in _described(container.parameters))
     if ORDER in container.sections:
         yield "  order of vertices and faces: that of the source"
+    yield from (f"  {line}" for line in text_lines(texts_of(container)))
     if meta is not None:
         source = f", from {meta.source}" if meta.source else ""
         yield f"  errors: {achieved(meta)}"

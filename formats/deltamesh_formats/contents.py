@@ -15,7 +15,7 @@ _ROLES: Final[dict[Role, str]] = {
     "colour": "colours",
 }
 _DOMAINS: Final[dict[Domain, str]] = {"vertex": "vertices", "corner": "corners", "face": "faces"}
-_KINDS: Final[dict[Kind, str]] = {
+KIND_WORDS: Final[dict[Kind, str]] = {
     "object": "objects",
     "mesh": "names of meshes",
     "group": "groups",
@@ -57,7 +57,7 @@ def unkept(
             words[attribute_words(attribute)] = None
     for group in mesh.parts:
         if group.kind not in parts:
-            words[_KINDS[group.kind]] = None
+            words[KIND_WORDS[group.kind]] = None
         if group.transforms is not None and not transforms and _moves(group.transforms):
             words["transforms"] = None
     return (*words, *_metadata_words(mesh, metadata))

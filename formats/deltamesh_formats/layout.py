@@ -71,6 +71,7 @@ DELTAS: Final = "DELT"
 NORMALS: Final = "NORM"
 CARTESIAN: Final = "CART"
 ATTRIBUTES: Final = "ATTR"
+PARTS: Final = "PART"
 ORDER: Final = "ORDR"
 EXACT: Final = "EXAC"
 CORRECTIONS: Final = "FIXS"
@@ -86,10 +87,10 @@ REQUIRED: Final[Mapping[str, tuple[str, ...]]] = {
 # What follows `CONN`, and what comes after all of these, in this order, where it is needed.
 AFTER_CONNECTIVITY: Final = (STITCHES, COPIES)
 FURTHER: Final[Mapping[str, tuple[str, ...]]] = {
-    "highpass": (CORRECTIONS, ATTRIBUTES, ORDER),
-    "cartesian": (ATTRIBUTES, ORDER),
-    "refined": (CORRECTIONS, ATTRIBUTES, ORDER),
-    "lossless": (ATTRIBUTES, ORDER),
+    "highpass": (CORRECTIONS, ATTRIBUTES, PARTS, ORDER),
+    "cartesian": (ATTRIBUTES, PARTS, ORDER),
+    "refined": (CORRECTIONS, ATTRIBUTES, PARTS, ORDER),
+    "lossless": (ATTRIBUTES, PARTS, ORDER),
 }
 KNOWN: Final = frozenset(
     {META, CHECK, *AFTER_CONNECTIVITY}.union(
@@ -118,6 +119,7 @@ PARAMETER_FIELDS: Final = (
 )
 METHODS: Final[Mapping[str, int]] = {"highpass": 0, "cartesian": 1, "refined": 2, "lossless": 3}
 FLAG_DIFFUSION: Final = 1
+FLAG_SINGLE: Final = 2
 ANCHOR_METHODS: Final[Mapping[str | None, int]] = {
     "farthest": 0,
     "random": 1,
@@ -145,6 +147,11 @@ META_FIELDS: Final = (
 
 CHECK_FIELDS: Final = (Field("digest", "bytes8"),)
 DIGEST_SIZE: Final = 8
+
+# SPEC.md#515-part
+
+# Bytes of all the text of a file, before it is packed: bounds what a small file can grow to.
+MAX_TEXT: Final = 2**24
 
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:
@@ -189,6 +196,8 @@ class Parameters:
     dead_zone, normal_dead_zone : float
         How far beyond half a step the encoder still rounded deltas, and refinements, to 0, in
         steps; multiples of 0.01. The decoder has no use for them.
+    single : bool
+        Whether the source holds positions in float32.
     """
 
     method: str
@@ -204,6 +213,7 @@ class Parameters:
     coarse: float = 1.0
     dead_zone: float = 0.0
     normal_dead_zone: float = 0.0
+    single: bool = False
 
 
 @dataclass(frozen=True)

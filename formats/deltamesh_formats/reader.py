@@ -246,6 +246,7 @@ def _read_parameters(view: memoryview, section: Section, vertices: int) -> Param
         coarse=values["coarse"],
         dead_zone=values["dead_zone"] / layout.ZONE_UNIT,
         normal_dead_zone=values["normal_dead_zone"] / layout.ZONE_UNIT,
+        single=bool(values["flags"] & layout.FLAG_SINGLE),
     )
     for field, message in layout.parameter_faults(parameters, vertices):
         raise FormatError(message, offsets[field])

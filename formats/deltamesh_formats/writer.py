@@ -29,8 +29,8 @@ def write_container(
     parameters : Parameters
     payloads : mapping of section id to bytes
         The sections that are the codec's own: `CONN`, `STCH` and `COPY` where they are needed,
-        those of the method, `FIXS` and `ORDR` where they are needed. Ids unknown to this version
-        must be optional ones; they come last, in their order.
+        those of the method, `FIXS`, `PART` and `ORDR` where they are needed. Ids unknown
+        to this version must be optional ones; they come last, in their order.
     meta : Meta or None
     digest : bytes, 8
         Of the decoded integers.
@@ -135,7 +135,8 @@ def _parameters(parameters: Parameters, vertices: int) -> bytes:
         raise MeshError(f"cannot be written: {message}")
     values = {
         "method": layout.METHODS[parameters.method],
-        "flags": layout.FLAG_DIFFUSION if parameters.diffusion else 0,
+        "flags": parameters.diffusion * layout.FLAG_DIFFUSION
+        | parameters.single * layout.FLAG_SINGLE,
         "anchor_method": layout.ANCHOR_METHODS[parameters.anchor_method],
         "bits": layout.BITS_FROM_STEP if parameters.bits is None else parameters.bits,
         "step": parameters.step,

@@ -35,7 +35,7 @@ def numbered(values: _Ints) -> tuple[_Ints, _Ints]:
 
 
 def encode_labels(elements: Elements, labels: _Ints) -> bytes:
-    """Return the stream of labels that are `numbered`.
+    """Return the stream of labels that are `numbered`; it is empty if there is one label only.
 
     Parameters
     ----------

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from deltamesh.geometry import payload_of
 from deltamesh_formats.attribute_table import entries_of
 from deltamesh_formats.errors import FormatError, LimitError
-from deltamesh_formats.layout import Container, Section
+from deltamesh_formats.layout import PARTS, Container, Section
+from deltamesh_formats.packed import unpacked_size
+from deltamesh_formats.texts import texts_of
 
 # As many as a 32-bit index can name, were there memory for them.
 DEFAULT_MAX_VERTICES = 1 << 32
@@ -21,6 +24,8 @@ BASE = {
     "refined": 256 << 20,
 }
 PER_FACE = 320
+PER_TEXT_BYTE = 24
+PER_TRANSFORM = 400
 # Of attributes: an element, and each number of one; three of them share a stream.
 PER_ELEMENT = 400
 PER_NUMBER = 64
@@ -94,6 +99,16 @@ def check_limits(container: Container, counts: Counts, max_vertices: int, memory
     _check_held(container, "STCH", m - counts.faces, "faces beside the manifold")
     _check_held(container, "COPY", n - counts.points, "copies of vertices")
     needed = memory_needed(container)
+    _check_memory(needed, memory)
+    if PARTS in container.sections:
+        with payload_of(container.sections[PARTS]) as payload:
+            needed += PER_TEXT_BYTE * unpacked_size(payload, 0)
+        _check_memory(needed, memory)
+        moved = sum(len(one.names) for one in texts_of(container).divisions if one.moved)
+        _check_memory(needed + PER_TRANSFORM * moved, memory)
+
+
+def _check_memory(needed: int, memory: int) -> None:
     if needed > memory:
         raise LimitError(f"decoding takes about {needed} bytes, more than the limit of {memory}")
 

@@ -26,6 +26,7 @@ from deltamesh.mesh import LARGEST, Mesh
 from deltamesh.metrics import VertexErrors, diagonal, errors_from, mean_edge
 from deltamesh.options import Options, Settings
 from deltamesh.order import decode_order, encode_order
+from deltamesh.parts import Told, decode_parts, encode_parts, told_of
 from deltamesh.polygons import assembled, plain, sources_of
 from deltamesh.reordering import Order, arrays, order_of, reordered
 from deltamesh.search import Trial, smallest
@@ -50,6 +51,7 @@ _METHODS: Final = {
 }
 
 
+NO_ATTRIBUTES: Final[tuple[Coded, ...]] = ()
 # How far apart positions of two decoders may be, in diagonals of the bounding box (SPEC.md 5.4).
 SOLVED: Final = 1e-9
 
@@ -112,14 +114,19 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
     payloads |= trial.payloads
     polygons = plain(len(structure.faces))
     result = assembled(trial.vertices[structure.points], structure.faces, polygons)
-    coded: tuple[Coded, ...] = ()
+    result = replace(result, precision=mesh.precision)
+    sources = sources_of(polygons, origin.vertices, origin.corners, cut)
+    places, coded = Places(structure, polygons), NO_ATTRIBUTES
     if mesh.attributes:
         progress("attributes")
-        places = Places(structure, polygons)
-        sources = sources_of(polygons, origin.vertices, origin.corners, cut)
         wanted = _wanted(options, trial, result.vertices, diagonal(V))
         payloads["ATTR"], coded = encode_attributes(mesh, sources, places, wanted)
         result = _with_attributes(result, coded, places)
+    told = told_of(mesh, sources.faces)
+    if told is not None:
+        progress("parts")
+        payloads["PART"] = encode_parts(told, lambda: places.faces)
+        result = told.given_to(result)
     order = origin.vertices
     face_order, rotation = np.divmod(origin.corners[:, 0], 3)
     kept = None
@@ -129,12 +136,12 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
         payloads["ORDR"] = encode_order(structure.faces, kept)
         result, order = reordered(result, polygons, kept), order[kept.vertices]
         face_order, rotation = np.arange(len(face_order)), np.zeros_like(rotation)
-    checksum = digest(
-        structure.faces, structure.copied, trial.integers, (*arrays(kept), *all_arrays(coded))
-    )
+    further = (*arrays(kept), *all_arrays(coded), *(() if told is None else told.arrays()))
+    checksum = digest(structure.faces, structure.copied, trial.integers, further)
     n, m = len(structure.points), len(structure.faces)
     meta = _meta(trial.errors, diagonal(V), options.source_format)
-    data = write_container(n, m, trial.parameters, payloads, meta, checksum)
+    parameters = replace(trial.parameters, single=mesh.precision == "float32")
+    data = write_container(n, m, parameters, payloads, meta, checksum)
     return Encoded(data, order, face_order, rotation, result)
 
 
@@ -150,21 +157,22 @@ def decode_mesh(
     """Decompress a file; see `codec.decode`."""
     container = read_container(data)
     read = _read(container, max_vertices, memory, progress)
-    structure, surface, integers, coded, order = read
+    structure, surface, integers, places, coded, told, order = read
     progress("positions")
     coder = _METHODS[container.parameters.method]
     _check_scale(container, integers)
     factor = factorization(surface.laplacian, solver, threads)
     points = coder.reconstruct(surface, container.parameters, integers, factor)
-    polygons = plain(len(structure.faces))
-    mesh = assembled(points[structure.points], structure.faces, polygons)
-    mesh = _with_attributes(mesh, coded, Places(structure, polygons))
-    return mesh if order is None else reordered(mesh, polygons, order)
+    mesh = assembled(points[structure.points], structure.faces, places.polygons)
+    mesh = replace(mesh, precision="float32" if container.parameters.single else "float64")
+    mesh = _with_attributes(mesh, coded, places)
+    mesh = mesh if told is None else told.given_to(mesh)
+    return mesh if order is None else reordered(mesh, places.polygons, order)
 
 
 def _read(
     container: Container, max_vertices: int, memory: int, progress: Progress
-) -> tuple[Structure, Surface, Integers, tuple[Coded, ...], Order | None]:
+) -> tuple[Structure, Surface, Integers, Places, tuple[Coded, ...], Told | None, Order | None]:
     """Return everything exact in a file, checked."""
     counts = announced(container)
     check_limits(container, counts, max_vertices, memory)
@@ -174,20 +182,24 @@ def _read(
     progress("geometry")
     surface = surface_of(structure.surface, structure.used, structure.isolated)
     integers = _METHODS[parameters.method].read(surface, parameters, sections)
-    coded: tuple[Coded, ...] = ()
+    places, coded, told = Places(structure, plain(len(structure.faces))), NO_ATTRIBUTES, None
     if "ATTR" in sections:
         progress("attributes")
         with payload_of(sections["ATTR"]) as payload:
-            coded = decode_attributes(payload, Places(structure, plain(len(structure.faces))))
+            coded = decode_attributes(payload, places)
+    if "PART" in sections:
+        progress("parts")
+        with payload_of(sections["PART"]) as payload:
+            told = decode_parts(payload, places.count("face"), lambda: places.faces)
     order = None
     if "ORDR" in sections:
         progress("order")
         with payload_of(sections["ORDR"]) as payload:
             order = decode_order(payload, structure.faces, container.vertices)
-    further = (*arrays(order), *all_arrays(coded))
+    further = (*arrays(order), *all_arrays(coded), *(() if told is None else told.arrays()))
     if digest(structure.faces, structure.copied, integers, further) != container.digest:
         raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)
-    return structure, surface, integers, coded, order
+    return structure, surface, integers, places, coded, told, order
 
 
 def _wanted(options: Options, trial: Trial, V: NDArray[np.float64], scale: float) -> Wanted:

@@ -29,10 +29,10 @@ def rows(values: NDArray[Any]) -> list[str]:
 
 
 def positions(mesh: PolyMesh) -> NDArray[Any]:
-    """Return the vertices, (n, 3), as float32 where the source had that and they still fit."""
+    """Return the vertices, (n, 3), as float32 where the source had that and none is beyond it."""
     if mesh.precision == "float32":
         single = to_float32(mesh.vertices)
-        if (single == mesh.vertices).all():
+        if np.isfinite(single).all():
             return single
     return mesh.vertices
 
