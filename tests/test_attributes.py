@@ -384,8 +384,7 @@ def test_flipped_bytes_are_refused_or_mean_something_else(data: Any) -> None:
     for make in (lambda: file, lambda: forging.consistent(file)):
         try:
             mesh = decode(make(), memory=1 << 34)
-        except FormatError as error:
-            assert error.offset is not None
+        except FormatError:
             continue
         for attribute in mesh.attributes:
             assert len(attribute.rows()) == counts_of(mesh)[attribute.domain]
