@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import json
 import zlib
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import forging
 import meshes
@@ -23,7 +24,7 @@ from deltamesh_formats import meshfile, packed, texts
 from deltamesh_formats.errors import FormatError, LimitError, MeshError
 from deltamesh_formats.layout import MAX_TEXT
 from deltamesh_formats.listing import escaped, text_lines, texts_object
-from deltamesh_formats.polymesh import Parts, PolyMesh, from_triangles
+from deltamesh_formats.polymesh import Kind, Parts, PolyMesh, from_triangles
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.texts import Division, Texts
 from deltamesh_formats.writer import write_varint
@@ -59,6 +60,10 @@ def told_meshes(draw: st.DrawFn) -> PolyMesh:
         lost=tuple(dict.fromkeys(draw(NAMES))),
         precision=draw(st.sampled_from(["float32", "float64"])),
     )
+
+
+def test_every_kind_has_a_number() -> None:
+    assert get_args(Kind) == texts.KINDS
 
 
 def bits(transforms: Any) -> Any:
@@ -150,7 +155,7 @@ def test_a_part_costs_little_beside_its_name() -> None:
     assert part_bytes(with_names("all")) == 9 + 11 + 2  # a frame, a text, two empty streams
     mesh = with_names(*(f"{i:03}" for i in range(40)))
     moved = replace(mesh.parts[0], transforms=np.broadcast_to(np.eye(4), (40, 4, 4)).copy())
-    assert part_bytes(replace(mesh, parts=(moved,))) - part_bytes(mesh) <= 40 // 8 + 2
+    assert part_bytes(replace(mesh, parts=(moved,))) - part_bytes(mesh) <= 40 // 8 + 6
 
 
 def test_repetitive_text_is_deflated() -> None:
@@ -283,7 +288,8 @@ def test_flipped_bytes_are_refused_or_mean_something_else(seed: int) -> None:
     """Whatever decodes is written by no encoder, or is what an encoder writes of it."""
     rng = np.random.default_rng(seed)
     mesh = with_names("a", "bb", "", "bb", of_face=rng.integers(-1, 4, 80))
-    moved = replace(mesh.parts[0], transforms=rng.normal(size=(4, 4, 4)))
+    transforms = np.array([2.0, 1.0, 1.0, 3.0])[:, None, None] * np.eye(4)
+    moved = replace(mesh.parts[0], transforms=transforms)
     mesh = replace(mesh, parts=(moved,), metadata={"comments": ("x", "y")}, lost=("z",))
     data = deltamesh.encode(mesh, method="cartesian")
     payload = bytes(sections(data)["PART"].payload)
@@ -396,3 +402,36 @@ def test_everything_is_in_the_json() -> None:
         "metadata": {"header": ["x", "y"]},
         "not_kept": ["lines"],
     }
+
+
+# ---- Files ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("file_format", ["obj", "stl", "glb"])
+def test_files_of_several_meshes_keep_their_names(file_format: str) -> None:
+    V, F = meshes.union(meshes.icosphere(1), meshes.grid(4, 5), meshes.torus(6, 5))
+    V = V.astype("f4").astype("f8")
+    objects = np.repeat([0, 1, 2], [80, len(F) - 80 - 60, 60])
+    moves = np.array([np.eye(4), np.diag([2.0, 2.0, 2.0, 1.0]), np.eye(4)])
+    moves[2, :3, 3] = 1.0, -2.0, 0.5
+    part = Parts("object", ("left", "no ascii é", "left"), objects, moves)
+    if file_format != "glb":
+        part = replace(part, names=("left", "no ascii é", "right"), transforms=None)
+    mesh = replace(from_triangles(V, F), parts=(part,))
+    first = meshfile.read_mesh(io.BytesIO(meshfile.mesh_bytes(mesh, file_format)), file_format)
+    data = deltamesh.encode(first, method="lossless")
+    again = meshfile.mesh_bytes(deltamesh.decode(data), file_format)
+    second = meshfile.read_mesh(io.BytesIO(again), file_format)
+    for found in (first, second):
+        assert set(found.parts[0].names) == set(part.names)
+    assert by_object(second) == by_object(first) == by_object(mesh)
+
+
+def by_object(mesh: PolyMesh) -> list[Any]:
+    """Of each object its name, its transform, and where its faces are."""
+    (part,) = mesh.parts
+    points = mesh.vertices[mesh.corners.reshape(-1, 3)].round(5) + 0.0
+    moves = np.eye(4)[None].repeat(len(part.names), axis=0)
+    moves = moves if part.transforms is None else part.transforms
+    faces = [sorted(sorted(f) for f in points[part.of_face == i].tolist()) for i in range(3)]
+    return sorted(zip(part.names, moves.tolist(), faces, strict=True))

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from deltamesh_formats.polymesh import Attribute, Domain, Kind, PolyMesh, Role
+from deltamesh_formats.texts import KIND_WORDS
 
 _ROLES: Final[dict[Role, str]] = {
     "normal": "normals",
@@ -15,13 +16,6 @@ _ROLES: Final[dict[Role, str]] = {
     "colour": "colours",
 }
 _DOMAINS: Final[dict[Domain, str]] = {"vertex": "vertices", "corner": "corners", "face": "faces"}
-KIND_WORDS: Final[dict[Kind, str]] = {
-    "object": "objects",
-    "mesh": "names of meshes",
-    "group": "groups",
-    "material": "materials",
-    "smoothing": "smoothing groups",
-}
 # Comments and headers, in which programs speak of themselves, are not worth a warning.
 _METADATA: Final = {"mtllib": "material libraries", "copyright": "copyright"}
 

@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from deltamesh_formats.contents import KIND_WORDS
-from deltamesh_formats.texts import Texts
+from deltamesh_formats.texts import KIND_WORDS, Texts
 
 # Of a list, and of one text in it.
 _MOST_SHOWN: Final = 6

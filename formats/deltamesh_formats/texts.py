@@ -1,23 +1,35 @@
 """The text of a `.dmesh` file: names of parts, metadata, words for what is lost; SPEC.md 5.15.
 
-It can be read without decoding anything else. Text comes from users' files and may hold anything,
-control characters too: whoever prints it escapes them.
+It can be read without decoding anything else, and without numpy: `deltamesh info` does. Text comes
+from users' files and may hold anything, control characters too: whoever prints it escapes them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Final, get_args
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from deltamesh_formats.errors import FormatError, MeshError
 from deltamesh_formats.layout import CRC_SIZE, MAX_TEXT, PARTS, Container
-from deltamesh_formats.packed import packed, unpacked
-from deltamesh_formats.polymesh import Kind
+from deltamesh_formats.packed import packed, unpacked, unpacked_size
 from deltamesh_formats.reader import Buffer, read_varint, take
 from deltamesh_formats.writer import write_varint
 
-KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
+if TYPE_CHECKING:
+    from deltamesh_formats.polymesh import Kind
+
+_Found = TypeVar("_Found")
+
+# Every kind, by its number, and what to call its parts.
+KIND_WORDS: Final[Mapping[Kind, str]] = {
+    "object": "objects",
+    "mesh": "names of meshes",
+    "group": "groups",
+    "material": "materials",
+    "smoothing": "smoothing groups",
+}
+KINDS: Final = tuple(KIND_WORDS)
 # Bits of the byte of a kind, above its number.
 _KIND: Final = 7
 _PARTLY: Final = 8
@@ -76,11 +88,27 @@ def texts_of(container: Container) -> Texts:
     ------
     FormatError
     """
+    nothing = Texts((), {}, ())
+    return _of_section(container, lambda payload: read_texts(payload)[0], nothing)
+
+
+def text_size(container: Container) -> int:
+    """Return how many bytes of text a file says that it has.
+
+    Raises
+    ------
+    FormatError
+    """
+    return _of_section(container, lambda payload: unpacked_size(payload, 0), 0)
+
+
+def _of_section(container: Container, read: Callable[[Buffer], _Found], nothing: _Found) -> _Found:
+    """Return what is read of the section; a `FormatError` in it gets its place in the file."""
     if PARTS not in container.sections:
-        return Texts((), {}, ())
+        return nothing
     section = container.sections[PARTS]
     try:
-        return read_texts(section.payload)[0]
+        return read(section.payload)
     except FormatError as error:
         start = section.offset + section.size - CRC_SIZE - len(section.payload)
         raise FormatError(f"{PARTS}: {error.reason}", start + (error.offset or 0)) from None

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from deltamesh.geometry import payload_of
 from deltamesh_formats.attribute_table import entries_of
 from deltamesh_formats.errors import FormatError, LimitError
-from deltamesh_formats.layout import PARTS, Container, Section
-from deltamesh_formats.packed import unpacked_size
-from deltamesh_formats.texts import texts_of
+from deltamesh_formats.layout import Container, Section
+from deltamesh_formats.texts import text_size, texts_of
 
 # As many as a 32-bit index can name, were there memory for them.
 DEFAULT_MAX_VERTICES = 1 << 32
@@ -98,14 +96,10 @@ def check_limits(container: Container, counts: Counts, max_vertices: int, memory
     _check_held(container, geometry, counts.isolated, "isolated vertices", bits)
     _check_held(container, "STCH", m - counts.faces, "faces beside the manifold")
     _check_held(container, "COPY", n - counts.points, "copies of vertices")
-    needed = memory_needed(container)
+    needed = memory_needed(container) + PER_TEXT_BYTE * text_size(container)
     _check_memory(needed, memory)
-    if PARTS in container.sections:
-        with payload_of(container.sections[PARTS]) as payload:
-            needed += PER_TEXT_BYTE * unpacked_size(payload, 0)
-        _check_memory(needed, memory)
-        moved = sum(len(one.names) for one in texts_of(container).divisions if one.moved)
-        _check_memory(needed + PER_TRANSFORM * moved, memory)
+    moved = sum(len(one.names) for one in texts_of(container).divisions if one.moved)
+    _check_memory(needed + PER_TRANSFORM * moved, memory)
 
 
 def _check_memory(needed: int, memory: int) -> None:
