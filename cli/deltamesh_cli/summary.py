@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from deltamesh_cli.output import number, shown, table
-from deltamesh_formats.layout import ORDER, Container, Meta, Parameters
+from deltamesh_formats.layout import ATTRIBUTES, ORDER, Container, Meta, Parameters
 
 if TYPE_CHECKING:
     from deltamesh_formats.attribute_table import Entry
@@ -41,7 +41,6 @@ def as_object(name: str, container: Container) -> dict[str, object]:
     FormatError
         If its names or its table of attributes are damaged.
     """
-    from deltamesh_formats.attribute_table import entries_of
     from deltamesh_formats.listing import texts_object
     from deltamesh_formats.texts import texts_of
 
@@ -61,12 +60,20 @@ def as_object(name: str, container: Container) -> dict[str, object]:
         "sections": [
             {"id": s.id, "offset": s.offset, "bytes": s.size} for s in container.sections.values()
         ],
-        "attributes": [_attribute(entry) for entry in entries_of(container)],
+        "attributes": [_attribute(entry) for entry in _attributes(container)],
         "errors": None if meta is None else errors(meta),
         "encoder": None if meta is None else meta.encoder,
         "source_format": None if meta is None else meta.source or None,
         "digest": container.digest.hex(),
     }
+
+
+def _attributes(container: Container) -> Sequence[Entry]:
+    if ATTRIBUTES not in container.sections:
+        return ()
+    from deltamesh_formats.attribute_table import entries_of  # which needs numpy
+
+    return entries_of(container)
 
 
 def _attribute(entry: Entry) -> dict[str, object]:
@@ -140,10 +147,8 @@ def as_text(name: str, container: Container) -> str:
     FormatError
         If its names or its table of attributes are damaged.
     """
-    from deltamesh_formats.attribute_table import entries_of
-
-    lines, attributes = [*_lines(name, container)], entries_of(container)
-    if attributes:
+    lines = [*_lines(name, container)]
+    if attributes := _attributes(container):
         lines += ["", table(_attribute_rows(attributes))]
     return "\n".join(lines)
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from deltamesh_formats.attribute_table import entries_of
 from deltamesh_formats.errors import FormatError, LimitError
-from deltamesh_formats.layout import Container, Section
+from deltamesh_formats.layout import ATTRIBUTES, Container, Section
 from deltamesh_formats.texts import text_size, texts_of
 
 # As many as a 32-bit index can name, were there memory for them.
@@ -65,7 +64,16 @@ def memory_needed(container: Container) -> int:
     method = container.parameters.method
     fixed, per_vertex = BASE[method], PER_VERTEX[method]
     needed = fixed + per_vertex * container.vertices + PER_FACE * container.faces
+    return needed + _memory_of_attributes(container)
+
+
+def _memory_of_attributes(container: Container) -> int:
+    if ATTRIBUTES not in container.sections:
+        return 0
+    from deltamesh_formats.attribute_table import entries_of  # which needs numpy
+
     counts = {"vertex": container.vertices, "corner": 3 * container.faces, "face": container.faces}
+    needed = 0
     for entry in entries_of(container):
         columns = 3 * -(-entry.columns // 3)
         needed += counts[entry.domain] * (PER_ELEMENT + PER_NUMBER * columns)
