@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 import struct
 import zlib
 
 from deltamesh import pipeline
+from deltamesh.attributes.coded import all_arrays
+from deltamesh.attributes.decoding import decode_attributes
+from deltamesh.attributes.places import Places
 from deltamesh.geometry import digest, payload_of
 from deltamesh.order import decode_order
 from deltamesh.parts import decode_parts
@@ -48,12 +50,14 @@ def consistent(data):
     if "ORDR" in container.sections:
         with payload_of(container.sections["ORDR"]) as payload:
             order = decode_order(payload, s.faces, s.polygons, container.vertices)
-    told = ()
+    places, attributes, told = Places(s), (), ()
+    if "ATTR" in container.sections:
+        with payload_of(container.sections["ATTR"]) as payload:
+            attributes = all_arrays(decode_attributes(payload, places))
     if "PART" in container.sections:
         with payload_of(container.sections["PART"]) as payload:
-            by_face = functools.partial(pipeline._by_face, s)
-            told = decode_parts(payload, len(s.polygons.offsets) - 1, by_face).arrays()
-    further = (*arrays(order), *s.glue, *told)
+            told = decode_parts(payload, places.count("face"), lambda: places.faces).arrays()
+    further = (*arrays(order), *s.glue, *attributes, *told)
     return forged(data, checksum=digest(s.faces, s.copied, integers, further))
 
 

@@ -19,7 +19,7 @@ import numpy as np
 import oracle
 import strategies
 
-from deltamesh import highpass, lossless, pipeline
+from deltamesh import highpass, lossless, pipeline, spelled
 from deltamesh.codec import decode
 from deltamesh.forms import Spelling
 from deltamesh.geometry import NONE, Integers, digest
@@ -304,7 +304,7 @@ def infinite(data):
     values = integers.values.copy()
     values[7, 1] = np.float64("inf").view(np.int64)
     raw = Spelling((), (), 0, raw=True, zeros=False)
-    wrong = lossless.exactly(values, lossless.packed(lossless.DOUBLE, [raw] * 3))
+    wrong = lossless.exactly(values, spelled.packed(spelled.DOUBLE, [raw] * 3))
     payloads = lossless.write(surface, container.parameters, wrong)
     return forging.forged(data, **payloads, checksum=digest(surface.faces, NONE, wrong))
 
@@ -317,7 +317,7 @@ def refused():
     zero = encoded(meshes.icosphere(1), bits=0, anchors=3)
     x = encoded(meshes.icosphere(1), method="lossless")
     exact = payload_of(x, "EXAC")
-    stream = lossless.unpacked(memoryview(exact))[2]
+    stream = spelled.unpacked(memoryview(exact))[2]
     s = encoded(meshes.union(meshes.crossing(), meshes.doubled()), method="cartesian")
     d = encoded(meshes.with_degenerate(), method="cartesian")
     k = encoded(meshes.seams(), method="cartesian")

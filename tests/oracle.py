@@ -597,6 +597,46 @@ def normals(V, F, step):
     return s / length[:, None]
 
 
+def facing(V, polygons, elements, count, weights):
+    """The twin of element_normals.surface_normals: corner after corner, as the definition reads."""
+    sums = np.zeros((count, 3))
+    for polygon, here in zip(polygons, elements, strict=True):
+        p = [V[v] - V[polygon[0]] for v in polygon]
+        n = len(p)
+        area = sum(np.cross(p[i], p[(i + 1) % n]) for i in range(n))
+        size = np.linalg.norm(area)
+        for i, element in enumerate(here):
+            a, b = p[(i + 1) % n] - p[i], p[i - 1] - p[i]
+            lengths = np.linalg.norm(a) * np.linalg.norm(b)
+            angle = np.arccos(np.clip(a @ b / lengths, -1, 1)) if lengths else 0.0
+            share = {0: size, 1: angle, 2: 1.0}[weights]
+            sums[element] += share * area / size if size else 0.0
+    return sums
+
+
+def octahedron(a, b, bits):
+    """The direction of a point of the square: unfold its corners, then project."""
+    h = 2 ** (bits - 1) - 1
+    x, y, z = abs(a), abs(b), h - abs(a) - abs(b)
+    if z < 0:
+        x, y = h - y, h - x
+    return np.array([-x if a < 0 else x, -y if b < 0 else y, z]) / np.sqrt(x**2 + y**2 + z**2)
+
+
+def unit_normal(code, predicted, bits):
+    """The twin of octahedral.restored, with a matrix for the half-turn."""
+    state, a, b = code
+    if state == 2:
+        return np.zeros(3)
+    direction = octahedron(a, b, bits)
+    if state == 1:
+        return direction
+    pole = np.array([2, 3, 6]) / 7
+    axis = predicted / np.linalg.norm(predicted) + pole
+    half_turn = 2 * np.outer(axis, axis) / (axis @ axis) - np.eye(3)
+    return half_turn @ np.array([[6, -3, 2], [2, 6, 3], [-3, -2, 6]]) @ direction / 7
+
+
 # ---- Orders -------------------------------------------------------------------------------------
 
 

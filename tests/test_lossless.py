@@ -15,7 +15,7 @@ import strategies
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from deltamesh import decode, encode, info, lossless
+from deltamesh import decode, encode, info, lossless, spelled
 from deltamesh.forms import BINARY_DIGITS, Form, Spelling, spelling, to_integers, to_values
 from deltamesh.geometry import surface_of
 from deltamesh.kernels.exact import NEGATIVE_ZERO, RAW
@@ -283,14 +283,14 @@ PARAMETERS = lossless.quantize(
 )[0]
 flags, small = st.integers(0, 15), st.integers(-40, 1100)
 form = st.builds(
-    lambda *fields: lossless._FORM.pack(*fields),
+    lambda *fields: spelled._FORM.pack(*fields),
     st.sampled_from([2, 10]),
     st.integers(-20, 30) | small,
     st.integers(0, 60),
     st.integers(0, 62),
 )
 axis = st.builds(
-    lambda forms, bits, grid: lossless._AXIS.pack(len(forms) | bits, grid) + b"".join(forms),
+    lambda forms, bits, grid: spelled._AXIS.pack(len(forms) | bits, grid) + b"".join(forms),
     st.lists(form, max_size=2),
     st.sampled_from([0, 4, 8, 12]),
     st.integers(-20, 30) | small,
@@ -323,13 +323,13 @@ def test_any_forms_that_a_file_may_name(data: st.DataObject) -> None:
     """An encoder may choose badly: what is in none of its forms is raw."""
     payload = data.draw(payloads)
     try:
-        _, axes, _ = lossless.unpacked(memoryview(payload))
+        _, axes, _ = spelled.unpacked(memoryview(payload))
     except FormatError:
         return
     V = data.draw(positions(12))
     axes = [dataclasses.replace(how, raw=True, zeros=bool(how.forms)) for how in axes]
     bits = V.view(np.int64)
-    integers = lossless.exactly(bits, lossless.packed(lossless.DOUBLE, axes))
+    integers = lossless.exactly(bits, spelled.packed(spelled.DOUBLE, axes))
     exact = lossless.write(SPHERE, PARAMETERS, integers)["EXAC"]
     section = Section("EXAC", 0, exact, len(exact) + 4)
     read = lossless.read(SPHERE, PARAMETERS, {"EXAC": section})
@@ -341,7 +341,7 @@ def test_a_file_of_other_forms_is_as_good() -> None:
     data = encode(V, F, method="lossless")
     mesh, surface = decode(data), surface_of(decode(data).faces, len(V), 0)
     raw = [Spelling((), (), 0, raw=True, zeros=False)] * 3
-    forms = lossless.packed(lossless.DOUBLE, raw)
+    forms = spelled.packed(spelled.DOUBLE, raw)
     integers = lossless.exactly(mesh.vertices.view(np.int64), forms)
     other = forging.forged(data, **lossless.write(surface, PARAMETERS, integers))
     with pytest.raises(FormatError, match="checksum"):

@@ -9,11 +9,16 @@ import click
 from deltamesh.options import (
     ANCHOR_METHODS,
     BOUNDS,
+    DEFAULT_BITS_NORMAL,
+    DEFAULT_BITS_UV,
     DEFAULT_EFFORT,
     MAX_BITS,
+    MAX_BITS_NORMAL,
+    MAX_BITS_UV,
     MAX_EFFORT,
     MAX_QUALITY,
     METHODS,
+    MIN_BITS_NORMAL,
     RATES,
 )
 from deltamesh_cli import files, options, summary
@@ -34,6 +39,7 @@ deltamesh encode part.stl --max-error 0.05      within that of each vertex
 deltamesh encode scan.obj --method highpass --bits 6
 deltamesh encode scan.obj --step 0.01 --anchors 500
 deltamesh encode part.obj --lossless
+deltamesh encode scan.glb --drop normal --bits-uv 14
 cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 """
 
@@ -151,6 +157,36 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
     default=None,
     help="Vertices and faces come back in the order of IN, each face from its first corner on.",
 )
+@click.option(
+    "--drop",
+    multiple=True,
+    callback=lambda context, parameter, names: list(names) or None,
+    metavar="NAME",
+    help="Leave out what has this name: an attribute, a role (uv, normal, colour), a kind of parts"
+    " (object, mesh, group, material, smoothing), a key of metadata, transforms, or all. May come"
+    " several times; what IN does not have is no error.",
+)
+@click.option(
+    "--bits-uv",
+    type=options.whole(1, MAX_BITS_UV),
+    metavar="B",
+    help="Texture coordinates: 2^B steps on the largest of their extents."
+    f"  [default: {DEFAULT_BITS_UV}]",
+)
+@click.option(
+    "--bits-normal",
+    type=options.whole(MIN_BITS_NORMAL, MAX_BITS_NORMAL),
+    metavar="B",
+    help="Unit normals: 2^B steps on both sides of an unfolded octahedron."
+    f"  [default: {DEFAULT_BITS_NORMAL}]",
+)
+@click.option(
+    "--lossless-attributes",
+    is_flag=True,
+    default=None,
+    help="Keep all attributes to the last bit, as --lossless does: texture coordinates, normals"
+    " and colours of floats too, which otherwise are rounded.",
+)
 @options.input_format
 @options.solver
 @options.threads
@@ -180,6 +216,10 @@ def command(
     takes the smallest file within all bounds that it finds; what became of the errors is printed
     and stored in the file. A bound that cannot be met is an error (exit code 4) that says what
     could be had. With --lossless, positions come back as they were.
+
+    Attributes of vertices, corners and faces are kept: any numbers to the last bit, but texture
+    coordinates, unit normals and colours of floats, which are rounded (--bits-uv, --bits-normal)
+    unless --lossless-attributes or --lossless is given.
 
     IN stays as it is. An OUT that exists is overwritten only with -f. "-" is standard input or
     output; reading from standard input needs --input-format, and writes to standard output unless

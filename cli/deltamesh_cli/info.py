@@ -22,17 +22,19 @@ deltamesh info --json *.dmesh | jq .bits_per_vertex
 def command(sources: tuple[str, ...], as_json: bool) -> None:
     """Show what .dmesh files hold, without decoding.
 
-    That is parameters, sizes, names of parts, metadata, what of the source was not kept, and
-    errors. The errors are those that the encoder measured: RMS and
-    largest distance of the vertices, as fractions of the bounding box diagonal, mean deviation of
-    the face normals and of the dihedral angles, in degrees. With --json, which prints one object a
-    file, lengths are in the unit of the mesh too.
+    That is parameters, sizes, attributes, names of parts, metadata, what of the source was not
+    kept, and errors. The errors are those that the encoder measured: RMS and largest distance of
+    the vertices, as fractions of the bounding box diagonal, mean deviation of the face normals and
+    of the dihedral angles, in degrees. Of each attribute, it is the largest error of any number; of
+    unit normals, the largest angle. With --json, which prints one object a file, lengths are in the
+    unit of the mesh too.
 
     The checksums of all sections are verified, but nothing is decoded: that is deltamesh test. A
     file that cannot be read is reported, and the others are shown.
     """
 
     def info(source: str) -> None:
+
         container = container_of(source, files.read_input(source), "cannot read")
         with attempt(source, "cannot read"):
             if as_json:

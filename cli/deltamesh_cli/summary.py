@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from deltamesh_cli.output import shown
 from deltamesh_formats.layout import ORDER, Container, Meta, Parameters
 from deltamesh_formats.summary import (
     achieved,
+    attributes_of,
     bits_per_vertex,
     container_text,
     counts,
@@ -13,6 +16,9 @@ from deltamesh_formats.summary import (
     polygons,
     relative,
 )
+
+if TYPE_CHECKING:
+    from deltamesh_formats.attribute_table import Entry
 
 __all__ = ["achieved", "as_object", "as_text", "bits_per_vertex", "counts", "errors", "relative"]
 
@@ -23,7 +29,7 @@ def as_object(name: str, container: Container) -> dict[str, object]:
     Raises
     ------
     FormatError
-        If the names in it are damaged.
+        If its names or its table of attributes are damaged.
     """
     from deltamesh_formats.listing import texts_object
     from deltamesh_formats.texts import texts_of
@@ -45,10 +51,28 @@ def as_object(name: str, container: Container) -> dict[str, object]:
         "sections": [
             {"id": s.id, "offset": s.offset, "bytes": s.size} for s in container.sections.values()
         ],
+        "attributes": [_attribute(entry) for entry in attributes_of(container)],
         "errors": None if meta is None else errors(meta),
         "encoder": None if meta is None else meta.encoder,
         "source_format": None if meta is None else meta.source or None,
         "digest": container.digest.hex(),
+    }
+
+
+def _attribute(entry: Entry) -> dict[str, object]:
+    return {
+        "name": entry.name,
+        "domain": entry.domain,
+        "role": entry.role,
+        "type": str(entry.dtype),
+        "width": entry.width,
+        "normalized": entry.normalized,
+        "partly": entry.partly,
+        "coding": entry.coding,
+        "bits": entry.bits if entry.coding in ("grid", "octahedral") else None,
+        "palette": entry.palette,
+        "largest_error": entry.error,
+        "bytes": entry.size,
     }
 
 
@@ -89,6 +113,6 @@ def as_text(name: str, container: Container) -> str:
     Raises
     ------
     FormatError
-        If the names in it are damaged.
+        If its names or its table of attributes are damaged.
     """
     return f"{shown(name)}: {container_text(container)}"

@@ -71,6 +71,7 @@ ANCHORS: Final = "ANCH"
 DELTAS: Final = "DELT"
 NORMALS: Final = "NORM"
 CARTESIAN: Final = "CART"
+ATTRIBUTES: Final = "ATTR"
 PARTS: Final = "PART"
 ORDER: Final = "ORDR"
 EXACT: Final = "EXAC"
@@ -87,10 +88,10 @@ REQUIRED: Final[Mapping[str, tuple[str, ...]]] = {
 # What follows `CONN`, and what comes after all of these, in this order, where it is needed.
 AFTER_CONNECTIVITY: Final = (STITCHES, COPIES, POLYGONS)
 FURTHER: Final[Mapping[str, tuple[str, ...]]] = {
-    "highpass": (CORRECTIONS, PARTS, ORDER),
-    "cartesian": (PARTS, ORDER),
-    "refined": (CORRECTIONS, PARTS, ORDER),
-    "lossless": (PARTS, ORDER),
+    "highpass": (CORRECTIONS, ATTRIBUTES, PARTS, ORDER),
+    "cartesian": (ATTRIBUTES, PARTS, ORDER),
+    "refined": (CORRECTIONS, ATTRIBUTES, PARTS, ORDER),
+    "lossless": (ATTRIBUTES, PARTS, ORDER),
 }
 KNOWN: Final = frozenset(
     {META, CHECK, *AFTER_CONNECTIVITY}.union(

@@ -10,12 +10,13 @@ from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
 from deltamesh_formats.errors import FormatError
-from deltamesh_formats.layout import ORDER, POLYGONS, Container, Meta, Parameters
+from deltamesh_formats.layout import ATTRIBUTES, ORDER, POLYGONS, Container, Meta, Parameters
 from deltamesh_formats.listing import printable, text_lines
 from deltamesh_formats.reader import read_varint
 from deltamesh_formats.texts import texts_of
 
 if TYPE_CHECKING:
+    from deltamesh_formats.attribute_table import Entry
     from deltamesh_formats.polymesh import PolyMesh
 
 METHODS: Final = {
@@ -92,15 +93,22 @@ def achieved(meta: Meta) -> str:
 
 def container_text(container: Container) -> str:
     """Return everything about a file, as `deltamesh info` prints it after the name."""
-    lines = (f"  {line}" for line in _lines(container))
-    return "\n".join([_headline(container), *lines, "", table(_section_rows(container))])
+    lines = [_headline(container), *(f"  {line}" for line in _lines(container))]
+    lines += ["", table(_section_rows(container))]
+    if attributes := attributes_of(container):
+        lines += ["", table(_attribute_rows(attributes))]
+    return "\n".join(lines)
 
 
 def container_html(container: Container) -> str:
     """Return the same for a notebook."""
     lines = "<br>\n".join(map(escape, [_headline(container), *_lines(container)]))
     head, *rows = _section_rows(container)
-    return f"<div>\n{lines}\n{_html_table(rows, head)}\n</div>"
+    tables = [_html_table(rows, head)]
+    if attributes := attributes_of(container):
+        head, *rows = _attribute_rows(attributes)
+        tables.append(_html_table(rows, head))
+    return "\n".join(["<div>", lines, *tables, "</div>"])
 
 
 def _headline(container: Container) -> str:
@@ -135,7 +143,35 @@ def _described(parameters: Parameters) -> Iterator[str]:
         yield f"isolated vertices: {parameters.isolated}"
 
 
-def _section_rows(container: Container) -> Iterator[tuple[str, str, str]]:
+def attributes_of(container: Container) -> Sequence[Entry]:
+    """Return what a file tells of its attributes.
+
+    Raises
+    ------
+    FormatError
+        If that is damaged.
+    """
+    if ATTRIBUTES not in container.sections:
+        return ()
+    from deltamesh_formats.attribute_table import entries_of  # which needs numpy
+
+    return entries_of(container)
+
+
+def _attribute_rows(attributes: Sequence[Entry]) -> Iterator[tuple[str, ...]]:
+    yield "attribute", "of", "numbers", "coding", "bits", "largest error", "bytes"
+    for entry in attributes:
+        numbers = f"{entry.width} {entry.dtype}"
+        if entry.coding == "octahedral":
+            lost = f"{number(entry.error)} degrees"
+        else:
+            lost = number(entry.error) if entry.error else "none"
+        coding = entry.coding if entry.palette is None else f"{entry.coding}, palette"
+        bits = str(entry.bits) if entry.coding in ("grid", "octahedral") else ""
+        yield printable(entry.name), entry.domain, numbers, coding, bits, lost, str(entry.size)
+
+
+def _section_rows(container: Container) -> Iterator[tuple[str, ...]]:
     sizes = [("header", header_bytes(container))]
     sizes += [(section.id, section.size) for section in container.sections.values()]
     yield "section", "bytes", "bits/vertex"

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from numpy.typing import ArrayLike
 
 from deltamesh.files import Source, read_source
 from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh.mesh import checked_mesh, triangulated
-from deltamesh.options import DEFAULT_EFFORT, Options
+from deltamesh.options import DEFAULT_BITS_NORMAL, DEFAULT_BITS_UV, DEFAULT_EFFORT, Options
 from deltamesh.pipeline import Progress, decode_mesh, encode_mesh, silent
 from deltamesh_formats.arrays import check_shapes
 from deltamesh_formats.errors import MeshError
@@ -36,6 +38,10 @@ def encode(
     threads: int | None = None,
     drop_isolated: bool = False,
     keep_order: bool = False,
+    drop: str | Iterable[str] = (),
+    bits_uv: int = DEFAULT_BITS_UV,
+    bits_normal: int = DEFAULT_BITS_NORMAL,
+    lossless_attributes: bool = False,
     source_format: str = "",
     progress: Progress | None = None,
 ) -> bytes:
@@ -94,6 +100,18 @@ def encode(
         Leave out the vertices that belong to no face.
     keep_order : bool
         Vertices and faces come back in the order of the input, each face from its first corner on.
+    drop : str or iterable of str
+        What to leave out of a whole mesh, by name: attributes or their roles ("uv", "normal",
+        "colour"), kinds of parts, keys of metadata, "transforms", "all". A name that the mesh does
+        not have is no error.
+    bits_uv : int
+        Texture coordinates of floats come back within half a step, which is the largest of their
+        extents over 2^bits - 1.
+    bits_normal : int
+        Unit normals come back within sqrt(2) / (2^(bits - 1) - 1) radians.
+    lossless_attributes : bool
+        Both come back bit for bit instead, as all other attributes do but colours of floats within
+        0 .. 1, which get 256 levels. So it is, too, with "lossless".
     source_format : str
         Stored; what `deltamesh decode` writes by default.
     progress : callable, optional
@@ -136,6 +154,10 @@ def encode(
         threads=threads,
         drop_isolated=drop_isolated,
         keep_order=keep_order,
+        drop=(drop,) if isinstance(drop, str) else tuple(drop),
+        bits_uv=bits_uv,
+        bits_normal=bits_normal,
+        lossless_attributes=lossless_attributes,
         source_format=source_format,
     )
     return encode_mesh(_whole(vertices, faces), options, progress or silent).data

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from deltamesh_formats.errors import FormatError, LimitError
-from deltamesh_formats.layout import POLYGONS, Container, Section
+from deltamesh_formats.layout import ATTRIBUTES, POLYGONS, Container, Section
 from deltamesh_formats.texts import text_size, texts_of
 
 # As many as a 32-bit index can name, were there memory for them.
@@ -24,6 +24,9 @@ PER_FACE = 320
 PER_TEXT_BYTE = 24
 PER_TRANSFORM = 400
 PER_GLUED_FACE = 240  # more, where polygons are made of triangles
+# Of attributes: an element, and each number of one; three of them share a stream.
+PER_ELEMENT = 400
+PER_NUMBER = 64
 PER_VERTEX = {"cartesian": 400, "lossless": 600, "highpass": 4000, "refined": 4000}
 
 # The range coder spends at least log2(65536 / (65536 - P_MIN)) bits on a bit, and at least one
@@ -52,11 +55,31 @@ class Counts:
 
 
 def memory_needed(container: Container) -> int:
-    """Estimate the memory that decoding takes, in bytes, from counts alone."""
+    """Estimate the memory that decoding takes, in bytes, from counts alone.
+
+    Raises
+    ------
+    FormatError
+        If the table of the attributes is none.
+    """
     method = container.parameters.method
     fixed, per_vertex = BASE[method], PER_VERTEX[method]
     per_face = PER_FACE + (PER_GLUED_FACE if POLYGONS in container.sections else 0)
-    return fixed + per_vertex * container.vertices + per_face * container.faces
+    needed = fixed + per_vertex * container.vertices + per_face * container.faces
+    return needed + _memory_of_attributes(container)
+
+
+def _memory_of_attributes(container: Container) -> int:
+    if ATTRIBUTES not in container.sections:
+        return 0
+    from deltamesh_formats.attribute_table import entries_of  # which needs numpy
+
+    counts = {"vertex": container.vertices, "corner": 3 * container.faces, "face": container.faces}
+    needed = 0
+    for entry in entries_of(container):
+        columns = 3 * -(-entry.columns // 3)
+        needed += counts[entry.domain] * (PER_ELEMENT + PER_NUMBER * columns)
+    return needed
 
 
 def check_limits(container: Container, counts: Counts, max_vertices: int, memory: int) -> None:

@@ -27,6 +27,9 @@ DEFAULT_QUALITY, MAX_QUALITY = 5, 9
 # How long to search for fewer bytes: not at all, among the likeliest, among all.
 DEFAULT_EFFORT, MAX_EFFORT = 2, 3
 MAX_BITS = 30
+# Of texture coordinates, of the largest extent, and of both coordinates of a normal.
+DEFAULT_BITS_UV, MAX_BITS_UV = 12, 29
+DEFAULT_BITS_NORMAL, MIN_BITS_NORMAL, MAX_BITS_NORMAL = 10, 2, 30
 MAX_THREADS = 1024
 MAX_NAME = 255
 
@@ -59,6 +62,10 @@ class Options:
     coarse: float | None = None
     drop_isolated: bool = False
     keep_order: bool = False
+    drop: tuple[str, ...] = ()
+    bits_uv: int = DEFAULT_BITS_UV
+    bits_normal: int = DEFAULT_BITS_NORMAL
+    lossless_attributes: bool = False
     source_format: str = ""
 
     def __post_init__(self) -> None:
@@ -72,6 +79,10 @@ class Options:
             _require(fits, f"coarse means nothing with method {self.method}")
             fits = 1 <= self.coarse <= MAX_COARSE
             _require(fits, f"coarse must lie in 1..{MAX_COARSE:g}, not {self.coarse!r}")
+        _require_within("bits_uv", self.bits_uv, 1, MAX_BITS_UV)
+        _require_within("bits_normal", self.bits_normal, MIN_BITS_NORMAL, MAX_BITS_NORMAL)
+        names = all(isinstance(name, str) for name in self.drop)
+        _require(names, f"drop must be names, not {self.drop!r}")
         _require_within("seed", self.seed, 0, (1 << 64) - 1)
         if self.threads is not None:
             _require_within("threads", self.threads, 1, MAX_THREADS)

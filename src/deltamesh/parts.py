@@ -76,8 +76,14 @@ def told_of(mesh: PolyMesh, faces: _Ints) -> Told | None:
         Division(p.kind, p.names, bool((p.of_face < 0).any()), p.transforms is not None)
         for p in found
     )
-    keys = mesh.metadata.keys()
-    lost = unkept(mesh, parts=kinds, metadata=keys, polygons=True, transforms=True)
+    lost = unkept(
+        mesh,
+        attributes=mesh.attributes,
+        parts=kinds,
+        metadata=mesh.metadata.keys(),
+        polygons=True,
+        transforms=True,
+    )
     metadata = {key: tuple(lines) for key, lines in mesh.metadata.items()}
     texts = Texts(divisions, metadata, lost)
     return None if texts.is_empty else Told(texts, found)

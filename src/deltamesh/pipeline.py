@@ -15,9 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import cartesian, highpass, lossless, refined
+from deltamesh.attributes.coded import Coded, all_arrays, restored
+from deltamesh.attributes.decoding import decode_attributes
+from deltamesh.attributes.encoding import encode_attributes
+from deltamesh.attributes.places import Places
+from deltamesh.attributes.ways import Wanted
 from deltamesh.complexes import distinct_faces
 from deltamesh.diagonals import cut_polygons
-from deltamesh.elements import Elements, of_faces
 from deltamesh.geometry import Integers, Surface, digest, payload_of
 from deltamesh.limits import check_limits
 from deltamesh.mesh import LARGEST, Mesh
@@ -40,6 +44,7 @@ from deltamesh.structure import (
 )
 from deltamesh.targets import bounds_of
 from deltamesh.version import __version__
+from deltamesh_formats.dropping import without
 from deltamesh_formats.errors import FormatError, MeshError
 from deltamesh_formats.layout import Container, Meta
 from deltamesh_formats.polymesh import PolyMesh, from_triangles
@@ -54,6 +59,11 @@ _METHODS: Final = {
     "cartesian": cartesian,
     "lossless": lossless,
 }
+
+
+NO_ATTRIBUTES: Final[tuple[Coded, ...]] = ()
+# How far apart positions of two decoders may be, in diagonals of the bounding box (SPEC.md 5.4).
+SOLVED: Final = 1e-9
 
 
 def silent(stage: str) -> None:
@@ -87,6 +97,7 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
     """Compress a checked mesh; see `codec.encode`."""
     if isinstance(mesh, Mesh):
         mesh = from_triangles(mesh.vertices, mesh.faces)
+    mesh = without(mesh, options.drop)
     cut = cut_polygons(mesh)
     triangles = Mesh(mesh.vertices, cut.faces)
     if len(cut.faces) == 0:
@@ -118,10 +129,16 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
     result = assembled(trial.vertices[structure.points], structure.faces, polygons)
     result = replace(result, precision=mesh.precision)
     sources = sources_of(polygons, origin.vertices, origin.corners, cut)
+    places, coded = Places(structure), NO_ATTRIBUTES
+    if mesh.attributes:
+        progress("attributes")
+        wanted = _wanted(options, trial, result.vertices, diagonal(V))
+        payloads["ATTR"], coded = encode_attributes(mesh, sources, places, wanted)
+        result = _with_attributes(result, coded, places)
     told = told_of(mesh, sources.faces)
     if told is not None:
         progress("parts")
-        payloads["PART"] = encode_parts(told, partial(_by_face, structure))
+        payloads["PART"] = encode_parts(told, lambda: places.faces)
         result = told.given_to(result)
     order, face_order = sources.vertices, sources.faces
     rotation = sources.corners[polygons.offsets[:-1]] - mesh.offsets[face_order]
@@ -132,7 +149,8 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
         payloads["ORDR"] = encode_order(structure.faces, polygons, kept)
         result, order = reordered(result, kept), order[kept.vertices]
         face_order, rotation = np.arange(len(face_order)), np.zeros_like(rotation)
-    further = (*arrays(kept), *structure.glue, *(() if told is None else told.arrays()))
+    told_arrays = () if told is None else told.arrays()
+    further = (*arrays(kept), *structure.glue, *all_arrays(coded), *told_arrays)
     checksum = digest(structure.faces, structure.copied, trial.integers, further)
     n, m = len(structure.points), len(structure.faces)
     meta = _meta(trial.errors, diagonal(V), options.source_format)
@@ -152,7 +170,8 @@ def decode_mesh(
 ) -> PolyMesh:
     """Decompress a file; see `codec.decode`."""
     container = read_container(data)
-    structure, surface, integers, told, order = _read(container, max_vertices, memory, progress)
+    read = _read(container, max_vertices, memory, progress)
+    structure, surface, integers, places, coded, told, order = read
     progress("positions")
     coder = _METHODS[container.parameters.method]
     _check_scale(container, integers)
@@ -160,13 +179,14 @@ def decode_mesh(
     points = coder.reconstruct(surface, container.parameters, integers, factor)
     mesh = assembled(points[structure.points], structure.faces, structure.polygons)
     mesh = replace(mesh, precision="float32" if container.parameters.single else "float64")
+    mesh = _with_attributes(mesh, coded, places)
     mesh = mesh if told is None else told.given_to(mesh)
     return mesh if order is None else reordered(mesh, order)
 
 
 def _read(
     container: Container, max_vertices: int, memory: int, progress: Progress
-) -> tuple[Structure, Surface, Integers, Told | None, Order | None]:
+) -> tuple[Structure, Surface, Integers, Places, tuple[Coded, ...], Told | None, Order | None]:
     """Return everything exact in a file, checked."""
     counts = announced(container)
     check_limits(container, counts, max_vertices, memory)
@@ -176,26 +196,41 @@ def _read(
     progress("geometry")
     surface = coded_surface(structure)
     integers = _METHODS[parameters.method].read(surface, parameters, sections)
-    told = None
+    places, coded, told = Places(structure), NO_ATTRIBUTES, None
+    if "ATTR" in sections:
+        progress("attributes")
+        with payload_of(sections["ATTR"]) as payload:
+            coded = decode_attributes(payload, places)
     if "PART" in sections:
         progress("parts")
         with payload_of(sections["PART"]) as payload:
-            count = len(structure.polygons.offsets) - 1
-            told = decode_parts(payload, count, partial(_by_face, structure))
+            told = decode_parts(payload, places.count("face"), lambda: places.faces)
     order = None
     if "ORDR" in sections:
         progress("order")
         with payload_of(sections["ORDR"]) as payload:
             order = decode_order(payload, structure.faces, structure.polygons, container.vertices)
-    further = (*arrays(order), *structure.glue, *(() if told is None else told.arrays()))
+    told_arrays = () if told is None else told.arrays()
+    further = (*arrays(order), *structure.glue, *all_arrays(coded), *told_arrays)
     if digest(structure.faces, structure.copied, integers, further) != container.digest:
         raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)
-    return structure, surface, integers, told, order
+    return structure, surface, integers, places, coded, told, order
 
 
-def _by_face(structure: Structure) -> Elements:
-    """Return the polygons of a file as elements."""
-    return of_faces(structure.points[structure.faces], structure.polygons)
+def _wanted(options: Options, trial: Trial, V: NDArray[np.float64], scale: float) -> Wanted:
+    """Return how attributes are coded, at positions of this scale."""
+    exact = trial.parameters.method in ("cartesian", "lossless")
+    return Wanted(
+        bits_uv=options.bits_uv,
+        bits_normal=options.bits_normal,
+        lossless=options.lossless_attributes or options.method == "lossless",
+        positions=V,
+        tolerance=0.0 if exact else SOLVED * scale,
+    )
+
+
+def _with_attributes(mesh: PolyMesh, coded: tuple[Coded, ...], places: Places) -> PolyMesh:
+    return replace(mesh, attributes=tuple(restored(one, places, mesh.vertices) for one in coded))
 
 
 def _check_scale(container: Container, integers: Integers) -> None:

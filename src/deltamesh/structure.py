@@ -52,7 +52,7 @@ from deltamesh_formats.triangles import Triangles
 _Ints = NDArray[np.int64]
 
 # The sections that are told by the half-edges of the manifold.
-_NEED_MANIFOLD: Final = frozenset({"STCH", "COPY", "POLY"})
+_NEED_MANIFOLD: Final = frozenset({"STCH", "COPY", "POLY", "ATTR"})
 
 
 @dataclass(frozen=True)

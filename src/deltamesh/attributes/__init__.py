@@ -1,0 +1,1 @@
+"""Numbers that belong to the vertices, corners and faces of a mesh (section ATTR)."""

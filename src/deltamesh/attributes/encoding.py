@@ -1,0 +1,194 @@
+"""Attributes to the payload of ATTR; the mirror is `deltamesh.attributes.decoding`.
+
+An attribute is coded in every way that fits what it is, and the smallest is kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh.attributes import numbers
+from deltamesh.attributes.coded import Coded
+from deltamesh.attributes.columns import encode_columns
+from deltamesh.attributes.directions import encode_directions, surroundings
+from deltamesh.attributes.floats import encode_floats
+from deltamesh.attributes.places import Places, alone, among
+from deltamesh.attributes.units import Units, encode_units
+from deltamesh.attributes.ways import Wanted, ways_of
+from deltamesh.elements import Elements
+from deltamesh.labels import encode_labels, numbered
+from deltamesh.polygons import Sources
+from deltamesh_formats.attribute_table import TYPES, Entry, write_table
+from deltamesh_formats.errors import MeshError
+from deltamesh_formats.polymesh import Attribute, PolyMesh
+
+_Ints = NDArray[np.int64]
+_Any = NDArray[Any]
+
+# A palette is tried where there are not more different rows, and at most one for so many of all.
+_MOST_DIFFERENT: Final = 4096
+_EACH: Final = 4
+
+
+# Any bits may be numbers, those of a signalling NaN too.
+@np.errstate(over="ignore", invalid="ignore")
+def encode_attributes(
+    mesh: PolyMesh, sources: Sources, places: Places, wanted: Wanted
+) -> tuple[bytes, tuple[Coded, ...]]:
+    """Return the payload of ATTR, and what is in it.
+
+    Parameters
+    ----------
+    mesh : PolyMesh
+        With attributes.
+    sources : Sources
+        Of the elements of the file.
+    places : Places
+    wanted : Wanted
+
+    Raises
+    ------
+    MeshError
+        For an attribute that is not one of this mesh.
+    """
+    came_from = {"vertex": sources.vertices, "corner": sources.corners, "face": sources.faces}
+    coded: list[Coded] = []
+    streams: list[bytes] = []
+    for attribute in mesh.attributes:
+        check_attribute(attribute, mesh)
+        used, rows = _used(attribute.rows()[came_from[attribute.domain]])
+        values = _native(attribute.values[used])
+        ways = (
+            _encoded(way, values, rows, places, wanted, coded)
+            for way in ways_of(attribute, values, wanted)
+        )
+        one, parts = min(ways, key=lambda way: way[0].entry.size)
+        coded.append(one)
+        streams += parts
+    return write_table(tuple(one.entry for one in coded)) + b"".join(streams), tuple(coded)
+
+
+def check_attribute(attribute: Attribute, mesh: PolyMesh) -> None:
+    """Refuse an attribute whose arrays do not fit the mesh.
+
+    Raises
+    ------
+    MeshError
+    """
+    counts = {"vertex": len(mesh.vertices), "corner": len(mesh.corners), "face": len(mesh.sizes)}
+    values, index, name = attribute.values, attribute.index, f"attribute {attribute.name!r}"
+    count = counts[attribute.domain]
+    if values.ndim != 2:
+        raise MeshError(f"{name} has values of shape {values.shape}, not (rows, width)")
+    if values.dtype.newbyteorder("=") not in TYPES:
+        raise MeshError(f"{name} is of type {values.dtype}: numbers of up to 64 bits only")
+    rows = len(values if index is None else index)
+    if rows != count:
+        raise MeshError(f"{name} has {rows} rows for {count} of domain {attribute.domain}")
+    if index is not None and count and not -1 <= index.min() <= index.max() < len(values):
+        raise MeshError(f"{name} has indices outside -1..{len(values) - 1}")
+
+
+def _used(rows: _Ints) -> tuple[_Ints, _Ints]:
+    """Return the rows that are used, and which of these each element has, -1 for none."""
+    used, compact = np.unique(rows, return_inverse=True)
+    nothing = int(len(used) > 0 and used[0] < 0)
+    return used[nothing:], compact - nothing
+
+
+def _native(values: _Any) -> _Any:
+    return np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("="))
+
+
+def _encoded(
+    entry: Entry,
+    values: _Any,
+    rows: _Ints,
+    places: Places,
+    wanted: Wanted,
+    before: Sequence[Coded],
+) -> tuple[Coded, list[bytes]]:
+    """Return an attribute that is coded so, and its streams.
+
+    rows : int64 (count,), into `values`, -1 for none.
+    """
+    codes = numbers.to_codes(entry, values)
+    first, ids = _different(codes)
+    same = np.append(first[ids], -1)[rows]  # the first row with the same codes
+    units = encode_units(entry, same, places, before)
+    of_units = np.empty(units.elements.count, dtype=np.int64)
+    of_units[units.of_elements] = same
+    has, streams = of_units >= 0, units.streams
+    entry = replace(entry, classes=units.reference)
+    if not has.all():
+        streams = [*streams, encode_labels(units.elements, numbered(has.astype(np.int64))[0])]
+        entry = replace(entry, partly=True, first_none=not has[0])
+    chosen = of_units[has]
+    way = _directions if entry.coding == "octahedral" else _rows
+    one, rest = way(entry, values, codes, chosen, has, units, places, wanted)
+    streams = [*streams, *rest]
+    entry = replace(one.entry, sizes=tuple(map(len, streams)))
+    return replace(one, entry=entry), streams
+
+
+def _different(codes: _Ints) -> tuple[_Ints, _Ints]:
+    """Return the first of the different rows of codes (r, c), and which of these each is."""
+    if not codes.size:
+        return np.zeros(min(len(codes), 1), np.int64), np.zeros(len(codes), np.int64)
+    keys = np.ascontiguousarray(codes).view(f"V{codes.shape[1] * 8}").ravel()
+    _, first, ids = np.unique(keys, return_index=True, return_inverse=True)
+    return first, ids
+
+
+def _directions(
+    entry: Entry,
+    values: _Any,
+    codes: _Ints,
+    chosen: _Ints,
+    has: NDArray[np.bool_],
+    units: Units,
+    places: Places,
+    wanted: Wanted,
+) -> tuple[Coded, list[bytes]]:
+    around = surroundings(entry, units.of_elements, len(has), places)
+    V, tolerance = wanted.positions, wanted.tolerance
+    entry, normals, stream = encode_directions(
+        entry, values[chosen], has, units.elements, around, V, tolerance
+    )
+    rows = np.flatnonzero(has)
+    one = Coded(entry, units.of_elements, units.classes, has, rows, normals.codes, normals)
+    return one, [stream]
+
+
+def _rows(
+    entry: Entry,
+    values: _Any,
+    codes: _Ints,
+    chosen: _Ints,
+    has: NDArray[np.bool_],
+    units: Units,
+    places: Places,
+    wanted: Wanted,
+) -> tuple[Coded, list[bytes]]:
+    near = among(units.elements, has)
+    streams, labels, rows = _streams(entry, codes[chosen], near), np.arange(near.count), chosen
+    named, order = numbered(chosen)
+    if 0 < len(order) <= min(_MOST_DIFFERENT, len(chosen) // _EACH + 1):
+        palette = _streams(entry, codes[order], alone(len(order)))
+        other = [encode_labels(near, named), *palette]
+        if sum(map(len, other)) < sum(map(len, streams)):
+            streams, labels, rows = other, named, order
+            entry = replace(entry, palette=len(order))
+    return Coded(entry, units.of_elements, units.classes, has, labels, codes[rows]), streams
+
+
+def _streams(entry: Entry, codes: _Ints, elements: Elements) -> list[bytes]:
+    """Return the streams of the rows (n, c) of elements."""
+    if entry.coding == "exact":
+        return encode_floats(elements, codes, entry.number_size)
+    return encode_columns(elements, numbers.mixed(codes) if entry.mixed else codes)
