@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from deltamesh.mesh import Mesh, checked_mesh
 from deltamesh_formats.meshfile import FORMATS, read_mesh
+from deltamesh_formats.polymesh import PolyMesh
 
 Arrays = tuple[NDArray[np.float64], NDArray[np.int64]]
 
@@ -269,8 +270,13 @@ def names(most_bytes: int) -> list[str]:
 
 def real(name: str) -> Mesh:
     """A mesh of the folder; the test that asks is skipped where it is not there."""
+    data = real_whole(name)
+    return checked_mesh(data.vertices, data.faces)
+
+
+def real_whole(name: str) -> PolyMesh:
+    """Likewise, with its attributes."""
     path = folder() / name
     if not path.exists():
         pytest.skip(f"no {path}: DELTAMESH_MESHES names the folder of larger meshes")
-    data = read_mesh(path)
-    return checked_mesh(data.vertices, data.faces)
+    return read_mesh(path)

@@ -352,6 +352,35 @@ def test_what_is_dropped() -> None:
     assert encode_mesh(mesh, Options(drop=("all",))).data == plain
 
 
+# ---- Real meshes -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", ["cartesian", "refined"])
+@pytest.mark.parametrize("name", ["spot", "tank", "chair_model", "pizza"])
+def test_seams_of_real_meshes_never_crack(name: str, method: str) -> None:
+    """One vertex stays one vertex, whatever the texture coordinates on both sides of it are."""
+    mesh = meshes.real_whole(f"clean/{name}.obj")
+    one = encode_mesh(mesh, Options(method=method, threads=1))
+    decoded = decode(one.data)
+    assert len(decoded.vertices) == len(mesh.vertices)
+    corners = sources_of(one, "corner")
+    assert (mesh.corners[corners] == one.order[decoded.corners]).all()
+    for given_, found, entry in zip(
+        mesh.attributes, decoded.attributes, entries_of(one.data), strict=True
+    ):
+        assert_described(given_, found)
+        sources = sources_of(one, given_.domain)
+        has = given_.rows()[sources] >= 0
+        assert (has == (found.rows() >= 0)).all()
+        off = np.abs(found.dense() - given_.dense()[sources])[has]
+        if given_.role == "uv":
+            extent = np.ptp(given_.values, axis=0).max()
+            assert off.max() <= 0.51 * extent / (2**12 - 1)
+            assert off.max() == entry.error
+        else:
+            assert off.max() <= 0.004
+
+
 # ---- Files that no encoder has written ---------------------------------------------------------
 
 

@@ -24,9 +24,10 @@ PER_FACE = 320
 PER_TEXT_BYTE = 24
 PER_TRANSFORM = 400
 PER_GLUED_FACE = 240  # more, where polygons are made of triangles
-# Of attributes: an element, and each number of one; three of them share a stream.
-PER_ELEMENT = 400
-PER_NUMBER = 64
+# Of attributes: an element, and each number of one; three of them share a stream. Unit normals need
+# those of the surface, corner by corner.
+PER_ELEMENT = 160
+PER_NUMBER = 40
 PER_VERTEX = {"cartesian": 400, "lossless": 600, "highpass": 4000, "refined": 4000}
 
 # The range coder spends at least log2(65536 / (65536 - P_MIN)) bits on a bit, and at least one
@@ -78,7 +79,8 @@ def _memory_of_attributes(container: Container) -> int:
     needed = 0
     for entry in entries_of(container):
         columns = 3 * -(-entry.columns // 3)
-        needed += counts[entry.domain] * (PER_ELEMENT + PER_NUMBER * columns)
+        count = counts["corner" if entry.coding == "octahedral" else entry.domain]
+        needed += count * (PER_ELEMENT + PER_NUMBER * columns)
     return needed
 
 

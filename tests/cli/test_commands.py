@@ -256,6 +256,57 @@ def test_polygons_come_back(folder: Path, capsys: pytest.CaptureFixture[str]) ->
 TEXTURED = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nl 1 2\nusemtl red\nf 1/1 2/1 3/1\n"
 
 
+COLOURED = """ply
+format ascii 1.0
+element vertex 4
+property double x
+property double y
+property double z
+property uchar red
+property uchar green
+property uchar blue
+property short rank
+element face 2
+property list uchar int vertex_indices
+property list uchar float texcoord
+end_header
+0 0 0 255 0 128 -5
+1 0 0 0 255 1 7
+1 1 0 9 9 9 300
+0 1 0 1 2 3 -32768
+3 0 1 2 6 0 0 0.5 0 0.5 0.5
+3 0 2 3 6 0 0 0.5 0.5 0.25 1
+"""
+
+
+def test_attributes_survive_the_commands(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("a.ply").write_text(COLOURED)
+    given = meshfile.read_mesh("a.ply")
+    assert cli("encode a.ply --keep-order --lossless") == 0
+    assert cli("decode a.ply.dmesh b.ply") == 0
+    found = meshfile.read_mesh("b.ply")
+    assert capsys.readouterr().err == ""
+    for a, b in zip(given.attributes, found.attributes, strict=True):
+        assert (a.name, a.domain, a.role, a.values.dtype) == (
+            *(b.name, b.domain, b.role, b.values.dtype),
+        )
+        np.testing.assert_array_equal(a.dense(), b.dense())
+    assert cli("info a.ply.dmesh") == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["rank", "vertex", "1", "int16", "integer", "none"] in [row[:6] for row in rows]
+    assert cli("info --json a.ply.dmesh") == 0
+    told = json.loads(capsys.readouterr().out)["attributes"]
+    assert [(a["name"], a["type"], a["width"], a["largest_error"]) for a in told] == [
+        ("colour", "uint8", 3, 0.0),
+        ("rank", "int16", 1, 0.0),
+        ("uv", "float32", 2, 0.0),
+    ]
+    assert cli("encode -f a.ply --drop colour --drop uv --drop nothing") == 0
+    assert cli("info --json a.ply.dmesh") == 0
+    told = json.loads(capsys.readouterr().out.splitlines()[-1])["attributes"]
+    assert [a["name"] for a in told] == ["rank"]
+
+
 def test_what_is_not_kept_is_named_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     Path("a.obj").write_text(TEXTURED)
     words = ["lines"]

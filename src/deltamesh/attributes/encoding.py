@@ -128,9 +128,10 @@ def _encoded(
     if not has.all():
         streams = [*streams, encode_labels(units.elements, numbered(has.astype(np.int64))[0])]
         entry = replace(entry, partly=True, first_none=not has[0])
-    chosen = of_units[has]
-    way = _directions if entry.coding == "octahedral" else _rows
-    one, rest = way(entry, values, codes, chosen, has, units, places, wanted)
+    if entry.coding == "octahedral":
+        one, rest = _directions(entry, values[of_units[has]], has, units, places, wanted)
+    else:
+        one, rest = _rows(entry, codes, of_units[has], has, units)
     streams = [*streams, *rest]
     entry = replace(one.entry, sizes=tuple(map(len, streams)))
     return replace(one, entry=entry), streams
@@ -148,17 +149,16 @@ def _different(codes: _Ints) -> tuple[_Ints, _Ints]:
 def _directions(
     entry: Entry,
     values: _Any,
-    codes: _Ints,
-    chosen: _Ints,
     has: NDArray[np.bool_],
     units: Units,
     places: Places,
     wanted: Wanted,
 ) -> tuple[Coded, list[bytes]]:
+    """Return unit normals, those (k, 3) of the units that have one, and their stream."""
     around = surroundings(entry, units.of_elements, len(has), places)
     V, tolerance = wanted.positions, wanted.tolerance
     entry, normals, stream = encode_directions(
-        entry, values[chosen], has, units.elements, around, V, tolerance
+        entry, values, has, units.elements, around, V, tolerance
     )
     rows = np.flatnonzero(has)
     one = Coded(entry, units.of_elements, units.classes, has, rows, normals.codes, normals)
@@ -166,15 +166,9 @@ def _directions(
 
 
 def _rows(
-    entry: Entry,
-    values: _Any,
-    codes: _Ints,
-    chosen: _Ints,
-    has: NDArray[np.bool_],
-    units: Units,
-    places: Places,
-    wanted: Wanted,
+    entry: Entry, codes: _Ints, chosen: _Ints, has: NDArray[np.bool_], units: Units
 ) -> tuple[Coded, list[bytes]]:
+    """Return the rows that are chosen of codes, and their streams: by a palette, if smaller."""
     near = among(units.elements, has)
     streams, labels, rows = _streams(entry, codes[chosen], near), np.arange(near.count), chosen
     named, order = numbered(chosen)
