@@ -28,7 +28,8 @@ SEQUENCES = st.lists(st.integers(-3, 5), max_size=12)
 
 def graph(indptr: Ints, indices: Ints) -> Elements:
     count = len(indptr) - 1
-    return Elements(count, indptr, indices, np.zeros(count + 1, np.int64), np.zeros((0, 3), int))
+    first, within = np.zeros(count + 1, np.int64), np.zeros(count, np.int64)
+    return Elements(count, indptr, indices, first, np.zeros((0, 3), np.int64), within)
 
 
 def alone(count: int) -> Elements:

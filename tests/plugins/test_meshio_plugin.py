@@ -116,7 +116,6 @@ def test_files_by_name_and_as_objects(tmp_path: Path) -> None:
     np.testing.assert_array_equal(meshio.read(stream, "dmesh").points, again.points)
 
 
-@pytest.mark.skipif(not wholes.codec_keeps_attributes(), reason="the codec keeps no attributes yet")
 def test_attributes_survive_a_file(tmp_path: Path) -> None:
     mesh = to_meshio(wholes.sample())
     mesh.write(tmp_path / "x.dmesh", method="lossless")

@@ -121,7 +121,6 @@ def test_pyvista_fetches_what_is_elsewhere() -> None:
         read_dmesh("https://example.org/ball.dmesh")
 
 
-@pytest.mark.skipif(not wholes.codec_keeps_attributes(), reason="the codec keeps no attributes yet")
 def test_attributes_survive_a_file(tmp_path: Path) -> None:
     mesh = replace(wholes.sample(), precision="float32")
     made = to_pyvista(mesh)

@@ -197,7 +197,6 @@ def test_files_by_name_and_as_objects(tmp_path: Path) -> None:
     assert len(free) < len(data)
 
 
-@pytest.mark.skipif(not wholes.codec_keeps_attributes(), reason="the codec keeps no attributes yet")
 def test_attributes_survive_a_file(tmp_path: Path) -> None:
     made = to_trimesh(wholes.sample(corner=True))
     made.export(tmp_path / "x.dmesh", method="lossless")

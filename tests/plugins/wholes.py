@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import meshes
@@ -46,17 +45,3 @@ def sample(faces: Any = None, corner: bool = False) -> PolyMesh:
         face={"region": rng.integers(0, 5, len(faces))},
         corner={"uv": rng.random((count, 2))} if corner else {},
     )
-
-
-@cache
-def codec_keeps_attributes() -> bool:
-    """Tell whether a `.dmesh` holds attributes; before it did, files could only keep the shape."""
-    mesh = sample()
-    decoded = deltamesh.decode(deltamesh.encode(mesh, method="lossless"))
-    return len(decoded.attributes) == len(mesh.attributes)
-
-
-@cache
-def codec_keeps_polygons() -> bool:
-    mesh = deltamesh.from_arrays(meshes.torus(9, 7)[0], [[0, 1, 2, 3], [3, 2, 4]])
-    return deltamesh.decode(deltamesh.encode(mesh)).sizes.tolist() == [4, 3]
