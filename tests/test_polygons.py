@@ -23,6 +23,7 @@ from deltamesh.gluing import decode_polygons, encode_polygons, glued_halfedges, 
 from deltamesh.kernels import coder as coder_kernels
 from deltamesh.kernels import diagonals
 from deltamesh.kernels import polygons as kernels
+from deltamesh.kernels.listed import code_listed
 from deltamesh.mesh import Mesh, triangulated
 from deltamesh.options import Options
 from deltamesh.order import decode_order, encode_order
@@ -392,9 +393,7 @@ def test_any_bytes_are_the_polygons_of_the_oracle(
     assert twin.glued == {h: g for h, g in enumerate(glued.tolist()) if g >= 0}
     if total:
         none = np.zeros(0, dtype=np.int64)
-        found = kernels.code_listed(
-            decoder, partner, none, glued, parent, size, most, total, *ways(faces)
-        )
+        found = code_listed(decoder, partner, none, glued, parent, size, most, total, *ways(faces))
         assert found == twin.code_listed(coder, {}, most, total, below)
         assert twin.glued == {h: g for h, g in enumerate(glued.tolist()) if g >= 0}
     assert int(decoder.state[coder_kernels.CODE]) == coder.code

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from deltamesh import entropy
 from deltamesh.kernels import polygons as kernels
 from deltamesh.kernels.coder import Coder
+from deltamesh.kernels.listed import code_listed
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.reader import read_varint
 from deltamesh_formats.triangles import Triangles
@@ -159,7 +160,7 @@ def _code(
     corners, count = faces.ravel(), int(faces.max()) + 1
     listed = total > 0
     kernels.code_hidden(coder, corners, count, partner, glued, parent, size, least, most, listed)
-    if listed and not kernels.code_listed(
+    if listed and not code_listed(
         coder, partner, wanted, glued, parent, size, most, total, *ways(faces)
     ):
         return None
@@ -168,7 +169,7 @@ def _code(
 
 
 def ways(faces: _Ints) -> tuple[_Ints, _Ints, _Ints, _Ints]:
-    """Return half-edges grouped by where they start and end; see `kernels.polygons.code_listed`."""
+    """Return half-edges grouped by where they start and end; see `kernels.listed.code_listed`."""
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     n = int(faces.max()) + 1
     keys, group = np.unique(start * n + end, return_inverse=True)

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.kernels.polygons import walk
+from deltamesh.kernels.outlines import walk
 from deltamesh_formats.polymesh import PolyMesh
 from deltamesh_formats.triangles import Triangles
 

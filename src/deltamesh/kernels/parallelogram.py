@@ -5,7 +5,10 @@ Gotsman, *Triangle Mesh Compression*, Graphics Interface 1998; Cohen-Or, Cohen, 
 Geometry Encoding*, 2002), and the others for where parallelograms mislead: fans of slivers around
 a hub, rows of vertices along a crease. Which one counts is settled for each axis by the errors that
 all had at vertices of the same class; where Draco sends flags for the parallelograms that it leaves
-out, nothing is sent. The coordinates of the vertices around are candidates (see `numbers`): on
+out, nothing is sent. The parallelogram within a quad is better than those across its edges
+(Isenburg & Alliez, *Compressing polygon mesh geometry with parallelogram prediction*, IEEE
+Visualization 2002): where there is one, it is the first prediction, and the mean of all the last.
+The coordinates of the vertices around are candidates (see `numbers`): on
 machine parts most coordinates are those of a neighbour.
 """
 

@@ -14,16 +14,11 @@ from numpy.typing import NDArray
 from deltamesh.kernels.coder import CONTEXT, Coder, code_bit
 from deltamesh.kernels.jit import Flag, Int, inlined, kernel
 from deltamesh.kernels.topology import next_halfedge, previous_halfedge
-from deltamesh.kernels.valence import code_below
 
 _Ints = NDArray[np.int64]
 
 # What is known of an edge.
 OPEN, SEEN, HIDDEN = 0, 1, 2
-
-# Of an edge with many triangles, so many half-edges are looked at, and so many that fit taken.
-SCANNED = 64
-CANDIDATES = 16
 
 HIDE, LIST, CHOOSE = range(3)
 LIMIT = 255
@@ -47,7 +42,7 @@ def root_of(parent: _Ints, t: Int) -> Int:
 
 
 @inlined
-def _join(glued: _Ints, parent: _Ints, size: _Ints, h: Int, g: Int, r: Int, s: Int) -> None:
+def join(glued: _Ints, parent: _Ints, size: _Ints, h: Int, g: Int, r: Int, s: Int) -> None:
     """Hide half-edges h and g of polygons r and s."""
     glued[h], glued[g] = g, h
     parent[s] = r
@@ -55,7 +50,7 @@ def _join(glued: _Ints, parent: _Ints, size: _Ints, h: Int, g: Int, r: Int, s: I
 
 
 @inlined
-def _corners(size: Int) -> Int:
+def corners_class(size: Int) -> Int:
     """Return a size as one of four."""
     size = min(size, 6)
     return size - 3
@@ -156,7 +151,7 @@ def code_hidden(
             bit = 1
         else:
             p, q = corners[previous_halfedge(h)], corners[previous_halfedge(g)]
-            x, y = _corners(size[r]), _corners(size[s])
+            x, y = corners_class(size[r]), corners_class(size[s])
             i: Int = min(open_pairs[r], 4)
             j: Int = min(open_pairs[s], 4)
             joined = 2 * (1 if x > 0 else 0) + (1 if y > 0 else 0)
@@ -174,180 +169,9 @@ def code_hidden(
         left[b] -= 1
         if bit == 1:
             state[h] = state[g] = HIDDEN
-            _join(glued, parent, size, h, g, r, s)
+            join(glued, parent, size, h, g, r, s)
             open_pairs[r] += open_pairs[s]
         else:
             state[h] = state[g] = SEEN
             seen[a] += 1
             seen[b] += 1
-
-
-@kernel
-def code_listed(
-    c: Coder,
-    partner: _Ints,
-    wanted: _Ints,
-    glued: _Ints,
-    parent: _Ints,
-    size: _Ints,
-    most: Int,
-    total: Int,
-    order: _Ints,
-    group: _Ints,
-    across: _Ints,
-    bounds: _Ints,
-) -> Flag:
-    """Code what else is glued; return whether it comes to the total.
-
-    wanted : int64 (3 m,), the half-edge that each is to be glued to, -1 for none; when encoding.
-    glued, parent, size : see `code_hidden`; filled in.
-    order : int64 (3 m,), half-edges by start, end and index: group i has those from bounds[i] on.
-    group : int64 (3 m,), of each half-edge.
-    across : of each group, that of the opposite way, -1 for none.
-    """
-    k = c.state
-    encoding = len(wanted) > 0
-    first = np.full(len(across), -1, np.int64)  # lists of what is not glued, ascending
-    after, before = np.full((2, len(order)), -1, np.int64)
-    for i in range(len(across)):
-        last = np.int64(-1)
-        for at in range(bounds[i], bounds[i + 1]):
-            h = order[at]
-            if glued[h] < 0:
-                before[h] = last
-                if last < 0:
-                    first[i] = h
-                else:
-                    after[last] = h
-                last = h
-    found = np.empty(CANDIDATES, np.int64)
-    history = 0
-    for h in range(len(order)):
-        r = root_of(parent, h // 3)
-        other = across[group[h]]
-        if total == 0 or glued[h] >= 0 or size[r] >= most or other < 0:
-            continue
-        while 0 <= first[other] <= h:
-            first[other] = after[first[other]]
-        if first[other] < 0:
-            continue
-        number = _fitting(parent, size, first[other], after, r, most, found)
-        x, rich = _corners(size[r]), min(number, 3)
-        k[CONTEXT] = LIST_AT + (4 * x + rich) * 3 + h % 3
-        k[CONTEXT + 1] = LIST_AT + 64 + 16 * x + history
-        k[CONTEXT + 2] = LIST_AT + 128 + (4 * x + rich) * 2 + (1 if partner[h] < 0 else 0)
-        bit = code_bit(c, 1 if encoding and wanted[h] >= 0 else 0, np.int64(LIST))
-        history = (2 * history + bit) & 15
-        if bit == 0:
-            continue
-        g: Int = _choose(c, size, parent, h, wanted[h] if encoding else np.int64(-1), found, number)
-        if g < 0:
-            g = _code_any(c, wanted, order, bounds[other], bounds[other + 1], h, encoding)
-            s = root_of(parent, g // 3)
-            if g <= h or glued[g] >= 0 or r == s or size[r] + size[s] - 2 > most:
-                return False
-            for at in range(number):
-                if found[at] == g:
-                    return False
-        _unlink(first, after, before, group, h)
-        _unlink(first, after, before, group, g)
-        _join(glued, parent, size, h, g, r, root_of(parent, g // 3))
-        total -= 1
-    return total == 0
-
-
-@inlined
-def _fitting(
-    parent: _Ints, size: _Ints, g: Int, after: _Ints, r: Int, most: Int, found: _Ints
-) -> Int:
-    """Find what polygon r could be glued to in a list from g on; return how many."""
-    number = 0
-    for _ in range(SCANNED):
-        if g < 0 or number == CANDIDATES:
-            break
-        s = root_of(parent, g // 3)
-        if r != s and size[r] + size[s] - 2 <= most:
-            found[number] = g
-            number += 1
-        g = after[g]
-    return number
-
-
-@inlined
-def _choose(
-    c: Coder, size: _Ints, parent: _Ints, h: Int, wanted: Int, found: _Ints, number: Int
-) -> Int:
-    """Code which of the half-edges found is meant, one bit for each; -1 for none."""
-    for i in range(number):
-        y = _corners(size[root_of(parent, found[i] // 3)])
-        c.state[CONTEXT] = CHOOSE_AT + 4 * min(i, 7) + min(number - 1 - i, 3)
-        c.state[CONTEXT + 1] = CHOOSE_AT + 32 + 9 * y + 3 * (h % 3) + found[i] % 3
-        if code_bit(c, 1 if found[i] == wanted else 0, np.int64(CHOOSE)) == 1:
-            return found[i]
-    return np.int64(-1)
-
-
-@inlined
-def _code_any(
-    c: Coder, wanted: _Ints, order: _Ints, first: Int, end: Int, h: Int, encoding: Flag
-) -> Int:
-    """Code a half-edge of a group by its rank."""
-    rank: Int = np.int64(0)
-    if encoding:
-        rank = np.searchsorted(order[first:end], wanted[h])
-    return order[first + code_below(c, rank, end - first)]
-
-
-@inlined
-def _unlink(first: _Ints, after: _Ints, before: _Ints, group: _Ints, h: Int) -> None:
-    """Take a half-edge out of its list, unless the list begins beyond it already."""
-    if first[group[h]] == h:
-        first[group[h]] = after[h]
-    if before[h] >= 0:
-        after[before[h]] = after[h]
-    if after[h] >= 0:
-        before[after[h]] = before[h]
-
-
-@kernel
-def walk(glued: _Ints, corners: _Ints, offsets: _Ints, of_corners: _Ints) -> None:
-    """List the corners of the polygons, ascending by their lowest triangles.
-
-    glued : int64 (3 m,), the half-edge that each is glued to, -1 for none; no ring of triangles.
-    corners : int64 (c,), offsets : int64 (p + 1,), of_corners : int64 (3 m,), filled in; see
-        `polygons.Polygons`.
-    """
-    of_corners[:] = -1
-    at, number = 0, 0
-    for t in range(len(glued) // 3):
-        if of_corners[3 * t] >= 0:
-            continue
-        start: Int = 3 * t
-        most = 0
-        for h in range(3 * t, 3 * t + 3):
-            e: Int = h  # first to where the corner begins, then over all of it
-            meeting = 1
-            while glued[e] >= 0:
-                e = next_halfedge(glued[e])
-            f: Int = e
-            while glued[previous_halfedge(f)] >= 0:
-                f = glued[previous_halfedge(f)]
-                meeting += 1
-            if meeting > most:
-                start, most = e, meeting
-        e = start
-        while True:
-            corners[at] = e
-            of_corners[e] = at
-            f = e
-            while glued[previous_halfedge(f)] >= 0:
-                f = glued[previous_halfedge(f)]
-                of_corners[f] = at
-            at += 1
-            e = next_halfedge(e)
-            while glued[e] >= 0:
-                e = next_halfedge(glued[e])
-            if e == start:
-                break
-        number += 1
-        offsets[number] = at
