@@ -1,7 +1,7 @@
 """Meshes from plain arrays and back: what a program has at hand, a name for each of them.
 
 `from_arrays` makes a `PolyMesh` and says what is wrong with the arrays; `to_arrays` gives the
-attributes of a domain by their names; `check_shapes` is for a `PolyMesh` made by hand.
+attributes of a domain by their names.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh import Attribute, Domain, Parts, PolyMesh, Role, checked
+from deltamesh_formats.polymesh import Attribute, Domain, PolyMesh, Role, checked
 
 Named: TypeAlias = Mapping[str, ArrayLike]
 
@@ -168,59 +168,6 @@ def distinct(names: Iterable[str]) -> list[str]:
             new = f"{name}_{number}"
         found[new] = None
     return list(found)
-
-
-def check_shapes(mesh: PolyMesh) -> None:
-    """Refuse a mesh whose arrays have other shapes or types than `PolyMesh` says.
-
-    Raises
-    ------
-    MeshError
-        The array, attribute or part is named.
-    """
-    n, c = len(mesh.vertices), len(mesh.corners)
-    _expect("vertices", mesh.vertices, np.float64, (n, 3))
-    _expect("corners", mesh.corners, np.int64, (c,))
-    _expect("offsets", mesh.offsets, np.int64, (max(len(mesh.offsets), 1),))
-    if mesh.offsets[0] != 0 or mesh.offsets[-1] != c or (mesh.sizes < 0).any():
-        raise MeshError(f"offsets must ascend from 0 to {c}, the number of corners")
-    counts = {"vertex": n, "corner": c, "face": len(mesh.offsets) - 1}
-    for attribute in mesh.attributes:
-        _check_attribute(attribute, counts)
-    for parts in mesh.parts:
-        _check_parts(parts, counts["face"])
-
-
-def _check_attribute(attribute: Attribute, counts: Mapping[str, int]) -> None:
-    name = f"{attribute.domain} attribute {attribute.name!r}"
-    if attribute.domain not in counts:
-        raise MeshError(f"{name}: there are attributes of {', '.join(counts)}")
-    count, values, index = counts[attribute.domain], attribute.values, attribute.index
-    _numbers(values, name, "fiu")
-    if values.ndim != 2 or values.shape[1] == 0:
-        raise MeshError(f"{name} has values of shape {values.shape}, not (rows, width)")
-    if index is None:
-        if len(values) != count:
-            raise MeshError(f"{name} has {len(values)} rows for {count} elements")
-        return
-    _expect(f"the index of {name}", index, np.int64, (count,))
-    if index.min(initial=-1) < -1 or index.max(initial=-1) >= len(values):
-        raise MeshError(f"the index of {name} leads out of its {len(values)} rows")
-
-
-def _check_parts(parts: Parts, faces: int) -> None:
-    name, count = f"parts of kind {parts.kind!r}", len(parts.names)
-    _expect(name, parts.of_face, np.int64, (faces,))
-    if parts.of_face.min(initial=-1) < -1 or parts.of_face.max(initial=-1) >= count:
-        raise MeshError(f"{name} lead out of their {count} names")
-    if parts.transforms is not None:
-        _expect(f"transforms of {name}", parts.transforms, np.float64, (count, 4, 4))
-
-
-def _expect(name: str, array: NDArray[Any], dtype: type, shape: tuple[int, ...]) -> None:
-    has = np.shape(array), getattr(array, "dtype", type(array).__name__)
-    if has != (shape, np.dtype(dtype)):
-        raise MeshError(f"{name} must be {np.dtype(dtype)} {shape}, not {has[1]} {has[0]}")
 
 
 def _numbers(values: ArrayLike, name: str, kinds: str) -> NDArray[Any]:

@@ -13,7 +13,7 @@ from deltamesh.elements import Elements
 from deltamesh.kernels import parts as kernels
 from deltamesh.labels import decode_labels, encode_labels, numbered
 from deltamesh_formats.contents import unkept
-from deltamesh_formats.errors import FormatError, MeshError
+from deltamesh_formats.errors import FormatError
 from deltamesh_formats.packed import packed, unpacked
 from deltamesh_formats.polymesh import Parts, PolyMesh
 from deltamesh_formats.reader import read_varint, take
@@ -60,17 +60,8 @@ def told_of(mesh: PolyMesh, faces: _Ints) -> Told | None:
     mesh : PolyMesh
     faces : int64 (p,)
         Its polygon at each polygon of the file.
-
-    Raises
-    ------
-    MeshError
-        For parts that are none.
     """
     kinds = [parts.kind for parts in mesh.parts]
-    if len(set(kinds)) < len(kinds):
-        raise MeshError("the mesh has parts of one kind twice")
-    for parts in mesh.parts:
-        _check(parts, len(mesh.offsets) - 1)
     found = tuple(replace(parts, of_face=parts.of_face[faces]) for parts in mesh.parts)
     divisions = tuple(
         Division(p.kind, p.names, bool((p.of_face < 0).any()), p.transforms is not None)
@@ -147,17 +138,6 @@ def _labels(stream: bytes, start: int, elements: Elements) -> _Ints:
         return decode_labels(stream, elements)
     except FormatError as error:
         raise FormatError(error.reason, start + (error.offset or 0)) from None
-
-
-def _check(parts: Parts, count: int) -> None:
-    """Refuse parts of faces that are not there, or faces of such parts."""
-    of_face, names = parts.of_face, len(parts.names)
-    if of_face.shape != (count,):
-        raise MeshError(f"parts of kind {parts.kind} have {len(of_face)} faces, not {count}")
-    if of_face.min(initial=-1) < -1 or of_face.max(initial=-1) >= names:
-        raise MeshError(f"parts of kind {parts.kind} have faces outside -1..{names - 1}")
-    if parts.transforms is not None and parts.transforms.shape != (names, 4, 4):
-        raise MeshError(f"parts of kind {parts.kind} have other transforms than names")
 
 
 def _arrays(parts: Parts) -> tuple[_Ints, ...]:

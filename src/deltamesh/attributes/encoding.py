@@ -23,9 +23,8 @@ from deltamesh.attributes.ways import Wanted, ways_of
 from deltamesh.elements import Elements
 from deltamesh.labels import encode_labels, numbered
 from deltamesh.polygons import Sources
-from deltamesh_formats.attribute_table import TYPES, Entry, write_table
-from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh import Attribute, PolyMesh
+from deltamesh_formats.attribute_table import Entry, write_table
+from deltamesh_formats.polymesh import PolyMesh
 
 _Ints = NDArray[np.int64]
 _Any = NDArray[Any]
@@ -50,17 +49,11 @@ def encode_attributes(
         Of the elements of the file.
     places : Places
     wanted : Wanted
-
-    Raises
-    ------
-    MeshError
-        For an attribute that is not one of this mesh.
     """
     came_from = {"vertex": sources.vertices, "corner": sources.corners, "face": sources.faces}
     coded: list[Coded] = []
     streams: list[bytes] = []
     for attribute in mesh.attributes:
-        check_attribute(attribute, mesh)
         used, rows = _used(attribute.rows()[came_from[attribute.domain]])
         values = _native(attribute.values[used])
         ways = (
@@ -71,27 +64,6 @@ def encode_attributes(
         coded.append(one)
         streams += parts
     return write_table(tuple(one.entry for one in coded)) + b"".join(streams), tuple(coded)
-
-
-def check_attribute(attribute: Attribute, mesh: PolyMesh) -> None:
-    """Refuse an attribute whose arrays do not fit the mesh.
-
-    Raises
-    ------
-    MeshError
-    """
-    counts = {"vertex": len(mesh.vertices), "corner": len(mesh.corners), "face": len(mesh.sizes)}
-    values, index, name = attribute.values, attribute.index, f"attribute {attribute.name!r}"
-    count = counts[attribute.domain]
-    if values.ndim != 2:
-        raise MeshError(f"{name} has values of shape {values.shape}, not (rows, width)")
-    if values.dtype.newbyteorder("=") not in TYPES:
-        raise MeshError(f"{name} is of type {values.dtype}: numbers of up to 64 bits only")
-    rows = len(values if index is None else index)
-    if rows != count:
-        raise MeshError(f"{name} has {rows} rows for {count} of domain {attribute.domain}")
-    if index is not None and count and not -1 <= index.min() <= index.max() < len(values):
-        raise MeshError(f"{name} has indices outside -1..{len(values) - 1}")
 
 
 def _used(rows: _Ints) -> tuple[_Ints, _Ints]:

@@ -31,11 +31,12 @@ from deltamesh.plugins.fields import (
     parts_of,
     tell,
 )
-from deltamesh_formats.arrays import check_shapes, distinct
+from deltamesh_formats.arrays import distinct
 from deltamesh_formats.contents import attribute_words
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh import Parts, PolyMesh, checked
 from deltamesh_formats.seams import at_vertices
+from deltamesh_formats.shapes import check_shapes
 
 _TYPES: Final = {3: "triangle", 4: "quad"}
 

@@ -30,11 +30,11 @@ from deltamesh.plugins.fields import (
     parts_of,
     tell,
 )
-from deltamesh_formats.arrays import check_shapes
 from deltamesh_formats.contents import attribute_words
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh, Role, checked
 from deltamesh_formats.seams import at_vertices
+from deltamesh_formats.shapes import check_shapes
 
 _WIDTHS: Final[dict[Role, tuple[int, ...]]] = {"normal": (3,), "uv": (2, 3)}
 
