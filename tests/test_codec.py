@@ -143,7 +143,7 @@ def test_positions_are_the_dense_least_squares_solution(
         *MANIFOLDS[name], method="highpass", bits=bits, anchors=6, anchor_method=anchor_method
     )
     container = read_container(data)
-    _, surface, integers, _ = pipeline._read(
+    _, surface, integers, *_ = pipeline._read(
         container, DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, pipeline.silent
     )
     p, n = container.parameters, surface.vertex_count

@@ -82,7 +82,7 @@ def test_solvers_agree_where_the_coarse_surface_collapses(step):
 def test_the_positions_are_those_of_two_dense_least_squares_problems():
     V, _ = TORUS
     one = refined(TORUS, anchors=3, coarse=5.0)
-    _, surface, integers, _ = pipeline._read(info(one.data), 10**9, 2**40, pipeline.silent)
+    _, surface, integers, *_ = pipeline._read(info(one.data), 10**9, 2**40, pipeline.silent)
     p = info(one.data).parameters
     L = oracle.laplacian(surface.faces, len(V))
     anchored = np.array(p.origin) + integers.positions * p.anchor_step
