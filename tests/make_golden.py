@@ -184,7 +184,9 @@ def assert_right(encoded, V, F):
     decoded = decode(encoded.data)
     assert strategies.canonical(encoded.order[decoded.faces]) == strategies.canonical(F)
     container = read_container(encoded.data)
-    structure, surface, integers, kept = pipeline._read(container, 10**9, 2**40, pipeline.silent)
+    structure, surface, integers, *_, kept = pipeline._read(
+        container, 10**9, 2**40, pipeline.silent
+    )
     p, n = container.parameters, surface.vertex_count
     origin = np.array(p.origin)
     if p.method == "lossless":
@@ -274,7 +276,7 @@ def one_sided_anchors():
     """Two components, both anchors in the first, and the digest right."""
     data = encoded(meshes.two_components(), bits=6, anchors=2, anchor_method="greedy")
     container = read_container(data)
-    _, surface, integers, _ = pipeline._read(container, 10**9, 2**40, pipeline.silent)
+    _, surface, integers, *_ = pipeline._read(container, 10**9, 2**40, pipeline.silent)
     anchors = np.array([0, 1])
     wrong = Integers(integers.values, anchors, integers.positions, integers.isolated)
     payload = highpass.write(surface, container.parameters, wrong)["ANCH"]
@@ -300,7 +302,7 @@ def long_varint(data):
 def infinite(data):
     """A file of raw coordinates, one of which is infinite, and the digest right."""
     container = read_container(data)
-    _, surface, integers, _ = pipeline._read(container, 10**9, 2**40, pipeline.silent)
+    _, surface, integers, *_ = pipeline._read(container, 10**9, 2**40, pipeline.silent)
     values = integers.values.copy()
     values[7, 1] = np.float64("inf").view(np.int64)
     raw = Spelling((), (), 0, raw=True, zeros=False)
