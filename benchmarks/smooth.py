@@ -24,7 +24,7 @@ from deltamesh.mesh import Mesh
 from deltamesh.options import Settings
 from deltamesh.quantize import grid_step
 from deltamesh.solve import factorization
-from deltamesh.structure import encode_structure
+from deltamesh.structure_encoding import encode_structure
 from deltamesh_formats.meshfile import read_mesh
 from deltamesh_formats.polymesh import PolyMesh
 
@@ -63,7 +63,7 @@ def in_order(
     # Positions of no meaning, all different: nothing is welded.
     places = np.stack([np.arange(len(values)) * 1.0] * 3, axis=1)
     _, structure, origin = encode_structure(Mesh(places, faces), False, False, print_nothing)
-    surface = surface_of(structure.surface, structure.used, structure.isolated)
+    surface = structure.surface
     return surface, values[origin.points]
 
 

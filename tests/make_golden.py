@@ -19,7 +19,7 @@ import numpy as np
 import oracle
 import strategies
 
-from deltamesh import highpass, lossless, pipeline, spelled
+from deltamesh import highpass, lossless, spelled
 from deltamesh.codec import decode
 from deltamesh.forms import Spelling
 from deltamesh.geometry import NONE, Integers, digest
@@ -27,7 +27,7 @@ from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
 from deltamesh.options import Options
 from deltamesh.order import encode_order
-from deltamesh.pipeline import encode_mesh
+from deltamesh.pipeline import encode_mesh, read_content
 from deltamesh.polygons import plain
 from deltamesh.quantize import from_grid
 from deltamesh.reordering import Order
@@ -184,9 +184,9 @@ def assert_right(encoded, V, F):
     decoded = decode(encoded.data)
     assert strategies.canonical(encoded.order[decoded.faces]) == strategies.canonical(F)
     container = read_container(encoded.data)
-    structure, surface, integers, *_, kept = pipeline._read(
-        container, 10**9, 2**40, pipeline.silent
-    )
+    content = read_content(container, 10**9, 2**40)
+    structure, integers, kept = content.structure, content.integers, content.order
+    surface = structure.surface
     p, n = container.parameters, surface.vertex_count
     origin = np.array(p.origin)
     if p.method == "lossless":
@@ -276,7 +276,8 @@ def one_sided_anchors():
     """Two components, both anchors in the first, and the digest right."""
     data = encoded(meshes.two_components(), bits=6, anchors=2, anchor_method="greedy")
     container = read_container(data)
-    _, surface, integers, *_ = pipeline._read(container, 10**9, 2**40, pipeline.silent)
+    content = read_content(container, 10**9, 2**40)
+    surface, integers = content.structure.surface, content.integers
     anchors = np.array([0, 1])
     wrong = Integers(integers.values, anchors, integers.positions, integers.isolated)
     payload = highpass.write(surface, container.parameters, wrong)["ANCH"]
@@ -302,7 +303,8 @@ def long_varint(data):
 def infinite(data):
     """A file of raw coordinates, one of which is infinite, and the digest right."""
     container = read_container(data)
-    _, surface, integers, *_ = pipeline._read(container, 10**9, 2**40, pipeline.silent)
+    content = read_content(container, 10**9, 2**40)
+    surface, integers = content.structure.surface, content.integers
     values = integers.values.copy()
     values[7, 1] = np.float64("inf").view(np.int64)
     raw = Spelling((), (), 0, raw=True, zeros=False)

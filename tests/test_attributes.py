@@ -108,6 +108,38 @@ def test_any_attributes_of_any_complex_come_back(mesh: PolyMesh, keep_order: boo
         assert_same(told, found, np.arange(counts_of(decoded)[told.domain]))
 
 
+@st.composite
+def polygons(draw: st.DrawFn) -> PolyMesh:
+    """Grids of quads, or polygons of any vertices, with attributes of any kind."""
+    rng = np.random.default_rng(draw(strategies.SMALL))
+    if draw(st.booleans()):
+        n = draw(st.integers(3, 14))
+        sizes = draw(st.lists(st.integers(3, 6), min_size=1, max_size=12))
+        V, corners = rng.normal(size=(n, 3)), rng.integers(0, n, sum(sizes))
+    else:
+        k = draw(st.integers(2, 5))
+        V = np.stack([*np.divmod(np.arange(k * k), k), rng.normal(size=k * k) / 9], axis=1)
+        first = (np.arange(k - 1)[:, None] * k + np.arange(k - 1)).ravel()
+        corners = (first[:, None] + [0, 1, k + 1, k]).ravel()
+        sizes = [4] * len(first)
+    mesh = PolyMesh(V, corners, np.concatenate(([0], np.cumsum(sizes))))
+    some = st.lists(attributes(counts_of(mesh)), min_size=1, max_size=4)
+    return replace(mesh, attributes=tuple(draw(some)))
+
+
+@strategies.SOME
+@given(polygons(), st.booleans())
+def test_any_attributes_of_polygons_come_back(mesh: PolyMesh, keep_order: bool) -> None:
+    one = encode_mesh(mesh, Options(method="lossless", keep_order=keep_order, threads=1))
+    decoded = decode(one.data)
+    rows = zip(one.face_order, one.rotation, strict=True)
+    corners = [mesh.offsets[f] + (r + np.arange(k)) % k for f, r in rows for k in [mesh.sizes[f]]]
+    sources = {"vertex": one.order, "corner": np.concatenate(corners), "face": one.face_order}
+    assert (mesh.corners[sources["corner"]] == one.order[decoded.corners]).all()
+    for given_, found in zip(mesh.attributes, decoded.attributes, strict=True):
+        assert_same(given_, found, sources[given_.domain])
+
+
 # ---- What may lose something -------------------------------------------------------------------
 
 

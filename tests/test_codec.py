@@ -13,13 +13,13 @@ import strategies
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh import pipeline, solve
+from deltamesh import solve
 from deltamesh.codec import decode, encode
 from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh.mesh import Mesh, checked_mesh
 from deltamesh.metrics import diagonal, vertex_errors
 from deltamesh.options import Options
-from deltamesh.pipeline import encode_mesh
+from deltamesh.pipeline import encode_mesh, read_content
 from deltamesh.quantize import from_grid
 from deltamesh_formats.errors import DeltameshError, MeshError, OptionError
 from deltamesh_formats.reader import read_container
@@ -143,9 +143,8 @@ def test_positions_are_the_dense_least_squares_solution(
         *MANIFOLDS[name], method="highpass", bits=bits, anchors=6, anchor_method=anchor_method
     )
     container = read_container(data)
-    _, surface, integers, *_ = pipeline._read(
-        container, DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, pipeline.silent
-    )
+    content = read_content(container, DEFAULT_MAX_VERTICES, DEFAULT_MEMORY)
+    surface, integers = content.structure.surface, content.integers
     p, n = container.parameters, surface.vertex_count
     origin = np.array(p.origin)
     expected = oracle.least_squares(

@@ -18,7 +18,7 @@ from deltamesh.kernels import labels as kernels
 from deltamesh.mesh import Mesh
 from deltamesh.pipeline import silent
 from deltamesh.polygons import Polygons, plain
-from deltamesh.structure import encode_structure
+from deltamesh.structure_encoding import encode_structure
 from deltamesh_formats.errors import FormatError
 
 Ints = NDArray[np.int64]

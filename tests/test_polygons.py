@@ -29,7 +29,8 @@ from deltamesh.options import Options
 from deltamesh.order import decode_order, encode_order
 from deltamesh.polygons import joined
 from deltamesh.reordering import Order, rows_of
-from deltamesh.structure import announced, coded_surface, decode_structure, encode_structure
+from deltamesh.structure_decoding import announced, decode_structure
+from deltamesh.structure_encoding import encode_structure
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.meshfile import read_mesh
 from deltamesh_formats.polymesh import PolyMesh
@@ -278,7 +279,7 @@ def test_equal_polygons_keep_their_places() -> None:
 
 def surface_of_file(data):
     container = read_container(data)
-    return coded_surface(decode_structure(container, announced(container)))
+    return decode_structure(container, announced(container)).surface
 
 
 @pytest.mark.parametrize("name", ["quads", "torus", "prism"])

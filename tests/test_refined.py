@@ -18,7 +18,6 @@ from deltamesh import (
     entropy,
     highpass,
     info,
-    pipeline,
 )
 from deltamesh import refined as refined_method
 from deltamesh.geometry import surface_of
@@ -30,7 +29,7 @@ from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
 from deltamesh.normals import vertex_normals
 from deltamesh.options import Options, Settings
-from deltamesh.pipeline import encode_mesh
+from deltamesh.pipeline import encode_mesh, read_content
 from deltamesh.quantize import quantize_delta
 from deltamesh.solve import factorization
 from deltamesh_formats.layout import Section
@@ -82,7 +81,8 @@ def test_solvers_agree_where_the_coarse_surface_collapses(step):
 def test_the_positions_are_those_of_two_dense_least_squares_problems():
     V, _ = TORUS
     one = refined(TORUS, anchors=3, coarse=5.0)
-    _, surface, integers, *_ = pipeline._read(info(one.data), 10**9, 2**40, pipeline.silent)
+    content = read_content(info(one.data), 10**9, 2**40)
+    surface, integers = content.structure.surface, content.integers
     p = info(one.data).parameters
     L = oracle.laplacian(surface.faces, len(V))
     anchored = np.array(p.origin) + integers.positions * p.anchor_step

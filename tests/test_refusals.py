@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from deltamesh import decode, encode, highpass, verify
 from deltamesh.geometry import NONE, Integers, digest
 from deltamesh.limits import memory_needed
-from deltamesh.pipeline import _read, silent
+from deltamesh.pipeline import read_content
 from deltamesh_formats import layout
 from deltamesh_formats.errors import DeltameshError, FormatError, LimitError, SolveError
 from deltamesh_formats.reader import read_container
@@ -332,7 +332,8 @@ def test_sections_of_another_mesh() -> None:
 def test_component_without_an_anchor() -> None:
     mesh = meshes.union(SPHERE, (SPHERE[0] + 9, SPHERE[1]))
     data = encode(*mesh, anchors=2, anchor_method="greedy", method="highpass")
-    _, surface, integers, *_ = _read(read_container(data), 10**9, 10**12, silent)
+    content = read_content(read_container(data), 10**9, 10**12)
+    surface, integers = content.structure.surface, content.integers
     parameters = read_container(data).parameters
     for anchors in ([0, 1], [42, 83], [80, 81]):
         one_sided = Integers(
@@ -350,7 +351,8 @@ def test_component_without_an_anchor() -> None:
 
 def test_anchors_that_are_no_vertices() -> None:
     data = FILES["greedy"]
-    _, surface, integers, *_ = _read(read_container(data), 10**9, 10**12, silent)
+    content = read_content(read_container(data), 10**9, 10**12)
+    surface, integers = content.structure.surface, content.integers
     parameters = read_container(data).parameters
     outside = Integers(
         integers.values, np.array([0, 1, 2, 42]), integers.positions, integers.isolated

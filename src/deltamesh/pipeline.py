@@ -15,33 +15,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import cartesian, highpass, lossless, refined
-from deltamesh.attributes.coded import Coded, all_arrays, restored
 from deltamesh.attributes.decoding import decode_attributes
 from deltamesh.attributes.encoding import encode_attributes
 from deltamesh.attributes.places import Places
 from deltamesh.attributes.ways import Wanted
 from deltamesh.complexes import distinct_faces
+from deltamesh.content import Content
 from deltamesh.diagonals import cut_polygons
-from deltamesh.geometry import Integers, Surface, digest, payload_of
+from deltamesh.geometry import Integers, payload_of
 from deltamesh.limits import check_limits
 from deltamesh.mesh import LARGEST, Mesh
 from deltamesh.metrics import VertexErrors, diagonal, errors_from, mean_edge
 from deltamesh.options import Options, Settings
 from deltamesh.order import decode_order, encode_order
-from deltamesh.parts import Told, decode_parts, encode_parts, told_of
-from deltamesh.polygons import assembled, sources_of
-from deltamesh.reordering import Order, arrays, order_of, reordered
+from deltamesh.parts import decode_parts, encode_parts, told_of
+from deltamesh.polygons import Sources, sources_of
+from deltamesh.reordering import order_of
 from deltamesh.search import Trial, smallest
 from deltamesh.solve import factorization
-from deltamesh.structure import (
-    Origin,
-    Structure,
-    announced,
-    coded_surface,
-    decode_structure,
-    encode_gluing,
-    encode_structure,
-)
+from deltamesh.structure import Structure
+from deltamesh.structure_decoding import announced, decode_structure
+from deltamesh.structure_encoding import Origin, encode_gluing, encode_structure
 from deltamesh.targets import bounds_of
 from deltamesh.version import __version__
 from deltamesh_formats.dropping import without
@@ -61,7 +55,6 @@ _METHODS: Final = {
 }
 
 
-NO_ATTRIBUTES: Final[tuple[Coded, ...]] = ()
 # How far apart positions of two decoders may be, in diagonals of the bounding box (SPEC.md 5.4).
 SOLVED: Final = 1e-9
 
@@ -99,18 +92,36 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
         mesh = from_triangles(mesh.vertices, mesh.faces)
     mesh = without(mesh, options.drop)
     cut = cut_polygons(mesh)
-    triangles = Mesh(mesh.vertices, cut.faces)
     if len(cut.faces) == 0:
         raise MeshError("the mesh has no faces")
-    exact = options.method == "lossless"
+    exact, triangles = options.method == "lossless", Mesh(mesh.vertices, cut.faces)
     payloads, structure, origin = encode_structure(
         triangles, options.drop_isolated, exact, progress
     )
     gluing, structure = encode_gluing(structure, origin, cut)
-    payloads |= gluing
     progress("geometry")
-    surface = coded_surface(structure)
-    V = triangles.vertices[origin.points]
+    trial = _geometry(mesh, structure, origin, options, progress)
+    sources = sources_of(structure.polygons, origin.vertices, origin.corners, cut)
+    beside, content = _beside_geometry(mesh, structure, trial, sources, options, progress)
+    payloads |= {**gluing, **trial.payloads, **beside}
+    n, m = len(structure.points), len(structure.faces)
+    single = mesh.precision == "float32"
+    data = write_container(
+        n,
+        m,
+        replace(trial.parameters, single=single),
+        payloads,
+        _meta(trial.errors, diagonal(mesh.vertices[origin.points]), options.source_format),
+        content.digest(),
+    )
+    return _encoded(data, mesh, content, sources, content.mesh(trial.vertices, single))
+
+
+def _geometry(
+    mesh: PolyMesh, structure: Structure, origin: Origin, options: Options, progress: Progress
+) -> Trial:
+    """Return the geometry in the fewest bytes that is good enough."""
+    surface, V = structure.surface, mesh.vertices[origin.points]
     used, isolated = V[: structure.used], V[structure.used :]
     factor = factorization(surface.laplacian, options.solver, options.threads)
     bounds = bounds_of(options, diagonal(V))
@@ -123,40 +134,48 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
         write = partial(coder.write, surface, parameters, integers)
         return Trial(settings, parameters, integers, write, decoded, errors_of(decoded))
 
-    trial = smallest(options, bounds, mean_edge(used, surface.faces), attempt)
-    payloads |= trial.payloads
-    polygons = structure.polygons
-    result = assembled(trial.vertices[structure.points], structure.faces, polygons)
-    result = replace(result, precision=mesh.precision)
-    sources = sources_of(polygons, origin.vertices, origin.corners, cut)
-    places, coded = Places(structure), NO_ATTRIBUTES
+    return smallest(options, bounds, mean_edge(used, surface.faces), attempt)
+
+
+def _beside_geometry(
+    mesh: PolyMesh,
+    structure: Structure,
+    trial: Trial,
+    sources: Sources,
+    options: Options,
+    progress: Progress,
+) -> tuple[dict[str, bytes], Content]:
+    """Code attributes, parts and order; return the payloads, and everything that is in the file."""
+    payloads, places = {}, Places(structure)
+    content = Content(structure, trial.integers)
     if mesh.attributes:
         progress("attributes")
-        wanted = _wanted(options, trial, result.vertices, diagonal(V))
+        wanted = _wanted(options, trial, trial.vertices[structure.points])
         payloads["ATTR"], coded = encode_attributes(mesh, sources, places, wanted)
-        result = _with_attributes(result, coded, places)
+        content = replace(content, attributes=coded)
     told = told_of(mesh, sources.faces)
     if told is not None:
         progress("parts")
         payloads["PART"] = encode_parts(told, lambda: places.faces)
-        result = told.given_to(result)
-    order, face_order = sources.vertices, sources.faces
-    rotation = sources.corners[polygons.offsets[:-1]] - mesh.offsets[face_order]
-    kept = None
+        content = replace(content, told=told)
     if options.keep_order:
         progress("order")
-        kept = order_of(polygons, sources, mesh.offsets)
-        payloads["ORDR"] = encode_order(structure.faces, polygons, kept)
-        result, order = reordered(result, kept), order[kept.vertices]
+        kept = order_of(structure.polygons, sources, mesh.offsets)
+        payloads["ORDR"] = encode_order(structure.faces, structure.polygons, kept)
+        content = replace(content, order=kept)
+    return payloads, content
+
+
+def _encoded(
+    data: bytes, mesh: PolyMesh, content: Content, sources: Sources, decoded: PolyMesh
+) -> Encoded:
+    order, face_order = sources.vertices, sources.faces
+    first = content.structure.polygons.offsets[:-1]
+    rotation = sources.corners[first] - mesh.offsets[face_order]
+    if content.order is not None:
+        order = order[content.order.vertices]
         face_order, rotation = np.arange(len(face_order)), np.zeros_like(rotation)
-    told_arrays = () if told is None else told.arrays()
-    further = (*arrays(kept), *structure.glue, *all_arrays(coded), *told_arrays)
-    checksum = digest(structure.faces, structure.copied, trial.integers, further)
-    n, m = len(structure.points), len(structure.faces)
-    meta = _meta(trial.errors, diagonal(V), options.source_format)
-    parameters = replace(trial.parameters, single=mesh.precision == "float32")
-    data = write_container(n, m, parameters, payloads, meta, checksum)
-    return Encoded(data, order, face_order, rotation, result)
+    return Encoded(data, order, face_order, rotation, decoded)
 
 
 def decode_mesh(
@@ -170,67 +189,63 @@ def decode_mesh(
 ) -> PolyMesh:
     """Decompress a file; see `codec.decode`."""
     container = read_container(data)
-    read = _read(container, max_vertices, memory, progress)
-    structure, surface, integers, places, coded, told, order = read
+    content = read_content(container, max_vertices, memory, progress)
+    if content.digest() != container.digest:
+        offset = container.sections["CHEK"].offset
+        raise FormatError("the checksum of the decoded integers is wrong", offset)
     progress("positions")
-    coder = _METHODS[container.parameters.method]
-    _check_scale(container, integers)
+    parameters, surface = container.parameters, content.structure.surface
+    _check_scale(container, content.integers)
     factor = factorization(surface.laplacian, solver, threads)
-    points = coder.reconstruct(surface, container.parameters, integers, factor)
-    mesh = assembled(points[structure.points], structure.faces, structure.polygons)
-    mesh = replace(mesh, precision="float32" if container.parameters.single else "float64")
-    mesh = _with_attributes(mesh, coded, places)
-    mesh = mesh if told is None else told.given_to(mesh)
-    return mesh if order is None else reordered(mesh, order)
+    coder = _METHODS[parameters.method]
+    points = coder.reconstruct(surface, parameters, content.integers, factor)
+    return content.mesh(points, parameters.single)
 
 
-def _read(
-    container: Container, max_vertices: int, memory: int, progress: Progress
-) -> tuple[Structure, Surface, Integers, Places, tuple[Coded, ...], Told | None, Order | None]:
-    """Return everything exact in a file, checked."""
+def read_content(
+    container: Container, max_vertices: int, memory: int, progress: Progress = silent
+) -> Content:
+    """Return everything exact in a file; its digest is not checked yet.
+
+    Raises
+    ------
+    FormatError, LimitError
+    """
     counts = announced(container)
     check_limits(container, counts, max_vertices, memory)
     parameters, sections = container.parameters, container.sections
     progress("connectivity")
     structure = decode_structure(container, counts)
     progress("geometry")
-    surface = coded_surface(structure)
-    integers = _METHODS[parameters.method].read(surface, parameters, sections)
-    places, coded, told = Places(structure), NO_ATTRIBUTES, None
+    integers = _METHODS[parameters.method].read(structure.surface, parameters, sections)
+    content, places = Content(structure, integers), Places(structure)
     if "ATTR" in sections:
         progress("attributes")
         with payload_of(sections["ATTR"]) as payload:
-            coded = decode_attributes(payload, places)
+            content = replace(content, attributes=decode_attributes(payload, places))
     if "PART" in sections:
         progress("parts")
         with payload_of(sections["PART"]) as payload:
             told = decode_parts(payload, places.count("face"), lambda: places.faces)
-    order = None
+        content = replace(content, told=told)
     if "ORDR" in sections:
         progress("order")
         with payload_of(sections["ORDR"]) as payload:
             order = decode_order(payload, structure.faces, structure.polygons, container.vertices)
-    told_arrays = () if told is None else told.arrays()
-    further = (*arrays(order), *structure.glue, *all_arrays(coded), *told_arrays)
-    if digest(structure.faces, structure.copied, integers, further) != container.digest:
-        raise FormatError("the checksum of the decoded integers is wrong", sections["CHEK"].offset)
-    return structure, surface, integers, places, coded, told, order
+        content = replace(content, order=order)
+    return content
 
 
-def _wanted(options: Options, trial: Trial, V: NDArray[np.float64], scale: float) -> Wanted:
-    """Return how attributes are coded, at positions of this scale."""
+def _wanted(options: Options, trial: Trial, V: NDArray[np.float64]) -> Wanted:
+    """Return how attributes are coded, at vertices that are decoded to V."""
     exact = trial.parameters.method in ("cartesian", "lossless")
     return Wanted(
         bits_uv=options.bits_uv,
         bits_normal=options.bits_normal,
         lossless=options.lossless_attributes or options.method == "lossless",
         positions=V,
-        tolerance=0.0 if exact else SOLVED * scale,
+        tolerance=0.0 if exact else SOLVED * diagonal(V),
     )
-
-
-def _with_attributes(mesh: PolyMesh, coded: tuple[Coded, ...], places: Places) -> PolyMesh:
-    return replace(mesh, attributes=tuple(restored(one, places, mesh.vertices) for one in coded))
 
 
 def _check_scale(container: Container, integers: Integers) -> None:
@@ -247,7 +262,7 @@ def _check_scale(container: Container, integers: Integers) -> None:
 def _measured(mesh: PolyMesh, structure: Structure, origin: Origin) -> NDArray[np.int64]:
     """Return the triangles over points on which errors are measured: those of any reader."""
     if not len(structure.glued):
-        return structure.surface
+        return structure.point_faces
     point = np.full(len(mesh.vertices), -1)
     point[origin.vertices] = structure.points
     return distinct_faces(point[mesh.faces])
