@@ -46,7 +46,7 @@ from deltamesh.targets import bounds_of
 from deltamesh.version import __version__
 from deltamesh_formats.dropping import without
 from deltamesh_formats.errors import FormatError, MeshError
-from deltamesh_formats.layout import Container, Meta
+from deltamesh_formats.layout import Container, Meta, Parameters
 from deltamesh_formats.polymesh import PolyMesh, from_triangles
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.writer import write_container
@@ -120,6 +120,10 @@ def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = si
         progress(f"geometry, {settings.method}")
         coder = _METHODS[settings.method]
         parameters, integers, decoded = coder.quantize(surface, used, isolated, settings, factor)
+        if not _has_scale(parameters, integers):
+            largest = float(np.abs(V).max())
+            reason = f"coordinates of {largest:g} are too large for method {settings.method}"
+            raise MeshError(f"{reason}: try lossless")
         write = partial(coder.write, surface, parameters, integers)
         return Trial(settings, parameters, integers, write, decoded, errors_of(decoded))
 
@@ -234,14 +238,17 @@ def _with_attributes(mesh: PolyMesh, coded: tuple[Coded, ...], places: Places) -
 
 
 def _check_scale(container: Container, integers: Integers) -> None:
-    """Refuse steps and origins that no mesh has: the positions would overflow."""
-    p = container.parameters
-    i = integers
+    """Refuse steps and origins that no mesh has."""
+    if not _has_scale(container.parameters, integers):
+        raise FormatError("positions that are too large", container.sections["PARM"].offset)
+
+
+def _has_scale(p: Parameters, i: Integers) -> bool:
+    """Tell whether no position that these integers could mean would overflow (SPEC.md 5.7)."""
     numbers = (i.values, i.positions, i.isolated, i.refinements, i.corrections)
     values = max(int(np.abs(a).max(initial=0)) for a in numbers)
     steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
-    if not values * steps + origin <= 100 * LARGEST:
-        raise FormatError("positions that are too large", container.sections["PARM"].offset)
+    return bool(values * steps + origin <= 100 * LARGEST)
 
 
 def _measured(mesh: PolyMesh, structure: Structure, origin: Origin) -> NDArray[np.int64]:
