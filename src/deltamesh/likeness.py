@@ -80,11 +80,33 @@ def corresponding(a: PolyMesh, b: PolyMesh, exact: bool = False) -> Corresponden
     exact : bool
         Tell -0.0 from 0.0, as a lossless file does.
     """
+    first, second = _welded(a, exact), _welded(b, exact)
+    found = _at_equal_positions(first.mesh, second.mesh, exact)
+    if found is not None:
+        return Correspondence(first, second, found)
     for first, second in _pairs(a, b, exact):
         found = correspondence.match_polygons(first.mesh, second.mesh)
         if found is not None:
             return Correspondence(first, second, found)
     return None
+
+
+def _at_equal_positions(a: PolyMesh, b: PolyMesh, exact: bool) -> _Ints | None:
+    """Return which vertex of `b` each one of `a` is, by its position, which no other has.
+
+    None if positions or polygons differ. Where they do not, nothing has to be searched for, however
+    symmetric the connectivity is.
+    """
+    # To the last bit; but for exact meshes there is one zero.
+    V, W = ((m.vertices if exact else m.vertices + 0.0).view(np.int64) for m in (a, b))
+    if V.shape != W.shape:
+        return None
+    left, right = np.lexsort(V.T), np.lexsort(W.T)
+    if not np.array_equal(V[left], W[right]):
+        return None
+    found = right[inverse(left)]
+    others = inverse(found)[b.corners]
+    return None if _corner_pairs(a.offsets, a.corners, b.offsets, others) is None else found
 
 
 def matched_corners(a: PolyMesh, b: PolyMesh, found: Correspondence) -> Pairs | None:

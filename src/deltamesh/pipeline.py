@@ -40,7 +40,7 @@ from deltamesh.targets import bounds_of
 from deltamesh.version import __version__
 from deltamesh_formats.dropping import without
 from deltamesh_formats.errors import FormatError, MeshError
-from deltamesh_formats.layout import Container, Meta
+from deltamesh_formats.layout import Container, Meta, Parameters
 from deltamesh_formats.polymesh import PolyMesh, from_triangles
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.writer import write_container
@@ -131,6 +131,10 @@ def _geometry(
         progress(f"geometry, {settings.method}")
         coder = _METHODS[settings.method]
         parameters, integers, decoded = coder.quantize(surface, used, isolated, settings, factor)
+        if not _has_scale(parameters, integers):
+            largest = float(np.abs(V).max())
+            reason = f"coordinates of {largest:g} are too large for method {settings.method}"
+            raise MeshError(f"{reason}: try lossless")
         write = partial(coder.write, surface, parameters, integers)
         return Trial(settings, parameters, integers, write, decoded, errors_of(decoded))
 
@@ -249,14 +253,17 @@ def _wanted(options: Options, trial: Trial, V: NDArray[np.float64]) -> Wanted:
 
 
 def _check_scale(container: Container, integers: Integers) -> None:
-    """Refuse steps and origins that no mesh has: the positions would overflow."""
-    p = container.parameters
-    i = integers
+    """Refuse steps and origins that no mesh has."""
+    if not _has_scale(container.parameters, integers):
+        raise FormatError("positions that are too large", container.sections["PARM"].offset)
+
+
+def _has_scale(p: Parameters, i: Integers) -> bool:
+    """Tell whether no position that these integers could mean would overflow (SPEC.md 5.7)."""
     numbers = (i.values, i.positions, i.isolated, i.refinements, i.corrections)
     values = max(int(np.abs(a).max(initial=0)) for a in numbers)
     steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
-    if not values * steps + origin <= 100 * LARGEST:
-        raise FormatError("positions that are too large", container.sections["PARM"].offset)
+    return bool(values * steps + origin <= 100 * LARGEST)
 
 
 def _measured(mesh: PolyMesh, structure: Structure, origin: Origin) -> NDArray[np.int64]:
