@@ -14,6 +14,7 @@ from polymeshes import Kind, described
 
 from deltamesh_formats.meshfile import FORMATS, read_mesh, written
 from deltamesh_formats.polymesh import Parts, PolyMesh
+from deltamesh_formats.texture_origin import told_top_left
 
 REAL, ANY_REAL = ("f8",), ("f4", "f8")
 PLY_TYPES = ("i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8")
@@ -115,6 +116,7 @@ def test_glb(mesh):
     What has been read then comes back as it is. (A vertex of no face at the border of two blocks
     may come in the other.)
     """
+    mesh = told_top_left(mesh)
     made = written(mesh, "glb")
     mixed, strays = (
         "attributes that not all corners of a face have",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
@@ -17,9 +18,10 @@ from deltamesh_cli.summary import bits_per_vertex, relative
 
 if TYPE_CHECKING:
     from deltamesh.likeness import Difference
+    from deltamesh_formats.polymesh import Kind
 
     _Errors: TypeAlias = dict[str, float | None]
-    _Differences: TypeAlias = tuple[Difference, ...]
+    _Named: TypeAlias = tuple[str, Loaded]
 
 # The metrics of deltamesh.metrics.Errors, and what they are called here.
 _LENGTHS = {"rms": "RMS", "max": "max", "hausdorff": "Hausdorff", "visual": "visual"}
@@ -33,11 +35,33 @@ Metrics, in the unit of A and as a fraction of its bounding box diagonal:
 and in degrees:
   face normals     mean deviation, weighted by area
   dihedral angles  mean change over the interior edges
-Of each attribute of A the largest difference, of normals the largest angle."""
+Of each attribute of A the largest difference, of normals the largest angle.
+Parts (objects, groups, materials) are alike where the same faces have the same
+names."""
 _EXAMPLES = """\
 deltamesh compare bunny.ply bunny.ply.dmesh
+deltamesh compare scan.glb scan.obj             what has a conversion done?
 deltamesh compare --json a.obj b.obj | jq .errors.hausdorff
 """
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What was measured: None where it needs vertices or faces that correspond, and they do not.
+
+    Attributes
+    ----------
+    errors : dict
+        Every metric by its name.
+    attributes : tuple of Difference, or None
+        Of each attribute of A.
+    other_parts : tuple of str, or None
+        The kinds of parts of A that B has otherwise or not at all.
+    """
+
+    errors: _Errors
+    attributes: tuple[Difference, ...] | None = None
+    other_parts: tuple[Kind, ...] | None = None
 
 
 @click.command(epilog=options.epilog(_EXAMPLES, _METRICS))
@@ -75,26 +99,16 @@ def command(
             a = load_any(name, input_format, stage, **parameters)
             b = load_any(second, input_format, stage, **parameters)
             with attempt(second, f"cannot compare with {shown(name)}"):
-                errors, attributes = interruptible(lambda: _measured(a, b, stage))
-        loaded = {"a": (name, a), "b": (second, b)}
+                found = interruptible(lambda: _measured(a, b, stage))
         if as_json:
-            described = {key: _described(*one) for key, one in loaded.items()}
-            listed = None if attributes is None else [_as_object(one) for one in attributes]
-            print_json({**described, "errors": _with_relatives(errors), "attributes": listed})
+            print_json(_as_object((name, a), (second, b), found))
         elif not quiet:
-            click.echo("\n".join(_line(*one) for one in loaded.values()))
-            click.echo("\n" + table(_rows(errors)))
-            if attributes:
-                click.echo("\n" + table(_attribute_rows(attributes)))
+            click.echo(_as_text((name, a), (second, b), found))
 
     each([first], compare, as_json=as_json)
 
 
-def _measured(a: Loaded, b: Loaded, stage: Stage) -> tuple[_Errors, _Differences | None]:
-    """Return every metric by its name, None for those that need vertices that correspond.
-
-    Beside them, how far attributes differ, None where faces do.
-    """
+def _measured(a: Loaded, b: Loaded, stage: Stage) -> _Found:
     from deltamesh import likeness, metrics
     from deltamesh.complexes import distinct_faces
     from deltamesh.mesh import Mesh, triangulated
@@ -108,14 +122,41 @@ def _measured(a: Loaded, b: Loaded, stage: Stage) -> tuple[_Errors, _Differences
         first, second = triangulated(a.mesh), triangulated(b.mesh)
         surfaces = {"hausdorff": metrics.hausdorff(first, second)}
         diagonal = metrics.diagonal(first.vertices)
-        return {**dict.fromkeys([*_LENGTHS, *_ANGLES]), **surfaces, "diagonal": diagonal}, None
+        unknown = dict.fromkeys([*_LENGTHS, *_ANGLES])
+        return _Found({**unknown, **surfaces, "diagonal": diagonal})
     stage("measuring")
     faces = distinct_faces(found.a.mesh.faces)
     reference = Mesh(found.a.mesh.vertices, faces)
     paired = Mesh(found.b.mesh.vertices[found.sites], faces)
     errors = vars(metrics.compare(reference, paired))
     pairs = likeness.matched_corners(a.mesh, b.mesh, found)
-    return errors, None if pairs is None else likeness.differences(a.mesh, b.mesh, pairs)
+    if pairs is None:
+        return _Found(errors)
+    attributes = likeness.differences(a.mesh, b.mesh, pairs)
+    return _Found(errors, attributes, likeness.other_parts(a.mesh, b.mesh, pairs))
+
+
+def _as_object(a: _Named, b: _Named, found: _Found) -> dict[str, object]:
+    attributes = parts = None
+    if found.attributes is not None:
+        attributes = [_attribute(one) for one in found.attributes]
+    if found.other_parts is not None:
+        keys = ("kind", "a", "b", "alike")
+        told = _parts(a[1], b[1], found.other_parts)
+        parts = [dict(zip(keys, one, strict=True)) for one in told]
+    described = {"a": _described(*a), "b": _described(*b)}
+    errors = _with_relatives(found.errors)
+    return {**described, "errors": errors, "attributes": attributes, "parts": parts}
+
+
+def _as_text(a: _Named, b: _Named, found: _Found) -> str:
+    text = "\n".join(_line(*one) for one in (a, b))
+    tables: list[list[tuple[str, ...]]] = [list(_rows(found.errors))]
+    if found.attributes:
+        tables.append(list(_attribute_rows(found.attributes)))
+    if found.other_parts is not None and (a[1].mesh.parts or b[1].mesh.parts):
+        tables.append(list(_part_rows(a[1], b[1], found.other_parts)))
+    return "\n\n".join([text, *map(table, tables)])
 
 
 def _described(name: str, loaded: Loaded) -> dict[str, object]:
@@ -158,15 +199,33 @@ def _rows(errors: dict[str, float | None]) -> Iterator[tuple[str, str, str]]:
         yield label, cell(errors[name]), ""
 
 
-def _as_object(one: Difference) -> dict[str, object]:
+def _attribute(one: Difference) -> dict[str, object]:
     a = one.attribute
     kind = {"type": str(a.values.dtype), "width": a.width}
     return {"name": a.name, "domain": a.domain, **kind, "largest_difference": one.largest}
 
 
-def _attribute_rows(attributes: _Differences) -> Iterator[tuple[str, str, str, str]]:
-    yield "attribute", "of", "type", "largest difference"
+def _attribute_rows(attributes: tuple[Difference, ...]) -> Iterator[tuple[str, str, str, str]]:
+    yield "attribute", "of", "numbers", "largest difference"
     for one in attributes:
         a = one.attribute
-        largest = "not in B" if one.largest is None else number(one.largest)
-        yield shown(a.name), a.domain, f"{a.values.dtype} x {a.width}", largest
+        largest = "not in B"
+        if one.largest is not None:
+            unit = " degrees" if a.role == "normal" and one.largest else ""
+            largest = f"{number(one.largest)}{unit}" if one.largest else "none"
+        yield shown(a.name), a.domain, f"{a.width} {a.values.dtype}", largest
+
+
+def _parts(a: Loaded, b: Loaded, other: tuple[Kind, ...]) -> Iterator[tuple[Kind, int, int, bool]]:
+    """Yield each kind of parts that A or B has: how many there and here, and whether alike."""
+    there, here = ({p.kind: len(p.names) for p in one.mesh.parts} for one in (a, b))
+    for kind in dict.fromkeys([*there, *here]):
+        yield kind, there.get(kind, 0), here.get(kind, 0), kind in there and kind not in other
+
+
+def _part_rows(a: Loaded, b: Loaded, other: tuple[Kind, ...]) -> Iterator[tuple[str, ...]]:
+    from deltamesh_formats.texts import KIND_WORDS
+
+    yield "parts", "in A", "in B", ""
+    for kind, there, here, alike in _parts(a, b, other):
+        yield KIND_WORDS[kind], str(there), str(here), "alike" if alike else "not alike"

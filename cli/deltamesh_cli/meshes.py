@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Collection
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -14,10 +14,15 @@ from deltamesh_cli.failures import attempt
 from deltamesh_cli.output import shown
 from deltamesh_cli.progress import Stage
 from deltamesh_cli.signals import interruptible
+from deltamesh_formats.layout import MAGIC
 
 if TYPE_CHECKING:
     from deltamesh_formats.layout import Container
     from deltamesh_formats.polymesh import PolyMesh
+
+_DMESH: Final = files.SUFFIX.removeprefix(".")
+# How files begin that are recognized whatever their names are.
+_BEGINNINGS: Final = {b"ply": "ply", b"glTF": "glb", b"OFF": "off", MAGIC: _DMESH}
 
 
 @dataclass(frozen=True)
@@ -39,16 +44,20 @@ def parsed(name: str, data: bytes, file_format: str | None, stage: Stage) -> Pol
     """
     stage("reading")
     named = file_format or files.extension(name)
-    with attempt(name, "cannot read", "" if named in options.MESH_FORMATS else _format_hint(name)):
+    with attempt(name, "cannot read", _format_hint(named, data)):
         from deltamesh_formats.meshfile import read_mesh
 
         return read_mesh(io.BytesIO(data), named)
 
 
-def _format_hint(name: str) -> str:
-    if files.extension(name) == files.SUFFIX.removeprefix("."):
+def _format_hint(named: str, data: bytes) -> str:
+    """Return what to try when a file cannot be read as the format `named`."""
+    found = next((known for start, known in _BEGINNINGS.items() if data.startswith(start)), named)
+    if found == _DMESH:
         return "deltamesh decode turns it into a mesh file"
-    return "--input-format names the format"
+    if found != named:
+        return f"it begins like {found.upper()}: --input-format {found}"
+    return "" if named in options.MESH_FORMATS else "--input-format names the format"
 
 
 def write_mesh_file(name: str, mesh: PolyMesh, file_format: str) -> tuple[str, ...]:
@@ -110,7 +119,6 @@ def load_any(name: str, file_format: str | None, stage: Stage, **parameters: Any
         It is neither, or needs more than the limits.
     """
     from deltamesh.mesh import checked_mesh
-    from deltamesh_formats.layout import MAGIC
 
     data = files.read_input(name)
     if data[: len(MAGIC)] == MAGIC:

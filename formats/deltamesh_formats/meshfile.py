@@ -28,6 +28,7 @@ from deltamesh_formats.meshes import (
 )
 from deltamesh_formats.meshes.written import Written
 from deltamesh_formats.polymesh import PolyMesh, checked
+from deltamesh_formats.texture_origin import with_origin
 
 __all__ = ["FORMATS", "mesh_bytes", "mesh_format", "read_mesh", "write_mesh", "written"]
 
@@ -108,7 +109,8 @@ def written(mesh: PolyMesh, file_format: str) -> Written:
     """Return the bytes of a mesh file, and words for what they do not hold.
 
     The same mesh gives the same bytes. Positions are kept to the last bit by OBJ, OFF, PLY and an
-    STL with names; a binary STL and GLB round them to float32.
+    STL with names; a binary STL and GLB round them to float32. Texture coordinates count from the
+    corner of the picture that the format has them count from.
 
     Parameters
     ----------
@@ -123,7 +125,7 @@ def written(mesh: PolyMesh, file_format: str) -> Written:
     """
     if len(mesh.offsets) < 2:
         raise MeshError("a mesh without faces is not written")
-    return _WRITERS[file_format](mesh)
+    return _WRITERS[file_format](with_origin(mesh, top_left=file_format == "glb"))
 
 
 def mesh_bytes(mesh: PolyMesh, file_format: str) -> bytes:

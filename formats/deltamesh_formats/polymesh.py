@@ -110,7 +110,8 @@ class PolyMesh:
     attributes : tuple of Attribute
     parts : tuple of Parts, at most one of each kind
     metadata : mapping of str to tuple of str
-        "comments" (those above the first element), "obj_info", "mtllib", "header", "copyright".
+        "comments" (those above the first element), "obj_info", "mtllib", "header", "copyright",
+        "texture_origin" ("top left" of a GLB; that of others is at the bottom left).
     lost : tuple of str
         What the file has and this class has no place for, in words.
     precision : {"float32", "float64"}

@@ -160,7 +160,7 @@ def _check_magic(view: memoryview) -> None:
         if head.startswith(start):
             raise FormatError(f"not a .dmesh file but {name} mesh file", 0)
     if b"DMS" in head:
-        raise FormatError("a .dmesh file damaged by a transfer as text: send it as binary", 0)
+        raise FormatError("a .dmesh file with a damaged signature: was it sent as text?", 0)
     raise FormatError("not a .dmesh file", 0)
 
 

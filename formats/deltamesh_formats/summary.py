@@ -123,6 +123,7 @@ def _lines(container: Container) -> Iterator[str]:
     yield from text_lines(texts_of(container))
     if meta is not None:
         source = f", from {meta.source}" if meta.source else ""
+        source += ", positions in float32" if container.parameters.single else ""
         yield f"errors: {achieved(meta)}"
         yield f"written by {meta.encoder}{source}; format version {container.version}"
 

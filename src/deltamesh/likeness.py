@@ -18,6 +18,7 @@ from deltamesh import correspondence
 from deltamesh.reordering import inverse
 from deltamesh.topology import weld
 from deltamesh_formats.polymesh import Attribute, Kind, Parts, PolyMesh
+from deltamesh_formats.texture_origin import is_top_left, with_origin
 
 _Ints = NDArray[np.int64]
 
@@ -117,6 +118,7 @@ def matched_corners(a: PolyMesh, b: PolyMesh, found: Correspondence) -> Pairs | 
 
 def differences(a: PolyMesh, b: PolyMesh, pairs: Pairs) -> tuple[Difference, ...]:
     """Return how far each attribute of `a` is from that of `b`."""
+    b = with_origin(b, top_left=is_top_left(a))
     return tuple(_difference(a, b, attribute, *pairs) for attribute in a.attributes)
 
 

@@ -162,6 +162,57 @@ def test_compare_measures_surfaces_where_vertices_do_not_correspond(
     assert ["RMS", "-", "-"] in [line.split() for line in capsys.readouterr().out.splitlines()]
 
 
+def parts_obj(*names: str) -> str:
+    """Two triangles of other shapes, each in a group of its own, with normals."""
+    return (
+        "v 0 0 0\nv 4 0 0\nv 0 3 0\nv 9 9 1\nvn 0 0 1\n"
+        f"g {names[0]}\nf 1//1 2//1 3//1\ng {names[1]}\nf 2//1 4//1 3//1\n"
+    )
+
+
+def test_compare_tells_whether_parts_are_alike(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("a.obj").write_text(parts_obj("left", "right"))
+    Path("b.obj").write_text(parts_obj("right", "left"))
+    assert cli("encode -q a.obj") == 0
+    told = {}
+    for other in ("a.obj.dmesh", "b.obj", "torus.ply"):
+        assert cli("compare --json a.obj", other) == 0
+        told[other] = json.loads(capsys.readouterr().out)["parts"]
+    group = {"kind": "group", "a": 2, "b": 2}
+    assert told == {
+        "a.obj.dmesh": [group | {"alike": True}],
+        "b.obj": [group | {"alike": False}],
+        "torus.ply": None,
+    }
+    for other, words in {"a.obj.dmesh": "alike", "b.obj": "not alike"}.items():
+        assert cli("compare a.obj", other) == 0
+        text = capsys.readouterr().out
+        assert text.splitlines()[-1].split() == ["groups", "2", "2", *words.split()]
+        assert "largest difference" in text
+
+
+def test_compare_names_parts_that_only_one_has(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("a.obj").write_text(parts_obj("left", "right"))
+    assert cli("encode -q a.obj --drop group --lossless-attributes") == 0
+    for line, (first, second) in {"a.obj a.obj.dmesh": (2, 0), "a.obj.dmesh a.obj": (0, 2)}.items():
+        assert cli("compare --json", *line.split()) == 0
+        (told,) = json.loads(capsys.readouterr().out)["parts"]
+        assert told == {"kind": "group", "a": first, "b": second, "alike": False}
+
+
+def test_compare_tells_angles_as_degrees(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("a.obj").write_text(parts_obj("left", "right"))
+    Path("b.obj").write_text(parts_obj("left", "right").replace("vn 0 0 1", "vn 0 1 1"))
+    for other, words in {"a.obj": "none", "b.obj": "45 degrees"}.items():
+        assert cli("compare a.obj", other) == 0
+        (line,) = (one for one in capsys.readouterr().out.splitlines() if "normal " in one)
+        assert line.endswith(words)
+
+
 @pytest.mark.parametrize(
     ("text", "number"),
     [("1000", 1000), ("1k", 1024), ("512M", 512 << 20), ("8G", 8 << 30), ("1.5 GiB", 3 << 29)],

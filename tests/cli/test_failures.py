@@ -153,3 +153,24 @@ def test_the_name_of_a_mesh_file_is_told_once(
         error = capsys.readouterr().err
         assert error.count(name) == 1
         assert "<stream>" not in error
+
+
+@pytest.mark.parametrize(
+    ("name", "start", "hint"),
+    [
+        ("a.obj", b"ply\nformat ascii 1.0\n", "it begins like PLY: --input-format ply"),
+        ("a.ply", b"glTF", "it begins like GLB: --input-format glb"),
+        ("a", b"OFF\n", "it begins like OFF: --input-format off"),
+        ("a.dmesh", b"", "deltamesh decode turns it into a mesh file"),
+        ("a.ply", b"ply\n", None),
+        ("a.txt", b"v 0 0 0\n", "--input-format names the format"),
+    ],
+)
+def test_a_file_of_another_format_is_told(
+    name: str, start: bytes, hint: str | None, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    torus = Path("torus.dmesh").read_bytes()
+    Path(name).write_bytes(start or torus)
+    assert cli("encode", name, "out.dmesh") == failures.FAILED
+    message = capsys.readouterr().err.rstrip()
+    assert message.endswith(f"({hint})") if hint else "--input-format" not in message

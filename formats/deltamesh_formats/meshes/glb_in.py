@@ -21,6 +21,7 @@ from deltamesh_formats.meshes.glb_names import name_of
 from deltamesh_formats.meshes.glb_scene import Placed, placed_meshes, what_is_lost
 from deltamesh_formats.meshes.strips import from_strips
 from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh
+from deltamesh_formats.texture_origin import told_top_left
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _MODES: Final = {0: "points", 1: "lines", 2: "lines", 3: "lines"}
@@ -88,7 +89,7 @@ def read(data: bytes) -> PolyMesh:
     asset = gltf.tree.get("asset", {})
     said = str(asset.get("copyright", "")) if isinstance(asset, dict) else ""
     objects, materials = np.repeat(scene.objects, sizes), np.repeat(scene.materials, sizes)
-    return PolyMesh(
+    mesh = PolyMesh(
         np.concatenate([np.empty((0, 3)), *scene.vertices]),
         faces.ravel(),
         3 * np.arange(len(faces) + 1, dtype=np.int64),
@@ -99,6 +100,7 @@ def read(data: bytes) -> PolyMesh:
         "float32",
         "glb",
     )
+    return told_top_left(mesh)
 
 
 def _primitives(

@@ -37,6 +37,7 @@ from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh import Parts, PolyMesh, checked
 from deltamesh_formats.seams import at_vertices
 from deltamesh_formats.shapes import check_shapes
+from deltamesh_formats.texture_origin import with_origin
 
 _TYPES: Final = {3: "triangle", 4: "quad"}
 
@@ -49,6 +50,7 @@ def to_meshio(mesh: PolyMesh) -> meshio.Mesh:
     UserWarning
         Of attributes of corners that have seams.
     """
+    mesh = with_origin(mesh, top_left=False)
     points, lost = dense(mesh, "vertex"), []
     for attribute in mesh.attributes:
         if attribute.domain == "corner":

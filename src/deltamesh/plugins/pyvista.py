@@ -35,6 +35,7 @@ from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh, Role, checked
 from deltamesh_formats.seams import at_vertices
 from deltamesh_formats.shapes import check_shapes
+from deltamesh_formats.texture_origin import with_origin
 
 _WIDTHS: Final[dict[Role, tuple[int, ...]]] = {"normal": (3,), "uv": (2, 3)}
 
@@ -56,6 +57,7 @@ def to_pyvista(mesh: PolyMesh) -> pyvista.PolyData:
     UserWarning
         Of attributes of corners that have seams.
     """
+    mesh = with_origin(mesh, top_left=False)
     points, lost = dense(mesh, "vertex"), []
     roles: dict[str, Role] = {}
     for attribute in mesh.attributes:

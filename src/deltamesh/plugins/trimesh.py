@@ -38,6 +38,7 @@ from deltamesh_formats.joined import joined
 from deltamesh_formats.meshes.numbers_out import fractions
 from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh
 from deltamesh_formats.seams import at_vertices, split
+from deltamesh_formats.texture_origin import with_origin
 from deltamesh_formats.triangles import Triangles
 
 _CORNER: Final = "corner_"
@@ -126,6 +127,7 @@ def register() -> None:
 
 
 def _arguments(mesh: PolyMesh, split_seams: bool) -> dict[str, Any]:
+    mesh = with_origin(mesh, top_left=False)
     uv = mesh.attribute("uv", "corner")
     if split_seams and uv is not None:
         mesh = split(mesh, uv)
