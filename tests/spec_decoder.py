@@ -641,8 +641,9 @@ def coordinates(payload, faces, near, inner):
     forms, stream = payload[: table.at], Stream(payload[table.at :])
     for i, neighbours in enumerate(near):
         known, E, N = [v for v in neighbours if v < i][:8], 0, 0
+        of = inner.get(i, []) + guesses.get(i, [])
         for axis in axes:
-            f, N = axis.read(stream, i, known, guesses.get(i, []), width, E, N)
+            f, N = axis.read(stream, i, known, of, width, E, N)
             E = 3 * E + f
     stream.end()
     rows = zip(*(axis.numbers for axis in axes), strict=True)
