@@ -14,6 +14,7 @@ import zlib
 from pathlib import Path
 
 import forging
+import golden_polymeshes
 import meshes
 import numpy as np
 import oracle
@@ -227,6 +228,14 @@ def write_golden():
         (GOLDEN / f"{name}.dmesh").write_bytes(encoded.data)
         faces = decoded.faces.astype(np.uint16)
         np.savez_compressed(GOLDEN / f"{name}.npz", vertices=decoded.vertices, faces=faces)
+
+
+def write_polymeshes():
+    for name, mesh, options in golden_polymeshes.polymeshes():
+        encoded = encode_mesh(mesh, Options(method=name.split("-")[0], **options))
+        decoded = golden_polymeshes.assert_right(name, mesh, encoded)
+        (GOLDEN / f"{name}.dmesh").write_bytes(encoded.data)
+        np.savez_compressed(GOLDEN / f"{name}.npz", **golden_polymeshes.stored(decoded))
 
 
 # ---- Files that must be refused ----------------------------------------------------------------
@@ -474,6 +483,7 @@ def main():
         for path in folder.iterdir():
             path.unlink()
     write_golden()
+    write_polymeshes()
     write_refused()
 
 

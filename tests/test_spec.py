@@ -8,9 +8,13 @@ import meshes
 import numpy as np
 import pytest
 import spec_decoder
+import spec_labels
+import spec_polygons
 import strategies
 
 from deltamesh import decode, encode, info, order
+from deltamesh.elements import of_vertices
+from deltamesh.labels import encode_labels
 from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
 from deltamesh.polygons import plain
@@ -77,9 +81,19 @@ CORRECTED = {
 
 
 def assert_same(data: bytes) -> None:
-    vertices, faces, _ = spec_decoder.decode(data)
+    vertices, faces, exact = spec_decoder.decode(data)
     mesh = decode(data)
-    np.testing.assert_array_equal(faces, mesh.faces)
+    np.testing.assert_array_equal(np.concatenate(faces), mesh.corners)
+    np.testing.assert_array_equal([len(face) for face in faces], np.diff(mesh.offsets))
+    divisions, metadata, lost, precision = exact["told"]
+    assert (metadata, lost) == ({k: [*v] for k, v in mesh.metadata.items()}, [*mesh.lost])
+    assert precision == mesh.precision
+    assert [row[0] for row in divisions] == [parts.kind for parts in mesh.parts]
+    for (_, names, of_face, transforms), parts in zip(divisions, mesh.parts, strict=True):
+        assert names == [*parts.names]
+        np.testing.assert_array_equal(of_face, parts.of_face)
+        assert (transforms is None) == (parts.transforms is None)
+        assert transforms is None or b"".join(transforms) == parts.transforms.tobytes()
     if info(data).parameters.method == "lossless":
         assert vertices.tobytes() == mesh.vertices.tobytes()
         return
@@ -140,14 +154,36 @@ def test_each_plan_of_an_order(plan: int) -> None:
     rows = order._rows(mesh.faces, plain(len(F)))
     first, second = (code(rows, kept, plan, 0, None) for code in coded)
     payload = bytes([plan]) + write_varint(len(first)) + first + second
-    near = [sorted({int(w) for f in mesh.faces if v in f for w in f} - {v}) for v in range(len(V))]
     faces = [tuple(map(int, face)) for face in mesh.faces]
+    polygons = spec_polygons.polygons(faces, [-1] * (3 * len(faces)))
     for expected, found in zip(
         (kept.vertices, kept.faces, kept.turns),
-        spec_decoder.read_order(payload, faces, near),
+        spec_decoder.read_order(payload, faces, polygons, len(V)),
         strict=True,
     ):
         np.testing.assert_array_equal(found, expected)
+
+
+@pytest.mark.parametrize("kinds", ["one", "patches", "noise", "many", "again"])
+def test_labels(kinds: str) -> None:
+    """Each kind of candidate, labels that come late, and the match that goes on."""
+    vertices, faces = meshes.torus(15, 12)
+    rng, n = np.random.default_rng(516), len(vertices)
+    values = {
+        "one": np.zeros(n, int),
+        "patches": np.floor(3 * vertices[:, 0]).astype(int),
+        "noise": rng.integers(0, 4, n),
+        "many": rng.integers(0, 100, n),
+        "again": np.tile(rng.integers(0, 9, 40), 9)[:n],
+    }[kinds]
+    elements = of_vertices(faces, n)
+    rows = zip(elements.indptr, elements.indptr[1:], strict=False)
+    near = [elements.indices[first:end].tolist() for first, end in rows]
+    _, first, inverse = np.unique(values, return_index=True, return_inverse=True)
+    labels = np.argsort(np.argsort(first))[inverse]
+    payload = bytes(encode_labels(elements, labels))
+    assert spec_labels.labels(payload, near) == labels.tolist()
+    assert (payload == b"") == (kinds == "one")
 
 
 def test_large_valences() -> None:
