@@ -8,9 +8,12 @@ import meshes
 import numpy as np
 import pytest
 import spec_decoder
+import spec_labels
 import strategies
 
 from deltamesh import decode, encode, info, order
+from deltamesh.elements import of_vertices
+from deltamesh.labels import encode_labels
 from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
 from deltamesh.polygons import plain
@@ -148,6 +151,28 @@ def test_each_plan_of_an_order(plan: int) -> None:
         strict=True,
     ):
         np.testing.assert_array_equal(found, expected)
+
+
+@pytest.mark.parametrize("kinds", ["one", "patches", "noise", "many", "again"])
+def test_labels(kinds: str) -> None:
+    """Each kind of candidate, labels that come late, and the match that goes on."""
+    vertices, faces = meshes.torus(15, 12)
+    rng, n = np.random.default_rng(516), len(vertices)
+    values = {
+        "one": np.zeros(n, int),
+        "patches": np.floor(3 * vertices[:, 0]).astype(int),
+        "noise": rng.integers(0, 4, n),
+        "many": rng.integers(0, 100, n),
+        "again": np.tile(rng.integers(0, 9, 40), 9)[:n],
+    }[kinds]
+    elements = of_vertices(faces, n)
+    rows = zip(elements.indptr, elements.indptr[1:], strict=False)
+    near = [elements.indices[first:end].tolist() for first, end in rows]
+    _, first, inverse = np.unique(values, return_index=True, return_inverse=True)
+    labels = np.argsort(np.argsort(first))[inverse]
+    payload = bytes(encode_labels(elements, labels))
+    assert spec_labels.labels(payload, near) == labels.tolist()
+    assert (payload == b"") == (kinds == "one")
 
 
 def test_large_valences() -> None:
