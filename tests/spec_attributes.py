@@ -7,18 +7,8 @@ import struct
 from itertools import chain
 
 import numpy as np
-from spec_decoder import (
-    Axis,
-    Bytes,
-    Classes,
-    Grid,
-    RefusedError,
-    Stream,
-    Vectors,
-    check,
-    level,
-    vectors_of,
-)
+from spec_coder import Bytes, RefusedError, Stream, check, level, wrapped
+from spec_decoder import Axis, Classes, Grid, Vectors, vectors_of
 from spec_labels import labels
 
 VERTEX, CORNER, FACE = "vertex", "corner", "face"
@@ -339,7 +329,8 @@ class Attribute:
     def decoded(self, positions):
         """Of each element whether it has a value, and the values, 0 without one."""
         entry, code = self.entry, self.entry.type
-        rows, dtype = self.values, np.dtype({"ff": "c8", "dd": "c16"}.get(code, code))
+        dtype = np.dtype({"ff": "c8", "dd": "c16"}.get(code, code))
+        rows = None if self.normals else self.values
         if self.normals:
             rows = self.normals.values(self.mesh.sums(self.normals.weights, self.units, positions))
         elif entry.coding == EXACT:
@@ -353,9 +344,8 @@ class Attribute:
 
     def digest(self):
         """§5.7."""
-        return chain(
-            self.units.elements, self.has, (row for row in self.rows if row >= 0), *self.integers
-        )
+        rows = (row for row in self.rows if row >= 0)
+        return map(wrapped, chain(self.units.elements, self.has, rows, *self.integers))
 
 
 # ---- §5.17: octahedral normals --------------------------------------------------------------

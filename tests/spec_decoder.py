@@ -1269,7 +1269,7 @@ def decode(data):
         check(p["step"] > 0, "corrections without a step")
         exact["corrections"] = vectors_of(sections["FIXS"], near)
     if "ATTR" in sections:
-        from spec_attributes import Mesh, neighbours_of_faces, read_attributes
+        from spec_attributes import Mesh, domain_sources, neighbours_of_faces, read_attributes
 
         polygons = [tuple(range(3 * f, 3 * f + 3)) for f in range(face_count)]
         near_faces = neighbours_of_faces(stitching.faces, polygons)
