@@ -335,7 +335,7 @@ class Attribute:
             rows = self.normals.values(self.mesh.sums(self.normals.weights, self.units, positions))
         elif entry.coding == EXACT:
             words = np.array(rows, f"u{dtype.itemsize // len(code)}")
-            rows = words.reshape(len(rows), -1).view(dtype)
+            rows = words.reshape(len(rows), entry.columns).view(dtype)
         table = np.array(rows, dtype).reshape(len(rows), entry.width)
         of = np.array([self.rows[unit] for unit in self.units.elements])
         out = np.zeros((len(of), entry.width), dtype)
