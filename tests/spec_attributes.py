@@ -13,7 +13,7 @@ from spec_labels import labels
 
 VERTEX, CORNER, FACE = "vertex", "corner", "face"
 ROLES = "normal", "uv", "colour", "other"
-TYPES = "? B H I Q b h i q e f d ff dd".split()  # as of `struct`
+TYPES = (*"?BHIQbhiqefd", "ff", "dd")  # as of `struct`
 INTEGERS, EXACT, GRID, OCTAHEDRAL = range(4)
 CODINGS = (INTEGERS,), (EXACT, GRID, OCTAHEDRAL), (EXACT,)
 
@@ -130,44 +130,27 @@ def parallelograms(triangles):
     return found
 
 
-def neighbours_of_faces(triangles, polygons):
-    """§5.16; triangles over points."""
-    near, last = [set() for _ in polygons], {}
-    of = {c // 3: p for p, corners in enumerate(polygons) for c in corners}
-    for f, triangle in enumerate(triangles):
-        for i in range(3):
-            edge = frozenset((triangle[i], triangle[i - 2]))
-            if len(edge) < 2:
-                continue
-            other = last.get(edge, of[f])
-            if other != of[f]:
-                near[other].add(of[f])
-                near[of[f]].add(other)
-            last[edge] = of[f]
-    return [sorted(ring) for ring in near]
-
-
 class Mesh:
     """What the units of attributes are told by: the mesh in the order of the file.
 
-    faces: triples of vertices; polygons: of each the corners 3 f + c of the faces; face_near: the
-    neighbours of the polygons; stitching: of §5.9, in which classes are told.
+    faces: triples of vertices; polygons: of each, for each of its corners, the corners 3 f + c of
+    faces there; near_faces: the neighbours of the polygons; stitching: of §5.9.
     """
 
-    def __init__(self, vertex_count, faces, polygons, face_near, stitching):
+    def __init__(self, vertex_count, faces, polygons, near_faces, stitching):
         self.vertex_count, self.faces, self.polygons = vertex_count, faces, polygons
-        self.face_near, self.stitching = face_near, stitching
-        self.corners = [*chain(*polygons)]
+        self.near_faces, self.stitching = near_faces, stitching
+        self.ends, self.corners = [*chain(*faces)], [*chain(*polygons)]
 
     def vertices(self):
         n = self.vertex_count
-        of_corners = [self.faces[c // 3][c % 3] for c in self.corners]
+        of_corners = [self.ends[fan[0]] for fan in self.corners]
         return Units(*of_triangles(self.faces, n), range(n), of_corners)
 
     def by_faces(self, domain):
         of_corners = [p for p, corners in enumerate(self.polygons) for _ in corners]
         elements = of_corners if domain == CORNER else range(len(self.polygons))
-        return Units(self.face_near, {}, elements, of_corners)
+        return Units(self.near_faces, {}, elements, of_corners)
 
     def classes(self, payload):
         classes = Classes(payload, self.stitching)
@@ -175,14 +158,16 @@ class Mesh:
         of = classes.numbers
         triangles = [tuple(of[f, i] for i in range(3)) for f in range(len(self.faces))]
         flat = [*chain(*triangles)]
-        elements = [flat[c] for c in self.corners]
+        several = [{flat[c] for c in fan} for fan in self.corners]
+        check(all(len(one) == 1 for one in several), "a corner of two classes")
+        elements = [flat[fan[0]] for fan in self.corners]
         return Units(*of_triangles(triangles, sum(classes.counts)), elements, elements)
 
     def sums(self, weights, units, positions):
         """§5.17: the s of each unit."""
         out, units_of = np.zeros((len(units), 3)), iter(units.of_corners)
         for polygon in self.polygons:
-            v = np.array([positions[self.faces[c // 3][c % 3]] for c in polygon])
+            v = np.array([positions[self.ends[fan[0]]] for fan in polygon])
             for s in corner_vectors(v - v[0], weights):
                 out[next(units_of)] += s
         return out
@@ -193,7 +178,7 @@ class Mesh:
 
 def grid_points(payload, units):
     """§5.6, of units."""
-    grid, vectors = Grid([]), Vectors(payload)
+    grid, vectors = Grid([], {}), Vectors(payload)
     grid.around = units.around
     for i, neighbours in enumerate(units.near):
         below = [v for v in neighbours if v < i]
@@ -214,16 +199,21 @@ class Number(Axis):
 
     def add_raw(self, p, width, bits):
         if self.code == "d" and width == 32:
-            (number,) = struct.unpack("<f", struct.pack("<I", bits))
+            nan = bits & 0x7FFFFFFF > 0x7F800000
+            (number,) = struct.unpack("<f", struct.pack("<I", bits | nan << 22))
             bits = bits_of(number, "d")
         check(self.code != "e" or bits < 1 << 16, "more than a binary16 number")
         self.known(2, p, 0, bits)
 
     def add(self, f, place, error, number):
         check(abs(number) <= 1e150, "a number that is too large")
+        try:
+            bits = bits_of(number, self.code)
+        except OverflowError:
+            raise RefusedError("a number too large for its type") from None
         (same,) = struct.unpack("<" + self.code, struct.pack("<" + self.code, number))
         check(same == number, "a number that is none of its type")
-        self.known(f, place, error, bits_of(number, self.code))
+        self.known(f, place, error, bits)
 
 
 def bits_of(number, code):
@@ -438,13 +428,13 @@ def read_attributes(payload, mesh):
     return given
 
 
-def domain_sources(kept, polygons):
-    """For each domain the elements of the file in the order of the result; §5.11."""
-    order, face_order, begins = kept
+def sources(kept, polygons):
+    """§5.11: of each domain the elements of the file, in the order of the result."""
+    order, polygon_order, begins = kept
     starts = np.cumsum([0, *map(len, polygons)])
     corners = [
         starts[p] + (begin + i) % len(polygons[p])
-        for p, begin in zip(face_order, begins, strict=True)
+        for p, begin in zip(polygon_order, begins, strict=True)
         for i in range(len(polygons[p]))
     ]
-    return {VERTEX: order, CORNER: corners, FACE: face_order}
+    return {VERTEX: order, CORNER: corners, FACE: polygon_order}

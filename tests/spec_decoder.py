@@ -15,6 +15,15 @@ from itertools import chain, count
 
 import numpy as np
 from spec_coder import Bytes, Stream, check, clamp, level, side, wrapped
+from spec_parts import neighbours_of_faces, read_parts
+from spec_polygons import (
+    Glue,
+    in_mesh,
+    inner_parallelograms,
+    neighbours_of_polygons,
+    polygons,
+    seen_neighbours,
+)
 
 HIGHPASS, CARTESIAN, REFINED, LOSSLESS = 0, 1, 2, 3
 
@@ -38,8 +47,8 @@ def container(data):
     method, meta = sections.get("PARM", b"")[:1], ["meta"] if "meta" in sections else []
     geometries = {b"\1": ["CART"], b"\2": ["ANCH", "DELT", "NORM"], b"\3": ["EXAC"]}
     geometry = geometries.get(method, ["ANCH", "DELT"])
-    needed = [name for name in ("STCH", "COPY") if name in sections]
-    further = ["ATTR", "ORDR"] if method in (b"\1", b"\3") else ["FIXS", "ATTR", "ORDR"]
+    needed = [name for name in ("STCH", "COPY", "POLY") if name in sections]
+    further = [[], ["FIXS"]][method not in (b"\1", b"\3")] + ["ATTR", "PART", "ORDR"]
     further = [name for name in further if name in sections]
     order = ["PARM", "CONN", *needed, *geometry, *further, *meta]
     names = list(sections)
@@ -405,13 +414,15 @@ def parallelograms(faces):
 class Grid:
     """§5.6: what is known when a grid point is read, and what was learnt from those before."""
 
-    def __init__(self, faces):
-        self.points, self.around = [], parallelograms(faces)
+    def __init__(self, faces, inner):
+        self.points, self.around, self.inner = [], parallelograms(faces), inner
         self.errors, self.fates = {}, [[0] * 3 for _ in range(3)]
 
     def look(self, i, below):
         """Set class, predictions P and candidates C of each axis for vertex i; return m, H."""
-        g, of = self.points, self.around.get(i, [])
+        g, inner = self.points, self.inner.get(i, [])
+        of, self.quads = inner + self.around.get(i, []), bool(inner)
+        close = inner or of
         before = g[-1] if g else (0, 0, 0)
         mean = [sum(g[v][a] for v in below) // len(below) for a in range(3)] if below else before
         if not of:
@@ -420,16 +431,18 @@ class Grid:
             self.P = [[m, near, p, m, m] for m, near, p in rows]
             self.C = [[P[1], P[2], P[0]] for P in self.P]
             return 0, [0, 0, 0]
-        m, shapes = len(of), [self.shape(*row) for row in of]
-        a, b, o = of[shapes.index(max(shapes))]
+        m, k, shapes = len(of), len(close), [self.shape(*row) for row in close]
+        a, b, o = close[shapes.index(max(shapes))]
         if self.distance(b, o) < self.distance(a, o):
             a, b = b, a
-        self.kind = 4 + 10 * min(m, 3) + max(shapes)
+        self.kind = 4 + 10 * min(m, 3) + max(shapes) + 40 * self.quads
         sums = [[g[a][x] + g[b][x] - g[o][x] for a, b, o in of] for x in range(3)]
         self.C = list(zip(g[a], g[b], g[o], strict=True))
+        all_of = [(2 * sum(s) + m) // (2 * m) for s in sums]
+        last = all_of if inner else mean
         self.P = [
-            [(2 * sum(s) + m) // (2 * m), near, 2 * near - apex, near + far - apex, x]
-            for s, (near, far, apex), x in zip(sums, self.C, mean, strict=True)
+            [(2 * sum(s[:k]) + k) // (2 * k), near, 2 * near - apex, near + far - apex, x]
+            for s, (near, far, apex), x in zip(sums, self.C, last, strict=True)
         ]
         return m, [max(s) - min(s) for s in sums]
 
@@ -444,7 +457,7 @@ class Grid:
         E = self.errors.setdefault((a, self.kind), [0] * 5)
         P, F, q = self.P[a], self.fates[a], 0  # noqa: N806
         for i in range(1, 5):
-            if E[i] * (1 if q else 3) < E[q]:
+            if E[i] * (1 if q or (i == 4 and self.quads) else 3) < E[q]:
                 q = i
         W = [x - P[q] for x in self.C[a]]
 
@@ -460,9 +473,9 @@ class Grid:
         return x, side(P[1] - P[q]), candidates, learn
 
 
-def grid_points(payload, faces, near):
+def grid_points(payload, faces, near, inner):
     """§5.6."""
-    grid, vectors = Grid(faces), Vectors(payload)
+    grid, vectors = Grid(faces, inner), Vectors(payload)
     for i, neighbours in enumerate(near):
         below = [v for v in neighbours if v < i]
         m, hints = grid.look(i, below)
@@ -624,7 +637,7 @@ class Axis:
         return -size if k and self.bit(stream, ("sign",), signs, None, form.key) else size
 
 
-def coordinates(payload, faces, near):
+def coordinates(payload, faces, near, inner):
     """§5.12: the coordinates as integers of 64 bits, and the bytes before the stream."""
     table, guesses = Bytes(payload), parallelograms(faces)
     (width,) = table.unpack("B")
@@ -633,8 +646,9 @@ def coordinates(payload, faces, near):
     forms, stream = payload[: table.at], Stream(payload[table.at :])
     for i, neighbours in enumerate(near):
         known, E, N = [v for v in neighbours if v < i][:8], 0, 0
+        of = inner.get(i, []) + guesses.get(i, [])
         for axis in axes:
-            f, N = axis.read(stream, i, known, guesses.get(i, []), width, E, N)
+            f, N = axis.read(stream, i, known, of, width, E, N)
             E = 3 * E + f
     stream.end()
     rows = zip(*(axis.numbers for axis in axes), strict=True)
@@ -751,9 +765,13 @@ def order_of_vertices(payload, near, newest):
     return order
 
 
-def order_of_faces(payload, faces, places, kind):
-    """The face at each place and the corner at which it begins; `places` gets the rest of them."""
-    none = 1 << 60
+def order_of_faces(payload, faces, polygons, places, kind):
+    """The polygon at each place and where it begins; `places` gets the rest of them.
+
+    `faces` are the lowest ones of the polygons; each polygon is its vertices, and where in it the
+    corners of its face are.
+    """
+    none, laters = 1 << 60, (0, 0, 0, 0)
     corners = [[] for _ in range(1 + max(chain(*faces)))]
     for e, v in enumerate(chain(*faces)):
         corners[v].append(e)
@@ -816,12 +834,28 @@ def order_of_faces(payload, faces, places, kind):
                     break
             u_before, straight = u, (straight[1], u == v)
             begin = (r + u) % 3
+        names, at = polygons[f]
+        polygon = names[at[begin] :] + names[: at[begin]]
+        later, most = 0, (at[(begin + 1) % 3] - at[begin]) % len(names) - 1
+        while later < most:
+            first, second = polygon[later : later + 2]
+            i, i2 = (recent[0].index(v) if v in recent[0] else 3 for v in (first, second))
+            b1, b2 = place(first), place(second)
+            b = 0 if b1 < b2 else 1 if b1 > b2 else 2
+            contexts = (i, i2, b), laters, (min(later, 3), b, laters[2:])
+            keys = [("later", x, context) for x, context in enumerate(contexts)]
+            bit = steps.stream.predicted("later", keys, 255)
+            laters = *laters[1:], bit
+            if not bit:
+                break
+            later += 1
+        polygon = polygon[later:] + polygon[:later]
         order.append(f)
-        begins.append(begin)
+        begins.append((at[begin] + later) % len(names))
         for j, v in enumerate(faces[f]):
             steps.leave(v, 3 * f + j)
-        recent = [tuple(faces[f][(begin + j) % 3] for j in range(3)), recent[0]]
-        for v in recent[0]:
+        recent = [tuple(polygon[:3]), recent[0]]
+        for v in polygon:
             places.setdefault(v, len(places))
         steps.follow(place(faces[f][begin if kind == FIRST else corner(f, kind)]))
         steps.placed(f)
@@ -829,18 +863,25 @@ def order_of_faces(payload, faces, places, kind):
     return order, begins
 
 
-def read_order(payload, faces, near):
-    """The vertex and the face at each place, and where the faces begin."""
+def read_order(payload, faces, polygons, n):
+    """The vertex and the polygon at each place, and the corners at which the polygons begin."""
     table = Bytes(payload)
+    ends, told = list(chain(*faces)), []
+    for polygon in polygons:
+        at = {h: k for k, fan in enumerate(polygon) for h in fan}
+        low = 3 * (min(at) // 3)
+        told.append(([ends[fan[0]] for fan in polygon], [at[low + c] for c in range(3)]))
+    faces = [[names[k] for k in at] for names, at in told]
+    near = neighbours_of_polygons([names for names, _ in told], n)
     (plan,), size = table.unpack("B"), table.varint()
     check(plan < 16 and plan & 3 < 3 and table.at + size <= len(payload), "plan or size of ORDR")
     of_vertices, of_faces = payload[table.at :][:size], payload[table.at + size :]
     if not plan & 8:
         order = order_of_vertices(of_vertices, near, plan >> 2 & 1)
         places = {v: i for i, v in enumerate(order)}
-        return order, *order_of_faces(of_faces, faces, places, plan & 3)
+        return order, *order_of_faces(of_faces, faces, told, places, plan & 3)
     names = {}
-    face_order = order_of_faces(of_faces, faces, names, plan & 3)
+    face_order = order_of_faces(of_faces, faces, told, names, plan & 3)
     for v in range(len(near)):
         names.setdefault(v, len(names))
     vertex = sorted(names, key=names.get)
@@ -1218,7 +1259,13 @@ EXACT = (
 
 
 def decode(data):
-    """Return vertices (n, 3), faces (m, 3) and, by their names, the integers of the digest."""
+    """Return vertices (n, 3), faces (m, 3), or a list of polygons, and by their names integers.
+
+    These are those of the digest; "attributes" are `spec_attributes.Decoded`; "told" is what PART
+    tells, with the precision of the source.
+    """
+    import spec_attributes  # which is made of what is here
+
     vertex_count, face_count, sections = container(data)
     p = parameters(sections["PARM"], vertex_count)
     if "meta" in sections:
@@ -1245,7 +1292,7 @@ def decode(data):
     faces = Region(sections["CONN"], n, m).faces
     points, used = range(total), total - p["isolated"]
     surface = final = faces
-    if {"STCH", "COPY", "ATTR"} & {*sections}:
+    if {"STCH", "COPY", "POLY", "ATTR"} & set(sections):
         manifold = Manifold(faces, n)
         stitching = Stitching(sections.get("STCH"), manifold, used, total, face_count)
         surface, final = stitching.surface, stitching.faces
@@ -1255,11 +1302,19 @@ def decode(data):
         points, final = copies.points, copies.faces
         exact["copied"] = [points]
     exact["faces"] = final
-    near = neighbours_of(surface, used)
+    near, across, glued = neighbours_of(surface, used), {}, [-1] * (3 * face_count)
+    if "POLY" in sections:
+        across = in_mesh(manifold, stitching.turned)
+        glue = Glue(sections["POLY"], final, across)
+        glued = glue.glued
+        near = seen_neighbours(surface, manifold, across, glued, stitching.turned, used)
+    ends, corners = list(chain(*final)), polygons(final, glued)
+    rows = [[ends[fan[0]] for fan in polygon] for polygon in corners]
+    inner = inner_parallelograms([[points[v] for v in row] for row in rows])
     if p["method"] in (CARTESIAN, LOSSLESS):
         everywhere = near + [[] for _ in range(p["isolated"])]
         read = grid_points if p["method"] == CARTESIAN else coordinates
-        exact["vectors"], exact["forms"] = read(sections[geometry], surface, everywhere)
+        exact["vectors"], exact["forms"] = read(sections[geometry], surface, everywhere, inner)
     else:
         exact |= read_anchors(sections["ANCH"], p, near)
         exact["vectors"] = deltas(sections["DELT"], p["step"], near)
@@ -1268,29 +1323,35 @@ def decode(data):
     if "FIXS" in sections:
         check(p["step"] > 0, "corrections without a step")
         exact["corrections"] = vectors_of(sections["FIXS"], near)
+    triangles = [[points[v] for v in face] for face in final]
+    of_triangle = {h // 3: i for i, row in enumerate(corners) for fan in row for h in fan}
+    near_faces = neighbours_of_faces(triangles, [of_triangle[f] for f in range(face_count)])
     if "ATTR" in sections:
-        from spec_attributes import Mesh, domain_sources, neighbours_of_faces, read_attributes
-
-        polygons = [tuple(range(3 * f, 3 * f + 3)) for f in range(face_count)]
-        near_faces = neighbours_of_faces(stitching.faces, polygons)
-        mesh = Mesh(vertex_count, final, polygons, near_faces, stitching)
-        exact["attributes"] = read_attributes(sections["ATTR"], mesh)
-    kept = []
+        mesh = spec_attributes.Mesh(vertex_count, final, corners, near_faces, stitching)
+        exact["attributes"] = spec_attributes.read_attributes(sections["ATTR"], mesh)
+    kept, told = [], ([], {}, [], b"")
+    if "PART" in sections:
+        told = read_parts(sections["PART"], near_faces)
     if "ORDR" in sections:
-        kept = read_order(sections["ORDR"], final, neighbours_of(final, vertex_count))
+        kept = read_order(sections["ORDR"], final, corners, vertex_count)
     words = [struct.pack("<q", x) for name in EXACT for row in exact[name] for x in row]
-    words += [struct.pack("<q", x) for x in chain(*kept)]
+    words += [struct.pack("<q", x) for x in chain(*kept, glued if "POLY" in sections else ())]
     words += [struct.pack("<q", x) for one in exact["attributes"] for x in one.digest()]
+    words += [struct.pack("<q", x) for x in told[3]]
+    for _, _, of_face, transforms in told[0]:
+        words += [struct.pack("<q", x) for x in of_face] + (transforms or [])
     digest = hashlib.blake2b(b"".join(words), digest_size=8).digest()
     check(digest == sections["CHEK"], "digest")
-    x, result = positions(p, surface, near, exact)[list(points)], np.array(final)
+    x = positions(p, surface, near, exact)[list(points)]
     exact["attributes"] = [one.decoded(x) for one in exact["attributes"]]
     if kept:
-        order, face_order, begins = map(np.array, kept)
-        corners = (begins[:, None] + np.arange(3)) % 3
-        turned = np.take_along_axis(result[face_order], corners, axis=1)
-        x, result = x[order], np.argsort(order)[turned]
-        if exact["attributes"]:
-            sources = domain_sources(kept, polygons)
-            exact["attributes"] = [one.taken(sources) for one in exact["attributes"]]
-    return x, result, exact
+        order, polygon_order, begins = kept
+        sources = spec_attributes.sources(kept, rows)
+        exact["attributes"] = [one.taken(sources) for one in exact["attributes"]]
+        x, names = x[order], {v: i for i, v in enumerate(order)}
+        pairs = zip(polygon_order, begins, strict=True)
+        rows = [[names[v] for v in rows[i][k:] + rows[i][:k]] for i, k in pairs]
+        divisions = [(*part[:2], [part[2][i] for i in polygon_order], part[3]) for part in told[0]]
+        told = divisions, *told[1:]
+    exact["told"] = *told[:3], "float32" if p["flags"] & 2 else "float64"
+    return x, rows if "POLY" in sections else np.array(rows), exact

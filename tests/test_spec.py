@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import spec_decoder
 import spec_labels
+import spec_polygons
 import strategies
 
 from deltamesh import decode, encode, info, order
@@ -80,9 +81,19 @@ CORRECTED = {
 
 
 def assert_same(data: bytes) -> None:
-    vertices, faces, _ = spec_decoder.decode(data)
+    vertices, faces, exact = spec_decoder.decode(data)
     mesh = decode(data)
-    np.testing.assert_array_equal(faces, mesh.faces)
+    np.testing.assert_array_equal(np.concatenate(faces), mesh.corners)
+    np.testing.assert_array_equal([len(face) for face in faces], np.diff(mesh.offsets))
+    divisions, metadata, lost, precision = exact["told"]
+    assert (metadata, lost) == ({k: [*v] for k, v in mesh.metadata.items()}, [*mesh.lost])
+    assert precision == mesh.precision
+    assert [row[0] for row in divisions] == [parts.kind for parts in mesh.parts]
+    for (_, names, of_face, transforms), parts in zip(divisions, mesh.parts, strict=True):
+        assert names == [*parts.names]
+        np.testing.assert_array_equal(of_face, parts.of_face)
+        assert (transforms is None) == (parts.transforms is None)
+        assert transforms is None or b"".join(transforms) == parts.transforms.tobytes()
     if info(data).parameters.method == "lossless":
         assert vertices.tobytes() == mesh.vertices.tobytes()
         return
@@ -143,11 +154,11 @@ def test_each_plan_of_an_order(plan: int) -> None:
     rows = order._rows(mesh.faces, plain(len(F)))
     first, second = (code(rows, kept, plan, 0, None) for code in coded)
     payload = bytes([plan]) + write_varint(len(first)) + first + second
-    near = [sorted({int(w) for f in mesh.faces if v in f for w in f} - {v}) for v in range(len(V))]
     faces = [tuple(map(int, face)) for face in mesh.faces]
+    polygons = spec_polygons.polygons(faces, [-1] * (3 * len(faces)))
     for expected, found in zip(
         (kept.vertices, kept.faces, kept.turns),
-        spec_decoder.read_order(payload, faces, near),
+        spec_decoder.read_order(payload, faces, polygons, len(V)),
         strict=True,
     ):
         np.testing.assert_array_equal(found, expected)

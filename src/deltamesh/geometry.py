@@ -82,7 +82,7 @@ def surface_of(
     Half-edges, (3 m,), may be `hidden` within polygons; edges where all are do not count.
     """
     if not len(hidden):
-        return Surface(faces, adjacency(faces, vertex_count), isolated_count)
+        return Surface(faces, adjacency(faces, vertex_count), isolated_count, quads)
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     pairs = edges_between(start[~hidden], end[~hidden], vertex_count)
     return Surface(faces, adjacency_of_edges(pairs, vertex_count), isolated_count, quads)
