@@ -238,13 +238,13 @@ def exact(payload, units, code):
 class Decoded:
     """What an attribute is: of each element whether it has a value, and the values."""
 
-    def __init__(self, entry, has, values):
-        self.entry, self.has, self.values = entry, has, values
+    def __init__(self, entry, has, values, weights):
+        self.entry, self.has, self.values, self.weights = entry, has, values, weights
 
     def taken(self, sources):
         """Its elements in another order; `sources` are for each domain."""
         at = sources[self.entry.domain]
-        return Decoded(self.entry, self.has[at], self.values[at])
+        return Decoded(self.entry, self.has[at], self.values[at], self.weights)
 
 
 class Attribute:
@@ -330,7 +330,7 @@ class Attribute:
         of = np.array([self.rows[unit] for unit in self.units.elements])
         out = np.zeros((len(of), entry.width), dtype)
         out[of >= 0] = table[of[of >= 0]]
-        return Decoded(entry, of >= 0, out)
+        return Decoded(entry, of >= 0, out, self.normals and self.normals.weights)
 
     def digest(self):
         """§5.7."""
