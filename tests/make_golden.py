@@ -13,6 +13,7 @@ from __future__ import annotations
 import zlib
 from pathlib import Path
 
+import attributed
 import forging
 import golden_polymeshes
 import meshes
@@ -32,6 +33,7 @@ from deltamesh.pipeline import encode_mesh, read_content
 from deltamesh.polygons import plain
 from deltamesh.quantize import from_grid
 from deltamesh.reordering import Order
+from deltamesh_formats.attribute_table import entries_of
 from deltamesh_formats.errors import FormatError, LimitError
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.writer import write_varint
@@ -236,6 +238,49 @@ def write_polymeshes():
         decoded = golden_polymeshes.assert_right(name, mesh, encoded)
         (GOLDEN / f"{name}.dmesh").write_bytes(encoded.data)
         np.savez_compressed(GOLDEN / f"{name}.npz", **golden_polymeshes.stored(decoded))
+
+
+def assert_attributes(encoded, decoded):
+    """Compare attributes with those of the input, in the order in which the file has them."""
+    entries = entries_of(read_container(encoded.data))
+    for entry, wanted, found in zip(
+        entries, encoded.mesh.attributes, decoded.attributes, strict=True
+    ):
+        rows = wanted.rows(), found.rows()
+        np.testing.assert_array_equal(*(row < 0 for row in rows))
+        a, b = (one.values[row[row >= 0]] for one, row in zip((wanted, found), rows, strict=True))
+        assert a.dtype == b.dtype
+        if entry.coding == "octahedral":
+            bound = 1.42 / (2 ** (entry.bits - 1) - 1)
+            cross = np.linalg.norm(np.cross(a.astype(float), b.astype(float)), axis=1)
+            assert (cross <= bound).all()
+            np.testing.assert_array_equal(a.any(axis=1), b.any(axis=1))
+            assert ((a * b).sum(axis=1) >= 0).all()
+        elif entry.coding == "grid":
+            assert np.abs(a.astype(float) - b.astype(float)).max() <= 0.51 / entry.density
+        else:
+            assert a.tobytes() == b.tobytes()
+
+
+def write_attributed():
+    """The golden files with attributes; `values` are 0 where `has` says that there are none."""
+    for name, mesh, options in attributed.golden():
+        encoded = encode_mesh(mesh, Options(method=name.split("-")[0], **options))
+        decoded = decode(encoded.data)
+        np.testing.assert_array_equal(decoded.corners, encoded.mesh.corners)
+        np.testing.assert_array_equal(decoded.offsets, encoded.mesh.offsets)
+        if (mesh.sizes == 3).all():
+            assert_right(encoded, mesh.vertices, mesh.faces)
+        assert_attributes(encoded, decoded)
+        arrays = {"vertices": decoded.vertices, "faces": decoded.faces.astype(np.uint16)}
+        for i, attribute in enumerate(decoded.attributes):
+            has = attribute.rows() >= 0
+            arrays[f"values{i}"] = np.zeros((len(has), attribute.width), attribute.values.dtype)
+            arrays[f"values{i}"][has] = attribute.values[attribute.rows()[has]]
+            if not has.all():
+                arrays[f"has{i}"] = has
+        (GOLDEN / f"{name}.dmesh").write_bytes(encoded.data)
+        np.savez_compressed(GOLDEN / f"{name}.npz", **arrays)
 
 
 # ---- Files that must be refused ----------------------------------------------------------------
@@ -484,6 +529,7 @@ def main():
             path.unlink()
     write_golden()
     write_polymeshes()
+    write_attributed()
     write_refused()
 
 

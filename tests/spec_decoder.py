@@ -48,7 +48,7 @@ def container(data):
     geometries = {b"\1": ["CART"], b"\2": ["ANCH", "DELT", "NORM"], b"\3": ["EXAC"]}
     geometry = geometries.get(method, ["ANCH", "DELT"])
     needed = [name for name in ("STCH", "COPY", "POLY") if name in sections]
-    further = [[], ["FIXS"]][method not in (b"\1", b"\3")] + ["PART", "ORDR"]
+    further = [[], ["FIXS"]][method not in (b"\1", b"\3")] + ["ATTR", "PART", "ORDR"]
     further = [name for name in further if name in sections]
     order = ["PARM", "CONN", *needed, *geometry, *further, *meta]
     names = list(sections)
@@ -565,9 +565,7 @@ class Axis:
             kinds.pop(0)
         f = kinds[0]
         if f == 2:
-            code = "<f" if width == 32 else "<d"
-            bits = stream.raw(width).to_bytes(width // 8, "little")
-            self.add(2, p, 0, struct.unpack(code, bits)[0])
+            self.add_raw(p, width, stream.raw(width))
             return f, N
         form = self.forms[f]
         index, y = form.next_to(p)
@@ -590,8 +588,15 @@ class Axis:
         size = level(abs(v) >> w)
         return f, (N + size + 1) // 2 if self.number else size
 
+    def add_raw(self, p, width, bits):
+        code = "<f" if width == 32 else "<d"
+        self.add(2, p, 0, struct.unpack(code, bits.to_bytes(width // 8, "little"))[0])
+
     def add(self, f, place, error, number):
         check(abs(number) <= 1e150, "a coordinate that is too large")
+        self.known(f, place, error, number)
+
+    def known(self, f, place, error, number):
         self.f.append(f)
         self.places.append(place)
         self.errors.append(error)
@@ -1058,37 +1063,21 @@ class Stitching:
             self.degenerate.append(last)
 
 
-class Copies:
-    """§5.10: `faces` over vertices, and the point of each vertex."""
+class Classes:
+    """§5.10: `numbers`, the class of each corner, and `counts`, how many each point has."""
 
-    def __init__(self, payload, s, vertex_count):
-        table = Bytes(payload)
-        total, loose = table.varint(), table.varint()
-        self.stream, self.s = Stream(payload[table.at :]), s
+    def __init__(self, payload, s):
+        self.stream, self.s = Stream(payload), s
         self.r1 = self.r2 = self.several = 0
         self.at_ends = {}  # (face, place) of a half-edge: 1 or 2
         visits = self.visits()
-        base, counts, classes = 0, [], {}
-        for point in range(total):
+        base, self.counts, self.numbers = 0, [], {}
+        for point in range(s.total):
             here = self.classes(visits[point])
-            classes |= {corner: base + one for corner, one in here.items()}
-            counts.append(len(set(here.values())))
-            self.several = int(counts[-1] > 1)
-            base += counts[-1]
-        more = self.loose(loose, total) if loose else [0] * total
-        self.stream.end()
-        first, base, shift = 0, 0, []
-        self.points = []
-        for point in range(total):
-            size = max(counts[point], 1) + more[point]
-            self.points += [point] * size
-            shift.append(first - base)
-            first, base = first + size, base + counts[point]
-        check(first == vertex_count and total < vertex_count, "number of vertices")
-        self.faces = [
-            tuple(classes[f, i] + shift[p] for i, p in enumerate(face))
-            for f, face in enumerate(s.faces)
-        ]
+            self.numbers |= {corner: base + one for corner, one in here.items()}
+            self.counts.append(len(set(here.values())))
+            self.several = int(self.counts[-1] > 1)
+            base += self.counts[-1]
 
     def place(self, f, i):
         """The place in the face of the mesh of a corner of the manifold."""
@@ -1171,6 +1160,30 @@ class Copies:
         one = self.stream.index(c - 1)
         return one + (one >= expected)
 
+
+class Copies(Classes):
+    """§5.10: `faces` over vertices, and the point of each vertex."""
+
+    def __init__(self, payload, s, vertex_count):
+        table = Bytes(payload)
+        total, loose = table.varint(), table.varint()
+        super().__init__(payload[table.at :], s)
+        counts = self.counts
+        more = self.loose(loose, total) if loose else [0] * total
+        self.stream.end()
+        first, base, shift = 0, 0, []
+        self.points = []
+        for point in range(total):
+            size = max(counts[point], 1) + more[point]
+            self.points += [point] * size
+            shift.append(first - base)
+            first, base = first + size, base + counts[point]
+        check(first == vertex_count and total < vertex_count, "number of vertices")
+        self.faces = [
+            tuple(self.numbers[f, i] + shift[p] for i, p in enumerate(face))
+            for f, face in enumerate(s.faces)
+        ]
+
     def loose(self, rest, total):
         out = [0]
         for _ in range(total):
@@ -1248,8 +1261,11 @@ EXACT = (
 def decode(data):
     """Return vertices (n, 3), faces (m, 3), or a list of polygons, and by their names integers.
 
-    These are those of the digest, and "told" what PART tells, with the precision of the source.
+    These are those of the digest; "attributes" are `spec_attributes.Decoded`; "told" is what PART
+    tells, with the precision of the source.
     """
+    import spec_attributes  # which is made of what is here
+
     vertex_count, face_count, sections = container(data)
     p = parameters(sections["PARM"], vertex_count)
     if "meta" in sections:
@@ -1276,11 +1292,11 @@ def decode(data):
     faces = Region(sections["CONN"], n, m).faces
     points, used = range(total), total - p["isolated"]
     surface = final = faces
-    if {"STCH", "COPY", "POLY"} & set(sections):
+    if {"STCH", "COPY", "POLY", "ATTR"} & set(sections):
         manifold = Manifold(faces, n)
         stitching = Stitching(sections.get("STCH"), manifold, used, total, face_count)
         surface, final = stitching.surface, stitching.faces
-    exact = {name: [] for name in EXACT}
+    exact = {name: [] for name in (*EXACT, "attributes")}
     if "COPY" in sections:
         copies = Copies(sections["COPY"], stitching, vertex_count)
         points, final = copies.points, copies.faces
@@ -1307,24 +1323,31 @@ def decode(data):
     if "FIXS" in sections:
         check(p["step"] > 0, "corrections without a step")
         exact["corrections"] = vectors_of(sections["FIXS"], near)
+    triangles = [[points[v] for v in face] for face in final]
+    of_triangle = {h // 3: i for i, row in enumerate(corners) for fan in row for h in fan}
+    near_faces = neighbours_of_faces(triangles, [of_triangle[f] for f in range(face_count)])
+    if "ATTR" in sections:
+        mesh = spec_attributes.Mesh(vertex_count, final, corners, near_faces, stitching)
+        exact["attributes"] = spec_attributes.read_attributes(sections["ATTR"], mesh)
     kept, told = [], ([], {}, [], b"")
     if "PART" in sections:
-        of_triangle = {h // 3: i for i, row in enumerate(corners) for fan in row for h in fan}
-        triangles = [[points[v] for v in face] for face in final]
-        whose = [of_triangle[f] for f in range(face_count)]
-        told = read_parts(sections["PART"], neighbours_of_faces(triangles, whose))
+        told = read_parts(sections["PART"], near_faces)
     if "ORDR" in sections:
         kept = read_order(sections["ORDR"], final, corners, vertex_count)
     words = [struct.pack("<q", x) for name in EXACT for row in exact[name] for x in row]
     words += [struct.pack("<q", x) for x in chain(*kept, glued if "POLY" in sections else ())]
+    words += [struct.pack("<q", x) for one in exact["attributes"] for x in one.digest()]
     words += [struct.pack("<q", x) for x in told[3]]
     for _, _, of_face, transforms in told[0]:
         words += [struct.pack("<q", x) for x in of_face] + (transforms or [])
     digest = hashlib.blake2b(b"".join(words), digest_size=8).digest()
     check(digest == sections["CHEK"], "digest")
     x = positions(p, surface, near, exact)[list(points)]
+    exact["attributes"] = [one.decoded(x) for one in exact["attributes"]]
     if kept:
         order, polygon_order, begins = kept
+        sources = spec_attributes.sources(kept, rows)
+        exact["attributes"] = [one.taken(sources) for one in exact["attributes"]]
         x, names = x[order], {v: i for i, v in enumerate(order)}
         pairs = zip(polygon_order, begins, strict=True)
         rows = [[names[v] for v in rows[i][k:] + rows[i][:k]] for i, k in pairs]

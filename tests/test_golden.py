@@ -11,6 +11,8 @@ import pytest
 from deltamesh import decode, info, solve, verify
 from deltamesh.metrics import diagonal
 from deltamesh_formats import errors
+from deltamesh_formats.attribute_table import entries_of
+from deltamesh_formats.reader import read_container
 
 GOLDEN, REFUSED = (Path(__file__).parent / name for name in ("golden", "refused"))
 TABLE = (REFUSED / "expected.tsv").read_text(encoding="utf-8").splitlines()[1:]
@@ -44,6 +46,23 @@ def test_golden_file_decodes(name: str, solver: str) -> None:
                 np.testing.assert_array_equal(own[key], expected[key])
         atol = 1e-9 * diagonal(expected["vertices"])
         np.testing.assert_allclose(mesh.vertices, expected["vertices"], rtol=0, atol=atol)
+        entries = entries_of(read_container(data))
+        assert len(entries) == sum(key.startswith("values") for key in expected)
+        for i, (entry, attribute) in enumerate(zip(entries, mesh.attributes, strict=True)):
+            assert_expected(entry, attribute, expected, i)
+
+
+def assert_expected(entry, attribute, expected, i) -> None:
+    """What a file says of an attribute, to the last bit; of unit normals, nearly."""
+    values, rows = expected[f"values{i}"], attribute.rows()
+    has = expected.get(f"has{i}", np.ones(len(values), dtype=bool))
+    np.testing.assert_array_equal(rows >= 0, has)
+    found, values = attribute.values[rows[has]], values[has]
+    assert (found.dtype, found.shape) == (values.dtype, values.shape)
+    if entry.coding == "octahedral":
+        np.testing.assert_allclose(found, values, rtol=0, atol=1e-7)
+    else:
+        assert found.tobytes() == values.tobytes()
 
 
 @pytest.mark.parametrize("name", names(GOLDEN))

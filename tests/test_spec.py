@@ -7,6 +7,7 @@ from pathlib import Path
 import meshes
 import numpy as np
 import pytest
+import spec_attributes
 import spec_decoder
 import spec_labels
 import spec_polygons
@@ -19,6 +20,7 @@ from deltamesh.mesh import Mesh
 from deltamesh.metrics import diagonal
 from deltamesh.polygons import plain
 from deltamesh.reordering import Order
+from deltamesh_formats.polymesh import Attribute
 from deltamesh_formats.writer import write_varint
 
 HERE = Path(__file__).parent
@@ -94,11 +96,52 @@ def assert_same(data: bytes) -> None:
         np.testing.assert_array_equal(of_face, parts.of_face)
         assert (transforms is None) == (parts.transforms is None)
         assert transforms is None or b"".join(transforms) == parts.transforms.tobytes()
+    for attribute, found in zip(mesh.attributes, exact["attributes"], strict=True):
+        assert_same_attribute(attribute, found)
     if info(data).parameters.method == "lossless":
         assert vertices.tobytes() == mesh.vertices.tobytes()
         return
     atol = 1e-9 * diagonal(mesh.vertices)
     np.testing.assert_allclose(vertices, mesh.vertices, rtol=0, atol=atol)
+
+
+def assert_same_attribute(attribute: Attribute, found: spec_attributes.Decoded) -> None:
+    """To the last bit, but for normals, which positions are part of."""
+    entry, rows = found.entry, attribute.rows()
+    for name in ("name", "domain", "role", "normalized", "width"):
+        assert getattr(entry, name) == getattr(attribute, name)
+    np.testing.assert_array_equal(found.has, rows >= 0)
+    ours, theirs = attribute.values[rows[found.has]], found.values[found.has]
+    assert ours.dtype == theirs.dtype
+    if entry.coding == spec_attributes.OCTAHEDRAL:
+        np.testing.assert_allclose(theirs, ours, rtol=0, atol=1e-7)
+    else:
+        assert ours.tobytes() == theirs.tobytes()
+
+
+def test_golden_files_have_attributes_of_all_kinds() -> None:
+    """Every coding of every domain, all that flags can say, and each of the weights."""
+    seen = [
+        one
+        for path in GOLDEN
+        if "ATTR" in info(path.read_bytes()).sections
+        for one in spec_decoder.decode(path.read_bytes())[2]["attributes"]
+    ]
+    entries = [one.entry for one in seen]
+    assert {(e.domain, e.coding) for e in entries} >= {
+        (domain, coding) for domain in ("vertex", "corner", "face") for coding in range(4)
+    }
+    assert {e.type for e in entries} >= {*spec_attributes.TYPES} - {"I"}
+    assert {(e.domain, e.partly) for e in entries} >= {
+        (domain, partly) for domain in ("vertex", "corner", "face") for partly in (False, True)
+    }
+    assert {e.classes for e in entries} >= {None, 0, 1, 2}
+    assert {e.width for e in entries} >= {0, 1, 2, 3, 4, 5}
+    assert {bool(e.palette) for e in entries} == {False, True}
+    assert {(e.mixed, e.coding) for e in entries} >= {(True, 0)}
+    assert {e.limbs > 1 for e in entries} == {False, True}
+    assert {e.first for e in entries} == {0, 1}
+    assert {one.weights for one in seen if one.weights is not None} == {0, 1, 2, 3}
 
 
 @pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
