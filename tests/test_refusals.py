@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import tracemalloc
 
+import attributed
 import forging
 import meshes
 import numpy as np
@@ -37,6 +38,7 @@ FILES = {
     "isolated lossless": encode(*meshes.with_isolated(), method="lossless"),
     "boundary": encode(*meshes.grid(5, 6), method="highpass"),
     "order": encode(*meshes.grid(5, 6), keep_order=True, method="highpass"),
+    "attributes": encode(attributed.with_all(attributed.with_isolated()), method="cartesian"),
     "stitched": encode(
         *meshes.union(meshes.crossing(), meshes.with_degenerate()), method="highpass"
     ),
