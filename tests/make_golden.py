@@ -495,7 +495,87 @@ def refused():
         "copies-counts": forging.forged(k, COPY=b"\x01" + payload_of(k, "COPY")[1:]),
         "copies-too-many": forging.forged(k, vertices=2**27),
     }
-    return damage | header | frames | payloads | orders | complexes
+    return damage | header | frames | payloads | orders | complexes | refused_polymeshes()
+
+
+def refused_polymeshes():
+    """Likewise, of polygons and parts; digests are right where something is decoded."""
+    meshes_of = {name: (mesh, options) for name, mesh, options in golden_polymeshes.polymeshes()}
+
+    def file_of(name):
+        mesh, options = meshes_of[name]
+        return encode_mesh(mesh, Options(method=name.split("-")[0], **options)).data
+
+    q, n, k = map(file_of, ("cartesian-quads", "cartesian-ngons-listed", "cartesian-quads-order"))
+    glue, listed, order = payload_of(q, "POLY"), payload_of(n, "POLY"), payload_of(k, "ORDR")
+    p, text = file_of("cartesian-parts"), b"\1\2\1\1a\0\0"
+    t = file_of("cartesian-parts-one")
+    parts, one, two = payload_of(p, "PART"), payload_of(t, "PART"), b"\0\0"
+    assert tuple(glue[:4]) == (20, 4, 4, 0)
+    assert listed[:3] == b"\74\4\4"
+    assert one == plain_block(b"\1\0\1\x09an object\0\0") + two
+    unit = plain_block(b"\1" + np.eye(4).tobytes())
+    small = zlib.compress(b"\0\0\1\x80\x08" + 1024 * b"b", 9)[2:-4]
+    deflated = b"\1\x85\x08" + write_varint(len(small)) + small
+    polygons = {
+        "polygons-empty": forging.forged(q, POLY=b""),
+        "polygons-missing": with_section(q, "POLY", b""),
+        "polygons-twice": with_section(q, "POLY", 2 * raw_section(q, "POLY")[1]),
+        "polygons-misplaced": exchanged(q, "POLY", "CART"),
+        "polygons-of-nothing": forging.forged(q, POLY=bytes((40, 3, 3, 0))),
+        "polygons-one-less": forging.forged(q, POLY=b"\x13" + glue[1:]),
+        "polygons-of-size-two": forging.forged(q, POLY=b"\x14\2" + glue[2:]),
+        "polygons-too-large": forging.forged(q, POLY=b"\x14\4\x2b" + glue[3:]),
+        "polygons-least-too-low": forging.forged(q, POLY=b"\x14\3" + glue[2:]),
+        "polygons-most-too-high": forging.forged(q, POLY=b"\x14\4\5" + glue[3:]),
+        "polygons-listed-not-found": forging.forged(q, POLY=b"\x14\4\4\1" + glue[4:]),
+        "polygons-listed-too-few": forging.forged(n, POLY=listed[:3] + b"\1" + listed[4:]),
+        "polygons-noise": forging.forged(q, POLY=glue[:4] + bytes(range(9, 40))),
+        "polygons-cut": forging.forged(n, POLY=listed[:-2]),
+        "polygons-and-zero": forging.forged(q, POLY=glue + b"\0"),
+        "polygons-order-cut": forging.forged(k, ORDR=order[:-1]),
+        "polygons-order-noise": forging.forged(k, ORDR=order[:2] + bytes(range(9, 99))),
+    }
+    told = {
+        "parts-empty": forging.forged(p, PART=b""),
+        "parts-missing": with_section(p, "PART", b""),
+        "parts-misplaced": exchanged(p, "CART", "PART"),
+        "parts-cut": forging.forged(p, PART=parts[:-1]),
+        "parts-and-more": forging.forged(p, PART=parts + b"\0"),
+        "parts-noise": forging.forged(p, PART=parts[:80] + bytes(range(150, 250))),
+        "parts-form": forging.forged(t, PART=b"\2" + one[1:]),
+        "parts-of-nothing": forging.forged(t, PART=plain_block(b"\0\0\0")),
+        "parts-text-cut": forging.forged(t, PART=plain_block(text[:-1]) + two),
+        "parts-text-and-more": forging.forged(t, PART=plain_block(text + b"\0") + two),
+        "parts-text-too-long": forging.forged(t, PART=b"\0\x81\x80\x80\x08" + text + two),
+        "parts-of-kind-5": forging.forged(t, PART=plain_block(b"\1\5" + text[2:]) + two),
+        "parts-reserved": forging.forged(t, PART=plain_block(b"\1\x22" + text[2:]) + two),
+        "parts-kind-twice": forging.forged(t, PART=plain_block(b"\2" + 2 * text[1:5] + two)),
+        "parts-key-twice": forging.forged(t, PART=plain_block(b"\0\2" + 2 * b"\1k\0" + b"\0")),
+        "parts-no-utf-8": forging.forged(t, PART=plain_block(b"\0\0\1\1\xff")),
+        "parts-of-no-faces": forging.forged(t, PART=plain_block(b"\1\2\0\0\0") + two),
+        "parts-too-many-labels": forging.forged(t, PART=plain_block(text) + b"\1\x80\0"),
+        "parts-labels-and-zero": forging.forged(t, PART=plain_block(text) + b"\1\0\0"),
+        "parts-next-as-another": forging.forged(t, PART=plain_block(text) + b"\0\1\x80"),
+        "parts-none-but-partly": forging.forged(
+            t, PART=plain_block(b"\1\x0a" + text[2:]) + b"\0\1\x80"
+        ),
+        "parts-identity": forging.forged(t, PART=plain_block(b"\1\x12" + text[2:]) + two + unit),
+        "parts-moved-too-many": forging.forged(
+            t, PART=plain_block(b"\1\x12" + text[2:]) + two + plain_block(b"\2")
+        ),
+        "parts-deflate-and-more": forging.forged(
+            t, PART=deflated[:3] + write_varint(len(small) + 1) + small + b"\0"
+        ),
+        "parts-deflate-too-short": forging.forged(t, PART=b"\1\x84\x08" + deflated[3:]),
+        "parts-no-deflate": forging.forged(t, PART=b"\1\x09\2\xff\xff"),
+        "parts-of-another": forging.forged(t, PART=plain_block(text) + two),
+    }
+    return polygons | told
+
+
+def plain_block(data):
+    return b"\0" + write_varint(len(data)) + data
 
 
 def backwards(data):
