@@ -57,6 +57,10 @@ def test_attributes_and_the_notebook(folder: Path) -> None:
     )
     assert "()" in said
     assert said[-1] == "vertex attribute 'temperature' has shape (2,), not (9,) or (9, width)"
+    kept = run(folder, "options")
+    assert kept == (
+        "[('temperature', 'vertex', dtype('float64'), 1), ('uv', 'corner', dtype('float64'), 2)]\n"
+    )
     assert "bits per vertex" in run(folder, "notebook")
 
 

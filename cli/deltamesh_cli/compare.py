@@ -36,11 +36,11 @@ and in degrees:
   face normals     mean deviation, weighted by area
   dihedral angles  mean change over the interior edges
 Of each attribute of A the largest difference, of normals the largest angle.
-Parts (objects, groups, materials) are alike where the same faces have the same
-names."""
+Parts (objects, groups, materials) are alike where the same faces have the
+same names."""
 _EXAMPLES = """\
 deltamesh compare bunny.ply bunny.ply.dmesh
-deltamesh compare scan.glb scan.obj             what has a conversion done?
+deltamesh compare scan.glb scan.obj     what has a conversion done?
 deltamesh compare --json a.obj b.obj | jq .errors.hausdorff
 """
 
@@ -86,7 +86,8 @@ def command(
 ) -> None:
     """Measure how far mesh B is from mesh A.
 
-    Each is a mesh file or a .dmesh file. Vertices and faces may be in another order, repeated
+    Each is a mesh file or a .dmesh file. Attributes and parts are compared too, face by face; what
+    only B has is told of parts alone. Vertices and faces may be in another order, repeated
     positions and isolated vertices may be gone; each position and each face counts once. Where even
     so the vertices do not correspond, for the connectivity is another one, only the distance
     between the surfaces is measured.

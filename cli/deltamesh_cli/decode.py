@@ -59,6 +59,10 @@ def command(
     no extension of a mesh file, the format is the one that was encoded, and its extension is
     added.
 
+    OUT gets all that IN holds and its format has a place for: polygons, attributes, names. What it
+    has no place for is named in a note on standard error. ply holds attributes of any kind, obj
+    objects, groups and materials, glb several placed meshes.
+
     IN stays as it is. An OUT that exists is overwritten only with -f. "-" is standard input or
     output; from standard input the mesh goes to standard output unless OUT is given.
 

@@ -38,7 +38,9 @@ deltamesh encode scan.obj --normal-error 0.5 --max-error-rel 1e-3
 deltamesh encode part.stl --max-error 0.05      within that of each vertex
 deltamesh encode scan.obj --method highpass --bits 6
 deltamesh encode scan.obj --step 0.01 --anchors 500
-deltamesh encode part.obj --lossless
+deltamesh encode rig.obj --keep-order            arrays alongside still fit
+deltamesh encode part.obj --lossless             everything to the last bit
+deltamesh encode part.obj --drop all             the shape alone
 deltamesh encode scan.glb --drop normal --bits-uv 14
 cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 """
@@ -211,15 +213,23 @@ def command(
 
     Connectivity is kept exactly, whatever it is: polygons, edges of three faces, faces turned over,
     faces twice, degenerate faces, several vertices at one position. Without --keep-order, vertices
-    and faces come back in another order. Positions come back with a small, smooth error: --quality
-    or bounds in units set it, any of them together. The encoder decodes what it has coded, and
-    takes the smallest file within all bounds that it finds; what became of the errors is printed
-    and stored in the file. A bound that cannot be met is an error (exit code 4) that says what
-    could be had. With --lossless, positions come back as they were.
+    and faces come back in another order.
+
+    Positions come back with a small, smooth error: --quality or bounds in units set it, any of them
+    together. The encoder decodes what it has coded, and takes the smallest file within all bounds
+    that it finds; what became of the errors is printed and stored in the file. A bound that cannot
+    be met is an error (exit code 4) that says what could be had. With --lossless, positions come
+    back as they were.
 
     Attributes of vertices, corners and faces are kept: any numbers to the last bit, but texture
     coordinates, unit normals and colours of floats, which are rounded (--bits-uv, --bits-normal)
-    unless --lossless-attributes or --lossless is given.
+    unless --lossless-attributes or --lossless is given. Kept are also the names and faces of
+    objects, groups, smoothing groups and materials, the transforms of a scene, and comments. --drop
+    leaves out what is not wanted.
+
+    Not kept are pictures, what materials look like, animations, lines, points, and what else is no
+    mesh of faces. What of these IN has is named in a note on standard error, in the output of
+    --json as "not_kept", and by deltamesh info.
 
     IN stays as it is. An OUT that exists is overwritten only with -f. "-" is standard input or
     output; reading from standard input needs --input-format, and writes to standard output unless

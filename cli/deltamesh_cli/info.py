@@ -12,6 +12,8 @@ from deltamesh_cli.output import print_json
 _EXAMPLES = """\
 deltamesh info bunny.ply.dmesh
 deltamesh info --json *.dmesh | jq .bits_per_vertex
+deltamesh info --json scan.dmesh | jq '.attributes[] | {name, bytes}'
+deltamesh info --json scene.dmesh | jq '.parts[] | {kind, names}'
 """
 
 
@@ -26,8 +28,8 @@ def command(sources: tuple[str, ...], as_json: bool) -> None:
     kept, and errors. The errors are those that the encoder measured: RMS and largest distance of
     the vertices, as fractions of the bounding box diagonal, mean deviation of the face normals and
     of the dihedral angles, in degrees. Of each attribute, it is the largest error of any number; of
-    unit normals, the largest angle. With --json, which prints one object a file, lengths are in the
-    unit of the mesh too.
+    unit normals, the largest angle. Of long lists of names the first are shown; --json, which
+    prints one object a file, has them all, and lengths in the unit of the mesh too.
 
     The checksums of all sections are verified, but nothing is decoded: that is deltamesh test. A
     file that cannot be read is reported, and the others are shown.

@@ -52,9 +52,10 @@ deltamesh compare bunny.ply bunny.ply.dmesh
     None, "-V", "--version", package_name="deltamesh", message="%(prog)s %(version)s"
 )
 def cli() -> None:
-    """Compress triangle meshes.
+    """Compress meshes, and keep them whole.
 
-    Connectivity is kept exactly. Geometry is quantized as differential coordinates, and the
+    Connectivity is kept exactly, polygons stay polygons, and attributes, names of parts and
+    comments come back. Geometry is quantized as differential coordinates, and the
     error stays smooth: no noise on the surface, which is what quantized x, y, z leave.
     """
 

@@ -39,7 +39,8 @@ def command(
 
     Each is decoded completely, and nothing is written. The checksum of every section and that of
     the decoded integers must agree, and the mesh must come out. All files are tested, whatever
-    becomes of each; the exit code is the worst.
+    becomes of each; the exit code is the worst. Attributes, names and the order are decoded and
+    checked as all else is.
     """
 
     def test(source: str) -> None:

@@ -49,7 +49,8 @@ def encode(
 
     Connectivity is kept exactly, whatever it is, and polygons stay polygons; vertices and faces
     come back in an order of the codec's own unless `keep_order` says otherwise. Vertices at one
-    position stay there, each for itself.
+    position stay there, each for itself. Attributes, parts, metadata and the words of `lost` of a
+    whole mesh are kept, unless `drop` names them; its `format` is what `source_format` is for.
 
     Parameters
     ----------
@@ -207,7 +208,9 @@ def decode(
     Returns
     -------
     PolyMesh
-        Faces and stored integers exactly; positions to within 1e-9 of the bounding box diagonal,
+        Polygons, attributes (as exactly as they were encoded), parts, metadata, and the words for
+        what of the source is not kept; in the order of the source only with `keep_order`. Faces and
+        stored integers are exact; positions to within 1e-9 of the bounding box diagonal,
         whatever the machine and the solver, of a lossless file bit for bit.
 
     Raises

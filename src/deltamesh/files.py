@@ -84,7 +84,9 @@ def verify(source: Source, **options: Any) -> Container:
 
 
 def load(source: Source, **options: Any) -> PolyMesh:
-    """Decode a `.dmesh` file.
+    """Decode a `.dmesh` file: polygons, attributes, parts and metadata of what was encoded.
+
+    Vertices and faces come in the order of the source only if that was kept (`keep_order`).
 
     Parameters
     ----------
@@ -102,7 +104,7 @@ def load(source: Source, **options: Any) -> PolyMesh:
 
 
 def save(target: Target, mesh: PolyMesh, **options: Any) -> None:
-    """Encode a mesh into a `.dmesh` file.
+    """Encode a mesh into a `.dmesh` file, with all its attributes, parts and metadata.
 
     A file at a path appears whole or not at all; one that exists is replaced. Nothing is written
     to a file object before all bytes are there.
@@ -111,6 +113,7 @@ def save(target: Target, mesh: PolyMesh, **options: Any) -> None:
     ----------
     target : path or binary file object
     mesh : PolyMesh
+        `deltamesh.from_arrays` makes one, `deltamesh.read_mesh` reads one.
     **options
         Those of `deltamesh.encode`.
 
