@@ -15,8 +15,8 @@ from typing import Any
 
 import click
 
+from deltamesh.measures.welding import welded, without_isolated
 from deltamesh.mesh import Mesh, checked_mesh
-from deltamesh.welding import welded, without_isolated
 from deltamesh_formats.meshfile import FORMATS, read_mesh
 
 GENERATED = "torus"

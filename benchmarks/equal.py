@@ -15,9 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from deltamesh.bench import codec_of
+from deltamesh.measures.bench import codec_of
+from deltamesh.measures.metrics import diagonal, vertex_errors
 from deltamesh.mesh import Mesh
-from deltamesh.metrics import diagonal, vertex_errors
 from deltamesh.options import DEFAULT_HIGHPASS_STEP
 
 # How far below the error that is asked for a size still counts as one at that error.

@@ -8,7 +8,7 @@ from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from deltamesh.bench import Measurement
+from deltamesh.measures.bench import Measurement
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,7 +14,7 @@ import click
 import corpus
 
 import deltamesh
-from deltamesh import likeness
+from deltamesh.measures import likeness
 from deltamesh_cli.output import shown, table
 from deltamesh_formats.contents import attribute_words
 from deltamesh_formats.errors import DeltameshError

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csgraph
 
+from deltamesh.measures.metrics import diagonal
 from deltamesh.mesh import Mesh
-from deltamesh.metrics import diagonal
-from deltamesh.topology import weld
+from deltamesh.shape.topology import weld
 from deltamesh_formats.meshfile import write_mesh
 from deltamesh_formats.polymesh import from_triangles
 

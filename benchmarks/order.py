@@ -14,9 +14,9 @@ import click
 import corpus
 
 from deltamesh import MeshError
+from deltamesh.measures.peers import draco_file
 from deltamesh.mesh import Mesh
 from deltamesh.options import Options
-from deltamesh.peers import draco_file
 from deltamesh.pipeline import encode_mesh
 from deltamesh_cli.output import table
 from deltamesh_formats.reader import read_container

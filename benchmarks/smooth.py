@@ -18,13 +18,13 @@ import sys
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh import cartesian, highpass
-from deltamesh.geometry import Surface, surface_of
+from deltamesh.geometry import cartesian, highpass
+from deltamesh.geometry.quantize import grid_step
+from deltamesh.geometry.solve import factorization
+from deltamesh.geometry.surface import Surface, surface_of
 from deltamesh.mesh import Mesh
 from deltamesh.options import Settings
-from deltamesh.quantize import grid_step
-from deltamesh.solve import factorization
-from deltamesh.structure_encoding import encode_structure
+from deltamesh.shape.encoding import encode_structure
 from deltamesh_formats.meshfile import read_mesh
 from deltamesh_formats.polymesh import PolyMesh
 

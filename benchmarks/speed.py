@@ -12,9 +12,9 @@ import click
 import corpus
 from processes import Usage, deltamesh
 
-from deltamesh.complexes import cut
-from deltamesh.connectivity import decode_connectivity, encode_connectivity
-from deltamesh.topology import build_topology, weld
+from deltamesh.shape.complexes import cut
+from deltamesh.shape.connectivity import decode_connectivity, encode_connectivity
+from deltamesh.shape.topology import build_topology, weld
 from deltamesh_cli.output import number, table
 
 _EXAMPLES = """\

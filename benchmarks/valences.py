@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import MeshError
-from deltamesh.laplacian import adjacency
+from deltamesh.geometry.laplacian import adjacency
 from deltamesh.options import Options
 from deltamesh.pipeline import Encoded, encode_mesh
 from deltamesh_cli.output import table

@@ -7,7 +7,7 @@ from dataclasses import replace
 import meshes
 import numpy as np
 
-from deltamesh.element_normals import Surroundings, surface_normals
+from deltamesh.attributes.element_normals import Surroundings, surface_normals
 from deltamesh_formats.polymesh import Attribute, PolyMesh, from_triangles
 
 # Zeros, infinities, quiet and signalling NaNs, the smallest and the largest numbers.

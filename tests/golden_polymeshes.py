@@ -14,7 +14,7 @@ import spec_decoder
 from test_polygons import MADE, mesh_of, quad_torus, quads
 
 from deltamesh import decode
-from deltamesh.metrics import diagonal
+from deltamesh.measures.metrics import diagonal
 from deltamesh_formats.polymesh import Parts
 from deltamesh_formats.reader import read_container
 

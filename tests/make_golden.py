@@ -21,18 +21,18 @@ import numpy as np
 import oracle
 import strategies
 
-from deltamesh import highpass, lossless, spelled
 from deltamesh.codec import decode
-from deltamesh.forms import Spelling
-from deltamesh.geometry import NONE, Integers, digest
+from deltamesh.geometry import highpass, lossless, spelled
+from deltamesh.geometry.forms import Spelling
+from deltamesh.geometry.quantize import from_grid
+from deltamesh.geometry.surface import NONE, Integers, digest
+from deltamesh.measures.metrics import diagonal
 from deltamesh.mesh import Mesh
-from deltamesh.metrics import diagonal
 from deltamesh.options import Options
 from deltamesh.order import encode_order
 from deltamesh.pipeline import encode_mesh, read_content
-from deltamesh.polygons import plain
-from deltamesh.quantize import from_grid
 from deltamesh.reordering import Order
+from deltamesh.shape.polygons import plain
 from deltamesh_formats.attribute_table import entries_of
 from deltamesh_formats.errors import FormatError, LimitError
 from deltamesh_formats.reader import read_container

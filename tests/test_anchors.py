@@ -5,10 +5,10 @@ import numpy as np
 import oracle
 import pytest
 
-from deltamesh import anchors, laplacian
+from deltamesh.geometry import anchors, laplacian
+from deltamesh.geometry.laplacian import adjacency, component_labels, graph_laplacian
+from deltamesh.geometry.solve import factorization
 from deltamesh.kernels import distance
-from deltamesh.laplacian import adjacency, component_labels, graph_laplacian
-from deltamesh.solve import factorization
 
 MESHES = meshes.every()
 

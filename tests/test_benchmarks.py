@@ -17,7 +17,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from deltamesh import MeshError, bench, rates
+from deltamesh import MeshError
+from deltamesh.measures import bench, rates
 from deltamesh.mesh import Mesh
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"

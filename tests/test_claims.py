@@ -16,7 +16,7 @@ import numpy as np
 import oracle
 import pytest
 
-from deltamesh import metrics
+from deltamesh.measures import metrics
 from deltamesh.mesh import Mesh
 from deltamesh.options import Options
 from deltamesh.pipeline import encode_mesh

@@ -13,14 +13,14 @@ import strategies
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh import solve
 from deltamesh.codec import decode, encode
+from deltamesh.geometry import solve
+from deltamesh.geometry.quantize import from_grid
 from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
+from deltamesh.measures.metrics import diagonal, vertex_errors
 from deltamesh.mesh import Mesh, checked_mesh
-from deltamesh.metrics import diagonal, vertex_errors
 from deltamesh.options import Options
 from deltamesh.pipeline import encode_mesh, read_content
-from deltamesh.quantize import from_grid
 from deltamesh_formats.errors import DeltameshError, MeshError, OptionError
 from deltamesh_formats.reader import read_container
 

@@ -13,15 +13,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import decode, encode, entropy
-from deltamesh.complexes import cut, distinct_faces
-from deltamesh.corners import code_corner_classes, corners_of
 from deltamesh.kernels import corners as corner_kernels
 from deltamesh.kernels import cutting
 from deltamesh.mesh import Mesh
 from deltamesh.options import Options
 from deltamesh.pipeline import encode_mesh
-from deltamesh.stitching import TURN, trivial
-from deltamesh.topology import pair_halfedges, weld
+from deltamesh.shape.complexes import cut, distinct_faces
+from deltamesh.shape.corners import code_corner_classes, corners_of
+from deltamesh.shape.stitching import TURN, trivial
+from deltamesh.shape.topology import pair_halfedges, weld
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.writer import write_varint

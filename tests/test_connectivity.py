@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import entropy
-from deltamesh.connectivity import decode_connectivity, encode_connectivity
-from deltamesh.topology import build_topology, pair_halfedges
+from deltamesh.shape.connectivity import decode_connectivity, encode_connectivity
+from deltamesh.shape.topology import build_topology, pair_halfedges
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.writer import write_varint
 

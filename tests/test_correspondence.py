@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from deltamesh import correspondence
+from deltamesh.measures import correspondence
 from deltamesh.mesh import Mesh
 
 MESHES = meshes.every()

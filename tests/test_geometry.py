@@ -8,15 +8,11 @@ import strategies
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh import cartesian, entropy, highpass, topology
-from deltamesh.connectivity import encode_connectivity
-from deltamesh.geometry import NO_POINTS, NONE, Integers, surface_of
-from deltamesh.kernels import coder as coder_kernels
-from deltamesh.kernels import delta as delta_kernels
-from deltamesh.kernels import numbers, parallelogram, points, residual
-from deltamesh.laplacian import adjacency, graph_laplacian
-from deltamesh.normals import vertex_normals
-from deltamesh.quantize import (
+from deltamesh import entropy
+from deltamesh.geometry import cartesian, highpass
+from deltamesh.geometry.laplacian import adjacency, graph_laplacian
+from deltamesh.geometry.normals import vertex_normals
+from deltamesh.geometry.quantize import (
     LARGEST,
     delta_step,
     from_grid,
@@ -24,7 +20,13 @@ from deltamesh.quantize import (
     quantize_delta,
     to_grid,
 )
-from deltamesh.topology import build_topology, pair_halfedges
+from deltamesh.geometry.surface import NO_POINTS, NONE, Integers, surface_of
+from deltamesh.kernels import coder as coder_kernels
+from deltamesh.kernels import delta as delta_kernels
+from deltamesh.kernels import numbers, parallelogram, points, residual
+from deltamesh.shape import topology
+from deltamesh.shape.connectivity import encode_connectivity
+from deltamesh.shape.topology import build_topology, pair_halfedges
 from deltamesh_formats.errors import FormatError, MeshError
 from deltamesh_formats.layout import Parameters, Section
 

@@ -8,8 +8,9 @@ import golden_polymeshes
 import numpy as np
 import pytest
 
-from deltamesh import decode, info, solve, verify
-from deltamesh.metrics import diagonal
+from deltamesh import decode, info, verify
+from deltamesh.geometry import solve
+from deltamesh.measures.metrics import diagonal
 from deltamesh_formats import errors
 from deltamesh_formats.attribute_table import entries_of
 from deltamesh_formats.reader import read_container

@@ -11,14 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from deltamesh import elements, entropy, labels
-from deltamesh.elements import Elements
+from deltamesh import entropy
+from deltamesh.attributes import elements, labels
+from deltamesh.attributes.elements import Elements
 from deltamesh.kernels import coder as coder_kernels
 from deltamesh.kernels import labels as kernels
 from deltamesh.mesh import Mesh
 from deltamesh.pipeline import silent
-from deltamesh.polygons import Polygons, plain
-from deltamesh.structure_encoding import encode_structure
+from deltamesh.shape.encoding import encode_structure
+from deltamesh.shape.polygons import Polygons, plain
 from deltamesh_formats.errors import FormatError
 
 Ints = NDArray[np.int64]

@@ -3,7 +3,7 @@ import numpy as np
 import oracle
 import pytest
 
-from deltamesh import laplacian
+from deltamesh.geometry import laplacian
 
 MESHES = meshes.every()
 

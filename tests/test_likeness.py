@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from polymeshes import Kind, polymeshes
 
-from deltamesh import likeness
+from deltamesh.measures import likeness
 from deltamesh.mesh import LARGEST
 from deltamesh.reordering import rearranged
 from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh

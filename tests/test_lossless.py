@@ -15,14 +15,15 @@ import strategies
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from deltamesh import decode, encode, info, lossless, spelled
-from deltamesh.forms import BINARY_DIGITS, Form, Spelling, spelling, to_integers, to_values
-from deltamesh.geometry import surface_of
+from deltamesh import decode, encode, info
+from deltamesh.geometry import lossless, spelled
+from deltamesh.geometry.forms import BINARY_DIGITS, Form, Spelling, spelling, to_integers, to_values
+from deltamesh.geometry.solve import factorization
+from deltamesh.geometry.surface import surface_of
 from deltamesh.kernels.exact import NEGATIVE_ZERO, RAW
 from deltamesh.mesh import LARGEST, Mesh
 from deltamesh.options import Options
 from deltamesh.pipeline import encode_mesh
-from deltamesh.solve import factorization
 from deltamesh_cli.program import run
 from deltamesh_formats.errors import FormatError, MeshError, OptionError
 from deltamesh_formats.layout import Section

@@ -5,10 +5,10 @@ import numpy as np
 import oracle
 import pytest
 
-from deltamesh import metrics
-from deltamesh.hausdorff import _surface_samples
+from deltamesh.geometry.laplacian import edges
 from deltamesh.kernels import closest
-from deltamesh.laplacian import edges
+from deltamesh.measures import metrics
+from deltamesh.measures.hausdorff import _surface_samples
 from deltamesh.mesh import Mesh
 
 MESHES = meshes.every()
@@ -157,7 +157,9 @@ def test_point_to_triangle_without_area(corners: list[list[float]]) -> None:
 
 @pytest.mark.parametrize("name", MESHES)
 def test_hausdorff_of_vertices_equals_brute_force(name: str, monkeypatch) -> None:
-    monkeypatch.setattr("deltamesh.hausdorff._surface_samples", lambda t: (np.arange(0), t[:0, 0]))
+    monkeypatch.setattr(
+        "deltamesh.measures.hausdorff._surface_samples", lambda t: (np.arange(0), t[:0, 0])
+    )
     V, F = MESHES[name]
     F = F[:25]
     rng = np.random.default_rng(12)

@@ -13,9 +13,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import complexes
 
-from deltamesh.element_normals import ANGLE, AREA, EQUAL, WEIGHTS, Surroundings, surface_normals
-from deltamesh.elements import of_vertices
-from deltamesh.octahedral import (
+from deltamesh.attributes.element_normals import (
+    ANGLE,
+    AREA,
+    EQUAL,
+    WEIGHTS,
+    Surroundings,
+    surface_normals,
+)
+from deltamesh.attributes.elements import of_vertices
+from deltamesh.attributes.octahedral import (
     ABSOLUTE,
     FRAME,
     LEAST_BITS,
@@ -32,7 +39,7 @@ from deltamesh.octahedral import (
     restored,
     to_grid,
 )
-from deltamesh.unit_normals import (
+from deltamesh.attributes.unit_normals import (
     NONE,
     Normals,
     decode_normals,

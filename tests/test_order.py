@@ -20,8 +20,8 @@ from deltamesh.mesh import Mesh
 from deltamesh.options import Options
 from deltamesh.order import decode_order, encode_order
 from deltamesh.pipeline import encode_mesh
-from deltamesh.polygons import Sources, plain
 from deltamesh.reordering import Order, arrays, order_of, reordered
+from deltamesh.shape.polygons import Sources, plain
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh import from_triangles
 

@@ -17,20 +17,20 @@ from hypothesis import strategies as st
 
 from deltamesh import decode, encode, entropy
 from deltamesh.codec import encode_mesh
-from deltamesh.correspondence import match_polygons
-from deltamesh.diagonals import cut_polygons
-from deltamesh.gluing import decode_polygons, encode_polygons, glued_halfedges, partners, ways
 from deltamesh.kernels import coder as coder_kernels
 from deltamesh.kernels import diagonals
 from deltamesh.kernels import polygons as kernels
 from deltamesh.kernels.listed import code_listed
+from deltamesh.measures.correspondence import match_polygons
 from deltamesh.mesh import Mesh, triangulated
 from deltamesh.options import Options
 from deltamesh.order import decode_order, encode_order
-from deltamesh.polygons import joined
 from deltamesh.reordering import Order, rows_of
-from deltamesh.structure_decoding import announced, decode_structure
-from deltamesh.structure_encoding import encode_structure
+from deltamesh.shape.decoding import announced, decode_structure
+from deltamesh.shape.diagonals import cut_polygons
+from deltamesh.shape.encoding import encode_structure
+from deltamesh.shape.gluing import decode_polygons, encode_polygons, glued_halfedges, partners, ways
+from deltamesh.shape.polygons import joined
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.meshfile import read_mesh
 from deltamesh_formats.polymesh import PolyMesh

@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import deltamesh
-from deltamesh import bench, metrics, peers, rates
-from deltamesh.correspondence import match
+from deltamesh.measures import bench, metrics, peers, rates
+from deltamesh.measures.correspondence import match
+from deltamesh.measures.welding import welded, without_isolated
 from deltamesh.mesh import Mesh
 from deltamesh.options import Options
-from deltamesh.welding import welded, without_isolated
 
 
 @pytest.fixture(scope="module")

@@ -10,28 +10,21 @@ import strategies
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh import (
-    FormatError,
-    OptionError,
-    decode,
-    encode,
-    entropy,
-    highpass,
-    info,
-)
-from deltamesh import refined as refined_method
-from deltamesh.geometry import surface_of
+from deltamesh import FormatError, OptionError, decode, encode, entropy, info
+from deltamesh.geometry import highpass
+from deltamesh.geometry import refined as refined_method
+from deltamesh.geometry.laplacian import adjacency
+from deltamesh.geometry.normals import vertex_normals
+from deltamesh.geometry.quantize import quantize_delta
+from deltamesh.geometry.solve import factorization
+from deltamesh.geometry.surface import surface_of
 from deltamesh.kernels import coder as coder_kernels
 from deltamesh.kernels import delta as kernels
 from deltamesh.kernels import residual
-from deltamesh.laplacian import adjacency
+from deltamesh.measures.metrics import diagonal
 from deltamesh.mesh import Mesh
-from deltamesh.metrics import diagonal
-from deltamesh.normals import vertex_normals
 from deltamesh.options import Options, Settings
 from deltamesh.pipeline import encode_mesh, read_content
-from deltamesh.quantize import quantize_delta
-from deltamesh.solve import factorization
 from deltamesh_formats.layout import Section
 
 SPHERE, TORUS = meshes.icosphere(3), meshes.torus(12, 9)

@@ -16,8 +16,9 @@ import test_polygons
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh import decode, encode, highpass, verify
-from deltamesh.geometry import NONE, Integers, digest
+from deltamesh import decode, encode, verify
+from deltamesh.geometry import highpass
+from deltamesh.geometry.surface import NONE, Integers, digest
 from deltamesh.limits import memory_needed
 from deltamesh.pipeline import read_content
 from deltamesh_formats import layout

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from deltamesh import bench
+from deltamesh.measures import bench
 from deltamesh.mesh import Mesh
 
 sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))

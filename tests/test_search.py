@@ -12,10 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import TargetError, encode, info
-from deltamesh.metrics import VertexErrors, diagonal
+from deltamesh.geometry.search import MOST_TRIES, Trial, smallest
+from deltamesh.geometry.targets import Bounds
+from deltamesh.measures.metrics import VertexErrors, diagonal
 from deltamesh.options import Options, Settings
-from deltamesh.search import MOST_TRIES, Trial, smallest
-from deltamesh.targets import Bounds
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.layout import Parameters
 

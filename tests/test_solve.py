@@ -8,7 +8,7 @@ import numpy as np
 import oracle
 import pytest
 
-from deltamesh import laplacian, solve
+from deltamesh.geometry import laplacian, solve
 from deltamesh_formats.errors import SolveError
 
 MESHES = meshes.every()

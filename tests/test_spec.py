@@ -14,12 +14,12 @@ import spec_polygons
 import strategies
 
 from deltamesh import decode, encode, info, order
-from deltamesh.elements import of_vertices
-from deltamesh.labels import encode_labels
+from deltamesh.attributes.elements import of_vertices
+from deltamesh.attributes.labels import encode_labels
+from deltamesh.measures.metrics import diagonal
 from deltamesh.mesh import Mesh
-from deltamesh.metrics import diagonal
-from deltamesh.polygons import plain
 from deltamesh.reordering import Order
+from deltamesh.shape.polygons import plain
 from deltamesh_formats.polymesh import Attribute
 from deltamesh_formats.writer import write_varint
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from deltamesh import MeshError, OptionError, TargetError, decode, encode, info
+from deltamesh.geometry.targets import Bounds, bounds_of
+from deltamesh.measures.metrics import VertexErrors, diagonal
 from deltamesh.mesh import Mesh
-from deltamesh.metrics import VertexErrors, diagonal
 from deltamesh.options import Options
 from deltamesh.pipeline import encode_mesh
-from deltamesh.targets import Bounds, bounds_of
 
 METHODS = ("auto", "highpass", "refined", "cartesian")
 BUMPY = meshes.torus(24, 16)

@@ -11,7 +11,7 @@ from filetests import POINTS, again, read
 from numpy.typing import NDArray
 
 import deltamesh
-from deltamesh import likeness
+from deltamesh.measures import likeness
 from deltamesh_formats.meshfile import mesh_bytes
 from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh, from_triangles
 from deltamesh_formats.texture_origin import is_top_left, told_top_left, with_origin

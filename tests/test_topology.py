@@ -6,7 +6,7 @@ import meshes
 import numpy as np
 import pytest
 
-from deltamesh.topology import build_topology, pair_halfedges, weld
+from deltamesh.shape.topology import build_topology, pair_halfedges, weld
 
 
 def topology(faces, n=None):

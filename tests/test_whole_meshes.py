@@ -19,8 +19,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 
-from deltamesh import decode, encode, likeness
+from deltamesh import decode, encode
 from deltamesh.codec import encode_mesh
+from deltamesh.measures import likeness
 from deltamesh.options import Options
 from deltamesh.pipeline import Encoded
 from deltamesh_formats.attribute_table import TYPES

@@ -19,8 +19,8 @@ from deltamesh_cli.progress import progress
 from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
-    from deltamesh.bench import Measurement
-    from deltamesh.rates import Row
+    from deltamesh.measures.bench import Measurement
+    from deltamesh.measures.rates import Row
 
 # Of the options that say how to encode: those that may be lists, and those that are not encode's.
 _LISTS: Final = ("method", *RATES, *BOUNDS)
@@ -183,7 +183,7 @@ def command(
 
 def _labels(given: dict[str, Any]) -> list[str]:
     """Return the label of each method with each rate."""
-    from deltamesh.bench import label
+    from deltamesh.measures.bench import label
 
     lists = {name: _flat(given.pop(name, ())) for name in _LISTS}
     methods = [{"method": method} for method in lists.pop("method")] or [{}]

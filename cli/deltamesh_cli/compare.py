@@ -17,13 +17,13 @@ from deltamesh_cli.signals import interruptible
 from deltamesh_cli.summary import bits_per_vertex, relative
 
 if TYPE_CHECKING:
-    from deltamesh.likeness import Difference
+    from deltamesh.measures.likeness import Difference
     from deltamesh_formats.polymesh import Kind
 
     _Errors: TypeAlias = dict[str, float | None]
     _Named: TypeAlias = tuple[str, Loaded]
 
-# The metrics of deltamesh.metrics.Errors, and what they are called here.
+# The metrics of deltamesh.measures.metrics.Errors, and what they are called here.
 _LENGTHS = {"rms": "RMS", "max": "max", "hausdorff": "Hausdorff", "visual": "visual"}
 _ANGLES = {"normal_deviation": "face normals", "dihedral": "dihedral angles"}
 
@@ -110,9 +110,9 @@ def command(
 
 
 def _measured(a: Loaded, b: Loaded, stage: Stage) -> _Found:
-    from deltamesh import likeness, metrics
-    from deltamesh.complexes import distinct_faces
+    from deltamesh.measures import likeness, metrics
     from deltamesh.mesh import Mesh, triangulated
+    from deltamesh.shape.complexes import distinct_faces
 
     stage("matching vertices")
     containers = [one.container for one in (a, b) if one.container]

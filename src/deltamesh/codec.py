@@ -6,11 +6,11 @@ from collections.abc import Iterable
 
 from numpy.typing import ArrayLike
 
-from deltamesh.files import Source, read_source
 from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh.mesh import checked_mesh, triangulated
 from deltamesh.options import DEFAULT_BITS_NORMAL, DEFAULT_BITS_UV, DEFAULT_EFFORT, Options
 from deltamesh.pipeline import Progress, decode_mesh, encode_mesh, silent
+from deltamesh.sources import Source, read_source
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh import PolyMesh, checked, from_triangles
 from deltamesh_formats.shapes import check_shapes

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from deltamesh.attributes.coded import Coded, all_arrays, restored
 from deltamesh.attributes.places import Places
-from deltamesh.geometry import Integers, digest
+from deltamesh.geometry.surface import Integers, digest
 from deltamesh.parts import Told
-from deltamesh.polygons import assembled
 from deltamesh.reordering import Order, arrays, reordered
-from deltamesh.structure import Structure
+from deltamesh.shape.polygons import assembled
+from deltamesh.shape.structure import Structure
 from deltamesh_formats.polymesh import PolyMesh
 
 

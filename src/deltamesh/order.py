@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import entropy
+from deltamesh.geometry.laplacian import adjacency_of_edges, edges_between
 from deltamesh.kernels import face_order, steps, vertex_order
 from deltamesh.kernels.coder import Coder
-from deltamesh.laplacian import adjacency_of_edges, edges_between
-from deltamesh.polygons import Polygons
 from deltamesh.reordering import Order, inverse, rows_of
+from deltamesh.shape.polygons import Polygons
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.reader import read_varint, take
 from deltamesh_formats.writer import write_varint

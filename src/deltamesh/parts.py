@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import entropy
-from deltamesh.elements import Elements
+from deltamesh.attributes.elements import Elements
+from deltamesh.attributes.labels import decode_labels, encode_labels, numbered
 from deltamesh.kernels import parts as kernels
-from deltamesh.labels import decode_labels, encode_labels, numbered
 from deltamesh_formats.contents import unkept
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.packed import packed, unpacked

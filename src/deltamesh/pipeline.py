@@ -14,29 +14,29 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh import cartesian, highpass, lossless, refined
 from deltamesh.attributes.decoding import decode_attributes
 from deltamesh.attributes.encoding import encode_attributes
 from deltamesh.attributes.places import Places
 from deltamesh.attributes.ways import Wanted
-from deltamesh.complexes import distinct_faces
 from deltamesh.content import Content
-from deltamesh.diagonals import cut_polygons
-from deltamesh.geometry import Integers, payload_of
+from deltamesh.geometry import cartesian, highpass, lossless, refined
+from deltamesh.geometry.search import Trial, smallest
+from deltamesh.geometry.solve import factorization
+from deltamesh.geometry.surface import Integers, payload_of
+from deltamesh.geometry.targets import bounds_of
 from deltamesh.limits import check_limits
+from deltamesh.measures.metrics import VertexErrors, diagonal, errors_from, mean_edge
 from deltamesh.mesh import LARGEST, Mesh
-from deltamesh.metrics import VertexErrors, diagonal, errors_from, mean_edge
 from deltamesh.options import Options, Settings
 from deltamesh.order import decode_order, encode_order
 from deltamesh.parts import decode_parts, encode_parts, told_of
-from deltamesh.polygons import Sources, sources_of
 from deltamesh.reordering import order_of
-from deltamesh.search import Trial, smallest
-from deltamesh.solve import factorization
-from deltamesh.structure import Structure
-from deltamesh.structure_decoding import announced, decode_structure
-from deltamesh.structure_encoding import Origin, encode_gluing, encode_structure
-from deltamesh.targets import bounds_of
+from deltamesh.shape.complexes import distinct_faces
+from deltamesh.shape.decoding import announced, decode_structure
+from deltamesh.shape.diagonals import cut_polygons
+from deltamesh.shape.encoding import Origin, encode_gluing, encode_structure
+from deltamesh.shape.polygons import Sources, sources_of
+from deltamesh.shape.structure import Structure
 from deltamesh.version import __version__
 from deltamesh_formats.dropping import without
 from deltamesh_formats.errors import FormatError, MeshError

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.polygons import Polygons, Sources
+from deltamesh.shape.polygons import Polygons, Sources
 from deltamesh_formats.polymesh import Attribute, PolyMesh
 
 _Ints = NDArray[np.int64]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from deltamesh.attributes.directions import surroundings
 from deltamesh.attributes.numbers import to_values
 from deltamesh.attributes.places import Places
-from deltamesh.unit_normals import Normals, values_of
+from deltamesh.attributes.unit_normals import Normals, values_of
 from deltamesh_formats.attribute_table import Entry
 from deltamesh_formats.polymesh import Attribute
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import entropy
-from deltamesh.elements import Elements
+from deltamesh.attributes.elements import Elements
 from deltamesh.kernels import parallelogram
 from deltamesh.kernels.coder import Coder
 from deltamesh_formats.errors import FormatError

@@ -11,11 +11,11 @@ from deltamesh.attributes import numbers
 from deltamesh.attributes.coded import Coded
 from deltamesh.attributes.columns import decode_columns
 from deltamesh.attributes.directions import decode_directions
+from deltamesh.attributes.elements import Elements
 from deltamesh.attributes.floats import decode_floats
+from deltamesh.attributes.labels import decode_labels
 from deltamesh.attributes.places import Places, alone, among
 from deltamesh.attributes.units import decode_units
-from deltamesh.elements import Elements
-from deltamesh.labels import decode_labels
 from deltamesh.limits import PER_BYTE
 from deltamesh_formats.attribute_table import Entry, read_table
 from deltamesh_formats.errors import FormatError

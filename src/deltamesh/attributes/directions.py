@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh.attributes.element_normals import Surroundings
+from deltamesh.attributes.elements import Elements
 from deltamesh.attributes.places import Places
-from deltamesh.element_normals import Surroundings
-from deltamesh.elements import Elements
-from deltamesh.unit_normals import Normals, decode_normals, smallest, values_of
+from deltamesh.attributes.unit_normals import Normals, decode_normals, smallest, values_of
 from deltamesh_formats.attribute_table import Entry
 from deltamesh_formats.errors import FormatError
 

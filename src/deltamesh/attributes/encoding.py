@@ -16,13 +16,13 @@ from deltamesh.attributes import numbers
 from deltamesh.attributes.coded import Coded
 from deltamesh.attributes.columns import encode_columns
 from deltamesh.attributes.directions import encode_directions, surroundings
+from deltamesh.attributes.elements import Elements
 from deltamesh.attributes.floats import encode_floats
+from deltamesh.attributes.labels import encode_labels, numbered
 from deltamesh.attributes.places import Places, alone, among
 from deltamesh.attributes.units import Units, encode_units
 from deltamesh.attributes.ways import Wanted, ways_of
-from deltamesh.elements import Elements
-from deltamesh.labels import encode_labels, numbered
-from deltamesh.polygons import Sources
+from deltamesh.shape.polygons import Sources
 from deltamesh_formats.attribute_table import Entry, write_table
 from deltamesh_formats.polymesh import PolyMesh
 

@@ -1,7 +1,7 @@
 """Floats of an attribute to the last bit: every NaN, infinity and zero as it was.
 
 Numbers that no form has, those that are not finite among them, are raw. What is predicted from
-them, and they from others, is the rest (`deltamesh.spelled`).
+them, and they from others, is the rest (`deltamesh.geometry.spelled`).
 """
 
 from __future__ import annotations
@@ -13,11 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh.attributes.columns import threes, together
-from deltamesh.elements import Elements
-from deltamesh.forms import Spelling, spelling, to_integers, to_values
-from deltamesh.kernels.exact import RAW
-from deltamesh.mesh import LARGEST
-from deltamesh.spelled import (
+from deltamesh.attributes.elements import Elements
+from deltamesh.geometry.forms import Spelling, spelling, to_integers, to_values
+from deltamesh.geometry.spelled import (
     DOUBLE,
     SINGLE,
     decode_spelled,
@@ -26,6 +24,8 @@ from deltamesh.spelled import (
     parallelogram_errors,
     unpacked,
 )
+from deltamesh.kernels.exact import RAW
+from deltamesh.mesh import LARGEST
 from deltamesh_formats.errors import FormatError
 
 _Ints = NDArray[np.int64]

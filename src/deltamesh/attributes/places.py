@@ -8,9 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.elements import Elements, of_faces, of_vertices
-from deltamesh.polygons import Polygons
-from deltamesh.structure import Structure
+from deltamesh.attributes.elements import Elements, of_faces, of_vertices
+from deltamesh.shape.polygons import Polygons
+from deltamesh.shape.structure import Structure
 from deltamesh_formats.polymesh import Domain
 
 _Ints = NDArray[np.int64]

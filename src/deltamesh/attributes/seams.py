@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import entropy
-from deltamesh.corners import code_corner_classes
 from deltamesh.kernels import corners as kernels
-from deltamesh.polygons import Polygons
-from deltamesh.structure import Structure
+from deltamesh.shape.corners import code_corner_classes
+from deltamesh.shape.polygons import Polygons
+from deltamesh.shape.structure import Structure
 
 _Ints = NDArray[np.int64]
 

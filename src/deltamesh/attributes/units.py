@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh.attributes.coded import Coded
+from deltamesh.attributes.elements import Elements
 from deltamesh.attributes.places import Places, of_classes
 from deltamesh.attributes.seams import decode_classes, encode_classes
-from deltamesh.elements import Elements
 from deltamesh_formats.attribute_table import FACES, OWN_CLASSES, Entry
 from deltamesh_formats.errors import FormatError
 

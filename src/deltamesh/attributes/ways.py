@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh.attributes.numbers import colour_entry, grid_entry, integer_entries, is_lossless
-from deltamesh.octahedral import is_unit
+from deltamesh.attributes.octahedral import is_unit
 from deltamesh_formats.attribute_table import Entry
 from deltamesh_formats.polymesh import Attribute
 

@@ -1,6 +1,6 @@
 """Positions to the last bit: the distance of each coordinate from a prediction, in its own units.
 
-A coordinate is a number m * base^(e - places) of a form (`deltamesh.forms`), known by its index
+A coordinate is a number m * base^(e - places) of a form (`geometry.forms`), known by its index
 among the numbers of that form. Parallelograms predict a place on a grid of integers; what is coded
 is how many numbers of the form lie between the one next to that place and the true one. After
 P. Lindstrom, M. Isenburg, "Fast and efficient compression of floating-point data", IEEE TVCG 12(5),

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from deltamesh.bench import Measurement
+from deltamesh.measures.bench import Measurement
 from deltamesh_formats.errors import DeltameshError
 
 Row = dict[str, str]

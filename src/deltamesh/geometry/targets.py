@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from deltamesh.metrics import VertexErrors
+from deltamesh.measures.metrics import VertexErrors
 from deltamesh.options import DEFAULT_QUALITY, Options
 from deltamesh_formats.errors import TargetError
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from deltamesh.mesh import Mesh
-from deltamesh.topology import weld
+from deltamesh.shape.topology import weld
 
 
 def welded(mesh: Mesh, exact: bool = False) -> Mesh:

@@ -16,10 +16,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.geometry import Integers
-from deltamesh.metrics import VertexErrors
+from deltamesh.geometry.surface import Integers
+from deltamesh.geometry.targets import Bounds
+from deltamesh.measures.metrics import VertexErrors
 from deltamesh.options import DEFAULT_COARSE, Options, Settings, settings_of
-from deltamesh.targets import Bounds
 from deltamesh_formats.errors import MeshError, TargetError
 from deltamesh_formats.layout import Parameters
 

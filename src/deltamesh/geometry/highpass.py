@@ -13,15 +13,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh import anchors as choice
 from deltamesh import entropy
-from deltamesh.geometry import Integers, Quantized, Surface, payload_of
+from deltamesh.geometry import anchors as choice
+from deltamesh.geometry.quantize import delta_step, from_grid, quantize_delta, to_delta, to_grid
+from deltamesh.geometry.solve import Factor
+from deltamesh.geometry.surface import Integers, Quantized, Surface, payload_of
 from deltamesh.kernels import delta as delta_kernels
 from deltamesh.kernels import points, residual
-from deltamesh.metrics import diagonal
+from deltamesh.measures.metrics import diagonal
 from deltamesh.options import DEFAULT_HIGHPASS_STEP, Settings
-from deltamesh.quantize import delta_step, from_grid, quantize_delta, to_delta, to_grid
-from deltamesh.solve import Factor
 from deltamesh_formats.errors import FormatError, OptionError
 from deltamesh_formats.layout import Parameters, Section
 from deltamesh_formats.reader import take

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.hausdorff import squared_hausdorff
-from deltamesh.laplacian import edges
+from deltamesh.geometry.laplacian import edges
+from deltamesh.measures.hausdorff import squared_hausdorff
 from deltamesh.mesh import Mesh
 
 _Floats = NDArray[np.float64]

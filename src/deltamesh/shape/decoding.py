@@ -8,14 +8,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.connectivity import decode_connectivity
-from deltamesh.corners import copied_points, decode_copies
-from deltamesh.geometry import payload_of
-from deltamesh.gluing import decode_polygons
+from deltamesh.geometry.surface import payload_of
 from deltamesh.kernels import cutting
 from deltamesh.limits import Counts
-from deltamesh.stitching import complex_faces, decode_stitching, stitched_counts, trivial
-from deltamesh.structure import Structure
+from deltamesh.shape.connectivity import decode_connectivity
+from deltamesh.shape.corners import copied_points, decode_copies
+from deltamesh.shape.gluing import decode_polygons
+from deltamesh.shape.stitching import complex_faces, decode_stitching, stitched_counts, trivial
+from deltamesh.shape.structure import Structure
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.layout import Container
 

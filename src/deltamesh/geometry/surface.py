@@ -13,14 +13,14 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
-from deltamesh.laplacian import (
+from deltamesh.geometry.laplacian import (
     adjacency,
     adjacency_labels,
     adjacency_laplacian,
     adjacency_of_edges,
     edges_between,
 )
-from deltamesh.topology import NO_QUADS, parallelograms
+from deltamesh.shape.topology import NO_QUADS, parallelograms
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.layout import CRC_SIZE, Parameters, Section
 

@@ -18,14 +18,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh import entropy, highpass
-from deltamesh.geometry import Integers, Quantized, Surface, payload_of
+from deltamesh import entropy
+from deltamesh.geometry import highpass
+from deltamesh.geometry.normals import vertex_normals
+from deltamesh.geometry.quantize import quantize_delta
+from deltamesh.geometry.solve import Factor
+from deltamesh.geometry.surface import Integers, Quantized, Surface, payload_of
 from deltamesh.kernels import delta as kernels
 from deltamesh.kernels import residual
-from deltamesh.normals import vertex_normals
 from deltamesh.options import Settings
-from deltamesh.quantize import quantize_delta
-from deltamesh.solve import Factor
 from deltamesh_formats.layout import Parameters, Section
 
 # Dead zones: beyond half a step, what is still rounded to 0. Over eight meshes and both errors,

@@ -19,10 +19,10 @@ from typing import Any, Final
 import numpy as np
 
 from deltamesh.codec import decode
+from deltamesh.measures.metrics import compare
+from deltamesh.measures.peers import PEERS, Coded, settings_of
 from deltamesh.mesh import Mesh, triangulated
-from deltamesh.metrics import compare
 from deltamesh.options import METHODS, Options
-from deltamesh.peers import PEERS, Coded, settings_of
 from deltamesh.pipeline import encode_mesh
 from deltamesh_formats.errors import DeltameshError, OptionError
 from deltamesh_formats.polymesh import from_triangles
@@ -60,7 +60,7 @@ class Measurement:
     bytes : int
         Of the whole file.
     rms, max, hausdorff, visual : float
-        Fractions of the bounding box diagonal; see `deltamesh.metrics`.
+        Fractions of the bounding box diagonal; see `deltamesh.measures.metrics`.
     normal_deg, dihedral_deg : float
         Degrees.
     encode_seconds, decode_seconds : float

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh.kernels import diagonals as kernels
-from deltamesh.topology import weld
+from deltamesh.shape.topology import weld
 from deltamesh_formats.polymesh import PolyMesh
 from deltamesh_formats.triangles import Triangles, fans, folds, middles
 

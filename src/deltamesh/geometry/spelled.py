@@ -1,6 +1,6 @@
 """Floats to the last bit, three columns at once: what EXAC and the attributes code alike.
 
-How each column is spelled, the forms of `deltamesh.forms`, is told first; then follows a stream.
+How each column is spelled, the forms of `forms`, is told first; then follows a stream.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import entropy
-from deltamesh.elements import Elements
-from deltamesh.forms import Form, Spelling, spelling_fault
+from deltamesh.attributes.elements import Elements
+from deltamesh.geometry.forms import Form, Spelling, spelling_fault
 from deltamesh.kernels import exact
 from deltamesh.kernels.coder import Coder
 from deltamesh_formats.errors import FormatError

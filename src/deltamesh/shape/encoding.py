@@ -11,14 +11,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.complexes import Cut, cut
-from deltamesh.connectivity import Connectivity, encode_connectivity
-from deltamesh.corners import copies_of, encode_copies
-from deltamesh.gluing import encode_polygons, glued_halfedges
 from deltamesh.mesh import Mesh
-from deltamesh.stitching import TURN, Stitching, complex_faces, encode_stitching
-from deltamesh.structure import Structure
-from deltamesh.topology import build_topology, weld
+from deltamesh.shape.complexes import Cut, cut
+from deltamesh.shape.connectivity import Connectivity, encode_connectivity
+from deltamesh.shape.corners import copies_of, encode_copies
+from deltamesh.shape.gluing import encode_polygons, glued_halfedges
+from deltamesh.shape.stitching import TURN, Stitching, complex_faces, encode_stitching
+from deltamesh.shape.structure import Structure
+from deltamesh.shape.topology import build_topology, weld
 from deltamesh_formats.triangles import Triangles
 
 _Ints = NDArray[np.int64]

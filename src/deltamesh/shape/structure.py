@@ -11,12 +11,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.corners import Corners, corners_of
-from deltamesh.geometry import NO_EDGES, Surface, surface_of
-from deltamesh.gluing import hidden_halfedges, partners
-from deltamesh.polygons import Polygons, joined, plain
-from deltamesh.stitching import Stitching
-from deltamesh.topology import pair_halfedges
+from deltamesh.geometry.surface import NO_EDGES, Surface, surface_of
+from deltamesh.shape.corners import Corners, corners_of
+from deltamesh.shape.gluing import hidden_halfedges, partners
+from deltamesh.shape.polygons import Polygons, joined, plain
+from deltamesh.shape.stitching import Stitching
+from deltamesh.shape.topology import pair_halfedges
 
 _Ints = NDArray[np.int64]
 

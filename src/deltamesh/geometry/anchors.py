@@ -19,9 +19,9 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
+from deltamesh.geometry.laplacian import adjacency_labels
+from deltamesh.geometry.solve import Factor, LeastSquares, factorization
 from deltamesh.kernels import distance
-from deltamesh.laplacian import adjacency_labels
-from deltamesh.solve import Factor, LeastSquares, factorization
 
 # 0.1 % of the vertices: with the quantization error diffused, more of them buy little.
 DEFAULT_FRACTION: Final = 0.001
@@ -165,7 +165,7 @@ def greedy(
     positions : float64 (n, 3), optional
         What the decoder will have for the position of an anchor. Default: `vertices`.
     factor : callable, optional
-        From `deltamesh.solve.factorization`.
+        From `deltamesh.geometry.solve.factorization`.
 
     Returns
     -------

@@ -15,8 +15,8 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from deltamesh.geometry.laplacian import adjacency
 from deltamesh.kernels import correspondence as kernels
-from deltamesh.laplacian import adjacency
 from deltamesh.mesh import Mesh, triangulated
 from deltamesh_formats.polymesh import PolyMesh
 

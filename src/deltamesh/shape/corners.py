@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from deltamesh import entropy
 from deltamesh.kernels import corners as kernels
 from deltamesh.kernels.coder import Coder
-from deltamesh.stitching import TURN, Stitching
+from deltamesh.shape.stitching import TURN, Stitching
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.reader import read_varint
 from deltamesh_formats.writer import write_varint

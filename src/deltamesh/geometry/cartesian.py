@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import entropy
-from deltamesh.geometry import NO_POINTS, NONE, Integers, Quantized, Surface, payload_of
+from deltamesh.geometry.quantize import from_grid, grid_step, to_grid
+from deltamesh.geometry.solve import Factor
+from deltamesh.geometry.surface import NO_POINTS, NONE, Integers, Quantized, Surface, payload_of
 from deltamesh.kernels import parallelogram
 from deltamesh.kernels.coder import Coder
 from deltamesh.options import DEFAULT_CARTESIAN_BITS, Settings
-from deltamesh.quantize import from_grid, grid_step, to_grid
-from deltamesh.solve import Factor
 from deltamesh_formats.layout import Parameters, Section
 
 

@@ -15,7 +15,7 @@ from deltamesh import entropy
 from deltamesh.kernels.connectivity import HALFEDGE, NEW_VERTEX, OK, OLD_VERTEX, Region, grow
 from deltamesh.kernels.front import JOINS, new_front
 from deltamesh.kernels.valence import MIXERS, MODEL_SIZE, PRIOR, SLOTS
-from deltamesh.topology import Topology
+from deltamesh.shape.topology import Topology
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.reader import read_varint
 from deltamesh_formats.writer import write_varint

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.laplacian import adjacency
-from deltamesh.polygons import Polygons
-from deltamesh.topology import parallelograms
+from deltamesh.geometry.laplacian import adjacency
+from deltamesh.shape.polygons import Polygons
+from deltamesh.shape.topology import parallelograms
 
 _Ints = NDArray[np.int64]
 

@@ -14,9 +14,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh import correspondence
+from deltamesh.measures import correspondence
 from deltamesh.reordering import inverse
-from deltamesh.topology import weld
+from deltamesh.shape.topology import weld
 from deltamesh_formats.polymesh import Attribute, Kind, Parts, PolyMesh
 from deltamesh_formats.texture_origin import is_top_left, with_origin
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import entropy
-from deltamesh.elements import Elements
+from deltamesh.attributes.elements import Elements
 from deltamesh.kernels import labels as kernels
 from deltamesh_formats.errors import FormatError
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import entropy
+from deltamesh.geometry.laplacian import adjacency
 from deltamesh.kernels import stitching as kernels
 from deltamesh.kernels.coder import Coder
-from deltamesh.laplacian import adjacency
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.reader import read_varint
 from deltamesh_formats.writer import write_varint

@@ -1,7 +1,7 @@
 """The lossless method: positions to the last bit.
 
 The integers of this method are the bit patterns of the positions. How they are spelled, the forms
-of `deltamesh.forms`, is up to the encoder and told at the beginning of EXAC. The encoder's
+of `deltamesh.geometry.forms`, is up to the encoder and told at the beginning of EXAC. The encoder's
 functions and the decoder's are mirrors: quantize / reconstruct, write / read.
 """
 
@@ -12,13 +12,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.elements import Elements
-from deltamesh.forms import spelling, to_integers, to_values
-from deltamesh.geometry import NO_POINTS, NONE, Integers, Quantized, Surface, payload_of
-from deltamesh.mesh import LARGEST
-from deltamesh.options import Settings
-from deltamesh.solve import Factor
-from deltamesh.spelled import (
+from deltamesh.attributes.elements import Elements
+from deltamesh.geometry.forms import spelling, to_integers, to_values
+from deltamesh.geometry.solve import Factor
+from deltamesh.geometry.spelled import (
     DOUBLE,
     SINGLE,
     decode_spelled,
@@ -27,6 +24,9 @@ from deltamesh.spelled import (
     parallelogram_errors,
     unpacked,
 )
+from deltamesh.geometry.surface import NO_POINTS, NONE, Integers, Quantized, Surface, payload_of
+from deltamesh.mesh import LARGEST
+from deltamesh.options import Settings
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.layout import Parameters, Section
 

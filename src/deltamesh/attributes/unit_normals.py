@@ -13,11 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import entropy
-from deltamesh.element_normals import WEIGHTS, Surroundings, surface_normals
-from deltamesh.elements import Elements
-from deltamesh.kernels import delta, parallelogram, residual
-from deltamesh.kernels.coder import Coder
-from deltamesh.octahedral import (
+from deltamesh.attributes.element_normals import WEIGHTS, Surroundings, surface_normals
+from deltamesh.attributes.elements import Elements
+from deltamesh.attributes.octahedral import (
     ABSOLUTE,
     LEAST_BITS,
     MOST_BITS,
@@ -27,6 +25,8 @@ from deltamesh.octahedral import (
     quantized,
     restored,
 )
+from deltamesh.kernels import delta, parallelogram, residual
+from deltamesh.kernels.coder import Coder
 from deltamesh_formats.errors import FormatError
 
 _Ints = NDArray[np.int64]

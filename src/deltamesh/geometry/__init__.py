@@ -1,0 +1,1 @@
+"""Positions: what is quantized, how it is coded, and the search for the fewest bytes."""

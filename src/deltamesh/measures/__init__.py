@@ -1,0 +1,1 @@
+"""How far meshes are apart, and what they take, ours and those of other codecs."""

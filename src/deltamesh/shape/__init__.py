@@ -1,0 +1,1 @@
+"""Everything of a mesh but its positions: connectivity, stitching, copies, polygons."""
