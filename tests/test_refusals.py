@@ -225,7 +225,7 @@ def digest_of_points(n, cartesian, forms):
 # ---- Limits ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", sorted({*FILES} - {"parts"}))  # text takes more: test_parts
+@pytest.mark.parametrize("name", sorted(FILES))
 def test_limits_are_met_exactly(name: str) -> None:
     data = FILES[name]
     container = read_container(data)

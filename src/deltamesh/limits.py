@@ -56,18 +56,24 @@ class Counts:
 
 
 def memory_needed(container: Container) -> int:
-    """Estimate the memory that decoding takes, in bytes, from counts alone.
+    """Estimate the memory that decoding takes, in bytes, without decoding anything.
 
     Raises
     ------
     FormatError
-        If the table of the attributes is none.
+        If the table of the attributes is none, or the text of the parts.
     """
+    moved = sum(len(one.names) for one in texts_of(container).divisions if one.moved)
+    return _memory_of_counts(container) + PER_TRANSFORM * moved
+
+
+def _memory_of_counts(container: Container) -> int:
+    """Likewise, but for what only the text of the parts, not unpacked yet, tells."""
     method = container.parameters.method
     fixed, per_vertex = BASE[method], PER_VERTEX[method]
     per_face = PER_FACE + (PER_GLUED_FACE if POLYGONS in container.sections else 0)
     needed = fixed + per_vertex * container.vertices + per_face * container.faces
-    return needed + _memory_of_attributes(container)
+    return needed + _memory_of_attributes(container) + PER_TEXT_BYTE * text_size(container)
 
 
 def _memory_of_attributes(container: Container) -> int:
@@ -108,10 +114,8 @@ def check_limits(container: Container, counts: Counts, max_vertices: int, memory
     _check_held(container, geometry, counts.isolated, "isolated vertices", bits)
     _check_held(container, "STCH", m - counts.faces, "faces beside the manifold")
     _check_held(container, "COPY", n - counts.points, "copies of vertices")
-    needed = memory_needed(container) + PER_TEXT_BYTE * text_size(container)
-    _check_memory(needed, memory)
-    moved = sum(len(one.names) for one in texts_of(container).divisions if one.moved)
-    _check_memory(needed + PER_TRANSFORM * moved, memory)
+    _check_memory(_memory_of_counts(container), memory)
+    _check_memory(memory_needed(container), memory)
 
 
 def _check_memory(needed: int, memory: int) -> None:
