@@ -124,6 +124,16 @@ def test_what_has_no_place_is_named():
     assert " ".join(found) == expected.replace("|", " ")
 
 
+@pytest.mark.parametrize("where", ["asset", "scenes", "nodes", "meshes", "primitive", "file"])
+def test_custom_properties_are_named(where):
+    tree, buffer = gltf_tree()
+    before = read(glb(tree, buffer), "glb").lost
+    primitive = tree["meshes"][0]["primitives"][0]
+    place = {"asset": tree["asset"], "primitive": primitive, "file": tree}
+    (place[where] if where in place else tree[where][0])["extras"] = {"weight": 3}
+    assert read(glb(tree, buffer), "glb").lost == ("custom properties (extras)", *before)
+
+
 @pytest.mark.parametrize("matrix", [None, [0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 7, 8, 9, 1]])
 def test_transforms(matrix):
     tree, buffer = gltf_tree()

@@ -29,6 +29,26 @@ def test_vertices_at_one_position_are_one():
     assert polygons(touching) == [[0, 1, 2], [2, 1, 0]]
 
 
+@pytest.mark.parametrize("normal", ["0 0 1", "0 0 0", "0 0 7", "0.1 0 1"])
+def test_normals_that_follow_from_positions_need_no_word(normal):
+    text = f"solid\n{ONE.replace('0 0 1', normal)}endsolid"
+    assert read(text, "stl").lost == ()
+
+
+@pytest.mark.parametrize("normal", [[0, 0, -1], [1, 0, 1], [0, 1, 0]])
+def test_other_normals_are_named_as_lost(normal):
+    words = ("normals that are not those of their facets",)
+    text = f"solid\n{ONE}{ONE.replace('0 0 1', ' '.join(map(str, normal)))}endsolid"
+    assert read(text, "stl").lost == words
+    data = bytearray(mesh_bytes(MESH, "stl"))
+    assert read(bytes(data), "stl").lost == ()
+    data[84:96] = np.array(normal, dtype="<f4").tobytes()
+    assert read(bytes(data), "stl").lost == words
+    # A sliver has no normal to speak of.
+    sliver = ONE.replace("vertex 0 1 0", "vertex 2 1e-5 0").replace("0 0 1", "0 1 0")
+    assert read(f"solid\n{sliver}endsolid", "stl").lost == ()
+
+
 def test_solids():
     text = f"solid a vertex\n{ONE}{OTHER}endsolid a vertex\nsolid \xe9 facet\n{ONE}endsolid\n"
     text += "solid nothing\nendsolid\nsolid\n" + ONE + "endsolid"

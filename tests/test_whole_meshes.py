@@ -8,7 +8,7 @@ are quantized and attributes that may lose something, which have bounds.
 from __future__ import annotations
 
 import contextlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import meshes
@@ -25,8 +25,9 @@ from deltamesh.measures import likeness
 from deltamesh.options import Options
 from deltamesh.pipeline import Encoded
 from deltamesh_formats.attribute_table import TYPES
+from deltamesh_formats.contents import unused
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh
+from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh, from_triangles
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.texts import KINDS
 
@@ -255,7 +256,7 @@ def assert_whole(mesh: PolyMesh, decoded: PolyMesh, came: Came, exact: bool) -> 
         assert (p.transforms is None) == (q.transforms is None)
         assert p.transforms is None or p.transforms.tobytes() == q.transforms.tobytes()
     assert decoded.metadata == mesh.metadata
-    assert decoded.lost == mesh.lost
+    assert decoded.lost == tuple(dict.fromkeys((*mesh.lost, *unused(mesh))))
     assert decoded.precision == mesh.precision
 
 
@@ -321,3 +322,17 @@ def test_positions_that_no_decoder_would_take_are_not_written(method: str) -> No
     else:
         with pytest.raises(MeshError, match=f"too large for method {method}: try lossless"):
             encode(0.9e150 * V, F, method=method)
+
+
+def test_rows_that_nothing_refers_to_are_named_as_lost() -> None:
+    mesh = from_triangles(*meshes.tetrahedron())
+    index = np.arange(12) % 3
+    uv = Attribute("uv", "corner", np.eye(4)[:, :2], "uv", index)
+    flags = Attribute("flags", "vertex", np.arange(4)[:, None], index=np.array([0, 1, 1, -1]))
+    decoded = decode(encode(replace(mesh, attributes=(uv, flags))))
+    assert decoded.lost == (
+        "texture coordinates that no face refers to",
+        "flags of vertices that no vertex refers to",
+    )
+    whole = replace(mesh, attributes=(replace(uv, values=uv.values[:3]),))
+    assert decode(encode(whole)).lost == ()

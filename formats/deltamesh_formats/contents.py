@@ -57,6 +57,17 @@ def unkept(
     return (*words, *_metadata_words(mesh, metadata))
 
 
+def unused(mesh: PolyMesh) -> Iterator[str]:
+    """Yield words for rows of attributes that no element has: they go when a mesh is encoded."""
+    for attribute in mesh.attributes:
+        if attribute.index is None:
+            continue
+        used = np.bincount(attribute.index[attribute.index >= 0], minlength=len(attribute.values))
+        if not used.all():
+            whose = "vertex" if attribute.domain == "vertex" else "face"
+            yield f"{attribute_words(attribute)} that no {whose} refers to"
+
+
 def attribute_words(attribute: Attribute) -> str:
     """Return what to call an attribute: "normals", "colours of faces", "quality of vertices"."""
     what = _ROLES.get(attribute.role, attribute.name)

@@ -12,7 +12,7 @@ from deltamesh import entropy
 from deltamesh.attributes.elements import Elements
 from deltamesh.attributes.labels import decode_labels, encode_labels, numbered
 from deltamesh.kernels import parts as kernels
-from deltamesh_formats.contents import unkept
+from deltamesh_formats.contents import unkept, unused
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.packed import packed, unpacked
 from deltamesh_formats.polymesh import Parts, PolyMesh
@@ -76,7 +76,7 @@ def told_of(mesh: PolyMesh, faces: _Ints) -> Told | None:
         transforms=True,
     )
     metadata = {key: tuple(lines) for key, lines in mesh.metadata.items()}
-    texts = Texts(divisions, metadata, lost)
+    texts = Texts(divisions, metadata, tuple(dict.fromkeys((*lost, *unused(mesh)))))
     return None if texts.is_empty else Told(texts, found)
 
 

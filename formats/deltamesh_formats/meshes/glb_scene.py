@@ -67,6 +67,19 @@ def what_is_lost(gltf: Gltf) -> Iterator[str]:
         yield "lights"
     if "EXT_mesh_gpu_instancing" in items(tree, "extensionsUsed"):
         yield "GPU instances"
+    if any("extras" in one for one in _with_extras(gltf)):
+        yield "custom properties (extras)"
+
+
+def _with_extras(gltf: Gltf) -> Iterator[Tree]:
+    """Yield what programs give properties of their own; materials are named as a whole."""
+    asset = gltf.tree.get("asset")
+    yield from (gltf.tree, asset if isinstance(asset, dict) else {})
+    for name in ("scenes", "nodes", "meshes"):
+        for i in range(len(gltf.items(name))):
+            one = gltf.item(name, i)
+            yield one
+            yield from (p for p in items(one, "primitives") if isinstance(p, dict))
 
 
 def _roots(gltf: Gltf) -> list[int]:

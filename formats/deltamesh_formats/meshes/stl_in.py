@@ -1,14 +1,15 @@
 """STL to a mesh: binary, and text with several solids.
 
 An STL repeats each corner's position: vertices at one position become one here, numbered as they
-come first. Normals follow from the positions and are not kept. The two bytes of each binary facet,
-in which some programs put colours, are the attribute "attribute_bytes".
+come first. Normals follow from the positions and are not kept; those that do not are named as lost.
+The two bytes of each binary facet, in which some programs put colours, are the attribute
+"attribute_bytes".
 """
 
 from __future__ import annotations
 
 import re
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,9 @@ from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh
 _HEADER: Final = 84
 FACET: Final = np.dtype([("normal", "<f4", 3), ("vertices", "<f4", (3, 3)), ("attribute", "<u2")])
 ATTRIBUTE: Final = "attribute_bytes"
+# What two normals of a facet may differ by, as a cosine, and which facets have one at all.
+_ALIKE: Final = 0.9
+_SLIVER: Final = 1e-3
 _SOLID: Final = re.compile(rb"^[ \t]*(end)?solid\b([^\n]*)$", re.MULTILINE | re.IGNORECASE)
 # The tokens of a facet; "#" is a number.
 _FACET: Final = (
@@ -61,6 +65,7 @@ def _read_binary(data: bytes) -> PolyMesh:
         3 * np.arange(len(facets) + 1, dtype=np.int64),
         attributes,
         metadata={"header": (header,)} if header else {},
+        lost=_other_normals(facets["normal"], facets["vertices"]),
         precision="float32",
         format="stl",
     )
@@ -87,8 +92,25 @@ def _read_ascii(data: bytes) -> PolyMesh:
         corners,
         3 * np.arange(facets + 1, dtype=np.int64),
         parts=_objects(names, of_face),
+        lost=_other_normals(values[:, :3], values[:, 3:].reshape(-1, 3, 3)),
         format="stl",
     )
+
+
+def _other_normals(normals: NDArray[Any], triangles: NDArray[Any]) -> tuple[str, ...]:
+    """Return the words for normals, (m, 3), that point elsewhere than those of triangles (m, 3, 3).
+
+    Zeros say nothing, and slivers have no normal to speak of.
+    """
+    with np.errstate(all="ignore"):
+        V = triangles.astype(np.float64)
+        sides = V[:, 1:] - V[:, :1]
+        area = np.cross(sides[:, 0], sides[:, 1])
+        size, length = np.linalg.norm(area, axis=1), np.linalg.norm(normals, axis=1)
+        solid = size > _SLIVER * (sides**2).sum(axis=(1, 2))
+        cosine = (normals * area).sum(axis=1) / (size * length)
+    other = solid & (length > 0) & (cosine < _ALIKE)
+    return ("normals that are not those of their facets",) if other.any() else ()
 
 
 def _objects(names: list[str], of_face: NDArray[np.int64]) -> tuple[Parts, ...]:
