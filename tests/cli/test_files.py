@@ -118,7 +118,7 @@ def test_a_device_is_written_in_place(folder: Path) -> None:
         ("decode missing.dmesh", "missing.dmesh: cannot read: no such file or directory"),
         ("compare torus.ply missing.dmesh", "missing.dmesh: cannot read: no such file"),
         ("encode torus.dmesh", "(deltamesh decode turns it into a mesh file)"),
-        ("encode torus.xyz", "(--input-format names the format)"),
+        ("encode torus.xyz", "(it begins like PLY: --input-format ply)"),
     ],
 )
 def test_a_file_that_cannot_be_had(

@@ -37,6 +37,13 @@ def test_a_mesh_goes_through_trimesh_unchanged(mesh: deltamesh.PolyMesh) -> None
         assert wholes.plain(again) == wholes.plain(mesh)
 
 
+def test_normals_may_be_any_numbers() -> None:
+    normal = np.full((len(V), 3), 1.7e308)
+    normal[0] = -1.7e308
+    mesh = deltamesh.from_arrays(V, F, vertex={"normal": normal})
+    np.testing.assert_array_equal(to_trimesh(mesh).vertex_attributes["normal"], normal)
+
+
 def test_everything_has_its_place() -> None:
     parts = Parts("material", ("steel",), np.zeros(len(F), np.int64))
     mesh = replace(wholes.sample(corner=True), parts=(parts,), metadata={"units": ("mm",)})

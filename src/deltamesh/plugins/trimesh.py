@@ -58,7 +58,9 @@ def to_trimesh(mesh: PolyMesh, *, split_seams: bool = False) -> trimesh.Trimesh:
         Repeat vertices where texture coordinates have seams, as trimesh does for OBJ, so that they
         are those of vertices and a texture is shown. Without it they are "corner_uv".
     """
-    return trimesh.Trimesh(**_arguments(mesh, split_seams))
+    # It takes the range of the normals that it is given, which may be any numbers.
+    with np.errstate(over="ignore", invalid="ignore"):
+        return trimesh.Trimesh(**_arguments(mesh, split_seams))
 
 
 def from_trimesh(mesh: trimesh.Trimesh | trimesh.Scene) -> PolyMesh:
