@@ -8,6 +8,7 @@ are quantized and attributes that may lose something, which have bounds.
 from __future__ import annotations
 
 import contextlib
+import io
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -27,6 +28,7 @@ from deltamesh.pipeline import Encoded
 from deltamesh_formats.attribute_table import TYPES
 from deltamesh_formats.contents import unused
 from deltamesh_formats.errors import MeshError
+from deltamesh_formats.meshfile import read_mesh, written
 from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh, from_triangles
 from deltamesh_formats.reader import read_container
 from deltamesh_formats.texts import KINDS
@@ -335,3 +337,24 @@ def test_rows_that_nothing_refers_to_are_named_as_lost() -> None:
     )
     whole = replace(mesh, attributes=(replace(uv, values=uv.values[:3]),))
     assert decode(encode(whole)).lost == ()
+
+
+@pytest.mark.parametrize("file_format", ["obj", "stl", "glb"])
+def test_as_many_objects_as_faces_in_any_order(file_format: str) -> None:
+    mesh = from_triangles(*meshes.grid(12, 9))
+    count = len(mesh.sizes)
+    own = np.random.default_rng(1).permutation(count)
+    parts = Parts("object", tuple(f"object {i}" for i in range(count)), own)
+    mesh = replace(mesh, vertices=mesh.vertices.astype(np.float32).astype(float), parts=(parts,))
+    decoded = decode(encode(mesh, method="lossless"))
+    found = read_mesh(io.BytesIO(written(decoded, file_format).data), file_format)
+    objects = found.parts_of("object")
+    assert objects is not None
+    placed = {
+        objects.names[i]: found.vertices[f]
+        for i, f in zip(objects.of_face, found.faces, strict=True)
+    }
+    for i, face in zip(own, mesh.faces, strict=True):
+        wanted = mesh.vertices[face].tolist()
+        rotations = [np.roll(placed[f"object {i}"], k, axis=0).tolist() for k in range(3)]
+        assert wanted in rotations

@@ -34,8 +34,10 @@ def write(mesh: PolyMesh) -> Written:
     kept = _kept(mesh)
     groups = grouped(mesh, [attribute for attribute, _, _ in kept], of_face)
     writer = _Writer(mesh, groups, kept)
-    for number in np.unique(groups.objects).tolist():
-        writer.add_object(number)
+    order = np.argsort(groups.objects, kind="stable")
+    numbers, starts = np.unique(groups.objects[order], return_index=True)
+    for number, mine in zip(numbers.tolist(), np.split(order, starts[1:]), strict=True):
+        writer.add_object(number, mine)
     words = unkept(
         mesh,
         attributes=[attribute for attribute, _, _ in kept],
@@ -90,6 +92,7 @@ class _Writer:
     def __init__(self, mesh: PolyMesh, groups: Groups, kept: list[_Kept]) -> None:
         self.mesh, self.groups, self.kept = mesh, groups, kept
         self.diagonal = diagonal_of(mesh.vertices)
+        self.mesh_of_object = _meshes_of_objects(mesh)
         self.lost = [*groups.lost]
         self.buffer: list[bytes] = []
         self.size = 0
@@ -105,9 +108,8 @@ class _Writer:
         self.order = np.lexsort([of_face[groups.polygon], group])
         self.sorted = np.stack([group, of_face[groups.polygon]], axis=1)[self.order]
 
-    def add_object(self, number: int) -> None:
-        """Add a node, and its mesh."""
-        mine = np.flatnonzero(self.groups.objects == number)
+    def add_object(self, number: int, mine: NDArray[np.int64]) -> None:
+        """Add a node, and its mesh of these groups."""
         vertices = np.concatenate([self._vertices(group) for group in mine.tolist()])
         matrix, node = self._transform(number, self.mesh.vertices[vertices])
         primitives = []
@@ -131,10 +133,8 @@ class _Writer:
         if objects is None or number < 0:
             return "", ""
         name = _valid(objects.names[number])
-        if meshes is not None:
-            own = np.unique(meshes.of_face[objects.of_face == number])
-            if len(own) == 1 and own[0] >= 0:
-                return name, _valid(meshes.names[own[0]])
+        if meshes is not None and self.mesh_of_object[number] >= 0:
+            return name, _valid(meshes.names[self.mesh_of_object[number]])
         return name, name
 
     def _transform(
@@ -235,6 +235,19 @@ class _Writer:
         chunks = [(JSON_CHUNK, text), (BINARY_CHUNK, b"".join(self.buffer))]
         body = b"".join(len(raw).to_bytes(4, "little") + kind + raw for kind, raw in chunks)
         return MAGIC + (2).to_bytes(4, "little") + (12 + len(body)).to_bytes(4, "little") + body
+
+
+def _meshes_of_objects(mesh: PolyMesh) -> NDArray[np.int64]:
+    """Return the one "mesh" that all faces of each object are in, -1 if there is no such one."""
+    objects, meshes = mesh.parts_of("object"), mesh.parts_of("mesh")
+    if objects is None or meshes is None:
+        return np.empty(0, dtype=np.int64)
+    least = np.full(len(objects.names), len(meshes.names))
+    most = np.full(len(objects.names), -1)
+    named = objects.of_face >= 0
+    np.minimum.at(least, objects.of_face[named], meshes.of_face[named])
+    np.maximum.at(most, objects.of_face[named], meshes.of_face[named])
+    return np.where(least == most, most, -1)
 
 
 def _valid(name: str) -> str:

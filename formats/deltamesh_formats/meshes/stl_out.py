@@ -79,8 +79,10 @@ def _solids(mesh: PolyMesh, objects: Parts) -> Iterator[str]:
     normals = numbers_out.texts(_normals(mesh.vertices[cut.faces]))
     facets = np.concatenate([np.array(normals, dtype=object).reshape(-1, 3), points], axis=1)
     of_facet = objects.of_face[cut.polygon]
-    for part, name in enumerate(("", *objects.names), start=-1):
-        mine = facets[of_facet == part]
+    facets = facets[np.argsort(of_facet, kind="stable")]
+    ends = np.cumsum(np.bincount(of_facet + 1, minlength=len(objects.names) + 1)).tolist()
+    for name, begin, end in zip(("", *objects.names), (0, *ends), ends, strict=False):
+        mine = facets[begin:end]
         if len(mine):
             solid = f"solid {text.one_line(name)}".rstrip()
             yield f"{solid}\n"
