@@ -15,9 +15,9 @@ from typing import Any
 
 import click
 
-from deltamesh.measures.welding import welded, without_isolated
-from deltamesh.mesh import Mesh, checked_mesh
-from deltamesh_formats.meshfile import FORMATS, read_mesh
+from deltamesh._compare.welding import welded, without_isolated
+from deltamesh._mesh import Mesh, checked_mesh
+from deltamesh_formats.meshfiles.files import FORMATS, read_mesh
 
 GENERATED = "torus"
 _GENERATED_PATH = Path(__file__).parent / "meshes" / "torus.ply"

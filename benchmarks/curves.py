@@ -12,10 +12,10 @@ import corpus
 import pool
 from equal import knob
 
-from deltamesh.measures import rates
-from deltamesh.measures.bench import Measurement, codec_of, measure
-from deltamesh.measures.metrics import diagonal
-from deltamesh.measures.peers import PEERS, missing
+from deltamesh._measures.metrics import diagonal
+from deltamesh.bench import rates
+from deltamesh.bench.measure import Measurement, codec_of, measure
+from deltamesh.bench.peers import PEERS, missing
 from deltamesh_cli.output import table
 from deltamesh_formats.errors import DeltameshError, OptionError
 

@@ -15,10 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from deltamesh.measures.bench import codec_of
-from deltamesh.measures.metrics import diagonal, vertex_errors
-from deltamesh.mesh import Mesh
-from deltamesh.options import DEFAULT_HIGHPASS_STEP
+from deltamesh._measures.metrics import diagonal, vertex_errors
+from deltamesh._mesh import Mesh
+from deltamesh._options import DEFAULT_HIGHPASS_STEP
+from deltamesh.bench.measure import codec_of
 
 # How far below the error that is asked for a size still counts as one at that error.
 CLOSE = 0.99

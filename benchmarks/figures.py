@@ -8,7 +8,7 @@ from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from deltamesh.measures.bench import Measurement
+from deltamesh.bench.measure import Measurement
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,12 +14,12 @@ import click
 import corpus
 
 import deltamesh
-from deltamesh.measures import likeness
+from deltamesh._compare import likeness
 from deltamesh_cli.output import shown, table
-from deltamesh_formats.contents import attribute_words
 from deltamesh_formats.errors import DeltameshError
-from deltamesh_formats.meshfile import read_mesh
-from deltamesh_formats.polymesh import PolyMesh
+from deltamesh_formats.meshfiles.files import read_mesh
+from deltamesh_formats.polymesh.descriptions import attribute_words
+from deltamesh_formats.polymesh.mesh import PolyMesh
 
 _EXAMPLES = """\
 python benchmarks/kept.py

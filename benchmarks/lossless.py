@@ -15,8 +15,8 @@ import corpus
 import numpy as np
 
 import deltamesh
-from deltamesh.measures.peers import draco_file, zstd_bytes
-from deltamesh.measures.welding import welded, without_isolated
+from deltamesh._compare.welding import welded, without_isolated
+from deltamesh.bench.peers import draco_file, zstd_bytes
 from deltamesh_cli.output import table
 from deltamesh_formats.errors import MeshError
 

@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csgraph
 
-from deltamesh.measures.metrics import diagonal
-from deltamesh.mesh import Mesh
-from deltamesh.shape.topology import weld
-from deltamesh_formats.meshfile import write_mesh
-from deltamesh_formats.polymesh import from_triangles
+from deltamesh._graph.halfedges import weld
+from deltamesh._measures.metrics import diagonal
+from deltamesh._mesh import Mesh
+from deltamesh_formats.meshfiles.files import write_mesh
+from deltamesh_formats.polymesh.mesh import from_triangles
 
 # A scan in full, formats in turn: text and binary, with shared vertices and without.
 _FORMATS = ("ply", "obj", "stl", "off", "glb")

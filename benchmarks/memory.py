@@ -9,12 +9,12 @@ import click
 import corpus
 from processes import deltamesh
 
-from deltamesh.limits import memory_needed
-from deltamesh.mesh import checked_mesh
-from deltamesh.options import Options
-from deltamesh.pipeline import encode_mesh
+from deltamesh._limits import memory_needed
+from deltamesh._mesh import checked_mesh
+from deltamesh._options import Options
+from deltamesh._pipeline import encode_mesh
 from deltamesh_cli.output import table
-from deltamesh_formats.reader import read_container
+from deltamesh_formats.container.reader import read_container
 
 _EXAMPLES = """\
 python benchmarks/memory.py
@@ -35,7 +35,7 @@ _HEADING = ("mesh", "method", "vertices", "faces", "MiB", "B/vertex", "B/face", 
     help="Solver of the decoder.",
 )
 def command(names: tuple[str, ...], quick: bool, solver: str) -> None:
-    """Measure `deltamesh decode` against `deltamesh.limits.memory_needed`.
+    """Measure `deltamesh decode` against `deltamesh._limits.memory_needed`.
 
     Without --mesh also on a mesh of half a million vertices, where that is in the folder. Bytes
     per vertex and per face are each of all that is above the process's own need, which is taken

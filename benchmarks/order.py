@@ -14,12 +14,12 @@ import click
 import corpus
 
 from deltamesh import MeshError
-from deltamesh.measures.peers import draco_file
-from deltamesh.mesh import Mesh
-from deltamesh.options import Options
-from deltamesh.pipeline import encode_mesh
+from deltamesh._mesh import Mesh
+from deltamesh._options import Options
+from deltamesh._pipeline import encode_mesh
+from deltamesh.bench.peers import draco_file
 from deltamesh_cli.output import table
-from deltamesh_formats.reader import read_container
+from deltamesh_formats.container.reader import read_container
 
 _EXAMPLES = """\
 python benchmarks/order.py

@@ -13,10 +13,10 @@ import corpus
 import numpy as np
 from scenes import Look, Panel, Scale, draw, save
 
-from deltamesh.measures.bench import codec_of
-from deltamesh.measures.metrics import diagonal, vertex_errors
-from deltamesh.measures.peers import Coded, draco_file, missing
-from deltamesh.mesh import Mesh
+from deltamesh._measures.metrics import diagonal, vertex_errors
+from deltamesh._mesh import Mesh
+from deltamesh.bench.measure import codec_of
+from deltamesh.bench.peers import Coded, draco_file, missing
 
 _EXAMPLES = """\
 python benchmarks/renderings.py

@@ -14,9 +14,9 @@ import click
 import corpus
 import pool
 
-from deltamesh.measures import rates
-from deltamesh.measures.bench import codec_of, measure
-from deltamesh.measures.rates import Change, Row
+from deltamesh.bench import rates
+from deltamesh.bench.measure import codec_of, measure
+from deltamesh.bench.rates import Change, Row
 from deltamesh_cli.measuring import change_table
 from deltamesh_cli.output import table
 

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.measures.metrics import diagonal
-from deltamesh.mesh import Mesh
+from deltamesh._measures.metrics import diagonal
+from deltamesh._mesh import Mesh
 
 if TYPE_CHECKING:
     from PIL.Image import Image

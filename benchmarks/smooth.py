@@ -18,15 +18,15 @@ import sys
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.geometry import cartesian, highpass
-from deltamesh.geometry.quantize import grid_step
-from deltamesh.geometry.solve import factorization
-from deltamesh.geometry.surface import Surface, surface_of
-from deltamesh.mesh import Mesh
-from deltamesh.options import Settings
-from deltamesh.shape.encoding import encode_structure
-from deltamesh_formats.meshfile import read_mesh
-from deltamesh_formats.polymesh import PolyMesh
+from deltamesh._geometry import cartesian, highpass
+from deltamesh._geometry.quantize import grid_step
+from deltamesh._geometry.solve import factorization
+from deltamesh._mesh import Mesh
+from deltamesh._options import Settings
+from deltamesh._shape.encoding import encode_structure
+from deltamesh._shape.surface import Surface, surface_of
+from deltamesh_formats.meshfiles.files import read_mesh
+from deltamesh_formats.polymesh.mesh import PolyMesh
 
 BITS = (8, 10, 12)
 STEPS = 2.0 ** np.arange(-14, 3.5, 0.5)  # of the deltas, in steps of the grid of 8 bits

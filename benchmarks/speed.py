@@ -12,9 +12,10 @@ import click
 import corpus
 from processes import Usage, deltamesh
 
-from deltamesh.shape.complexes import cut
-from deltamesh.shape.connectivity import decode_connectivity, encode_connectivity
-from deltamesh.shape.topology import build_topology, weld
+from deltamesh._graph.halfedges import weld
+from deltamesh._shape.complexes import cut
+from deltamesh._shape.connectivity import decode_connectivity, encode_connectivity
+from deltamesh._shape.topology import build_topology
 from deltamesh_cli.output import number, table
 
 _EXAMPLES = """\

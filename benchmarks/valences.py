@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh import MeshError
-from deltamesh.geometry.laplacian import adjacency
-from deltamesh.options import Options
-from deltamesh.pipeline import Encoded, encode_mesh
+from deltamesh._graph.adjacency import adjacency
+from deltamesh._options import Options
+from deltamesh._pipeline import Encoded, encode_mesh
 from deltamesh_cli.output import table
-from deltamesh_formats.reader import read_container
+from deltamesh_formats.container.reader import read_container
 
 _EXAMPLES = """\
 python benchmarks/valences.py

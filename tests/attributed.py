@@ -7,8 +7,8 @@ from dataclasses import replace
 import meshes
 import numpy as np
 
-from deltamesh.attributes.element_normals import Surroundings, surface_normals
-from deltamesh_formats.polymesh import Attribute, PolyMesh, from_triangles
+from deltamesh._attributes.element_normals import Surroundings, surface_normals
+from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh, from_triangles
 
 # Zeros, infinities, quiet and signalling NaNs, the smallest and the largest numbers.
 ODD = {

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfile import read_mesh, written
-from deltamesh_formats.polymesh import PolyMesh
+from deltamesh_formats.meshfiles.files import read_mesh, written
+from deltamesh_formats.polymesh.mesh import PolyMesh
 
 POINTS = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.5, 0.25, 8]]
 

@@ -6,10 +6,10 @@ import dataclasses
 import struct
 import zlib
 
-from deltamesh.pipeline import read_content
-from deltamesh_formats import layout
-from deltamesh_formats.reader import read_container
-from deltamesh_formats.writer import write_container, write_varint
+from deltamesh._pipeline import read_content
+from deltamesh_formats.container import layout
+from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.container.writer import write_container, write_varint
 
 UNTOUCHED = object()
 

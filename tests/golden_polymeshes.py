@@ -14,9 +14,9 @@ import spec_decoder
 from test_polygons import MADE, mesh_of, quad_torus, quads
 
 from deltamesh import decode
-from deltamesh.measures.metrics import diagonal
-from deltamesh_formats.polymesh import Parts
-from deltamesh_formats.reader import read_container
+from deltamesh._measures.metrics import diagonal
+from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.polymesh.mesh import Parts
 
 BOUNDS = {"anchors": 1, "normal_error": 8.0, "max_error_rel": 2e-3}
 # Short, and with few letters that come again: deflate makes nothing of them, and the bytes of the

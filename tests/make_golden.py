@@ -21,22 +21,24 @@ import numpy as np
 import oracle
 import strategies
 
-from deltamesh.codec import decode
-from deltamesh.geometry import highpass, lossless, spelled
-from deltamesh.geometry.forms import Spelling
-from deltamesh.geometry.quantize import from_grid
-from deltamesh.geometry.surface import NONE, Integers, digest
-from deltamesh.measures.metrics import diagonal
-from deltamesh.mesh import Mesh
-from deltamesh.options import Options
-from deltamesh.order import encode_order
-from deltamesh.pipeline import encode_mesh, read_content
-from deltamesh.reordering import Order
-from deltamesh.shape.polygons import plain
-from deltamesh_formats.attribute_table import entries_of
+from deltamesh._codec import decode
+from deltamesh._content import digest
+from deltamesh._geometry import highpass, lossless
+from deltamesh._geometry.integers import NONE, Integers
+from deltamesh._geometry.quantize import from_grid
+from deltamesh._measures.metrics import diagonal
+from deltamesh._mesh import Mesh
+from deltamesh._options import Options
+from deltamesh._order.coding import encode_order
+from deltamesh._order.reordering import Order
+from deltamesh._pipeline import encode_mesh, read_content
+from deltamesh._shape.polygons import plain
+from deltamesh._streams import exact as spelled
+from deltamesh._streams.number_formats import Spelling
+from deltamesh_formats.container.attribute_table import entries_of
+from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, LimitError
-from deltamesh_formats.reader import read_container
-from deltamesh_formats.writer import write_varint
 
 HERE = Path(__file__).parent
 GOLDEN, REFUSED = HERE / "golden", HERE / "refused"

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from deltamesh.mesh import Mesh, checked_mesh
-from deltamesh_formats.meshfile import FORMATS, read_mesh
-from deltamesh_formats.polymesh import PolyMesh
+from deltamesh._mesh import Mesh, checked_mesh
+from deltamesh_formats.meshfiles.files import FORMATS, read_mesh
+from deltamesh_formats.polymesh.mesh import PolyMesh
 
 Arrays = tuple[NDArray[np.float64], NDArray[np.int64]]
 

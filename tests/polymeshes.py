@@ -9,7 +9,7 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 
-from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 
 ROLES = {"normal": "normal", "uv": "uv", "colour": "colour"}
 

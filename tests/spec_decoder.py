@@ -303,7 +303,7 @@ def distances(near, sources):
 
 
 def chosen(p, near):
-    """What the docstrings of `farthest` and `random` in `deltamesh.geometry.anchors` say."""
+    """What the docstrings of `farthest` and `random` in `deltamesh._geometry.anchors` say."""
     n, left, parts = len(near), list(range(len(near))), []
     while left:
         away = distances(near, left[:1])

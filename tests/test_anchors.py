@@ -5,10 +5,12 @@ import numpy as np
 import oracle
 import pytest
 
-from deltamesh.geometry import anchors, laplacian
-from deltamesh.geometry.laplacian import adjacency, component_labels, graph_laplacian
-from deltamesh.geometry.solve import factorization
-from deltamesh.kernels import distance
+from deltamesh._geometry import anchors
+from deltamesh._geometry.solve import factorization
+from deltamesh._graph import adjacency as laplacian
+from deltamesh._graph.adjacency import adjacency, component_labels
+from deltamesh._graph.laplacian import graph_laplacian
+from deltamesh._kernels.mesh import distance
 
 MESHES = meshes.every()
 

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 
 import deltamesh
-from deltamesh_formats.arrays import distinct, role_of
-from deltamesh_formats.polymesh import Attribute, Parts, from_triangles
-from deltamesh_formats.shapes import check_shapes
+from deltamesh_formats.polymesh.arrays import distinct, role_of
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, from_triangles
+from deltamesh_formats.polymesh.validation import check_shapes
 
 V, F = meshes.torus(9, 7)
 n, m = len(V), len(F)

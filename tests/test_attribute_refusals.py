@@ -16,12 +16,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import decode, verify
-from deltamesh.options import Options
-from deltamesh.pipeline import encode_mesh
-from deltamesh_formats.attribute_table import Entry, read_table, write_table
+from deltamesh._options import Options
+from deltamesh._pipeline import encode_mesh
+from deltamesh_formats.container.attribute_table import Entry, read_table, write_table
+from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, LimitError
-from deltamesh_formats.reader import read_container
-from deltamesh_formats.writer import write_varint
 
 FILES = {
     name: encode_mesh(mesh, Options(method=name.split("-")[0], threads=1, **options)).data

@@ -15,12 +15,12 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 
 from deltamesh import decode, encode
-from deltamesh.options import Options
-from deltamesh.pipeline import Encoded, encode_mesh
-from deltamesh_formats.attribute_table import TYPES, Entry, read_table
+from deltamesh._options import Options
+from deltamesh._pipeline import Encoded, encode_mesh
+from deltamesh_formats.container.attribute_table import TYPES, Entry, read_table
+from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import FormatError, MeshError
-from deltamesh_formats.polymesh import Attribute, PolyMesh, from_triangles
-from deltamesh_formats.reader import read_container
+from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh, from_triangles
 
 WIDTHS = (0, 1, 2, 3, 4, 16)
 DOMAINS = ("vertex", "corner", "face")

@@ -18,8 +18,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 from deltamesh import MeshError
-from deltamesh.measures import bench, rates
-from deltamesh.mesh import Mesh
+from deltamesh._mesh import Mesh
+from deltamesh.bench import measure as bench
+from deltamesh.bench import rates
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 sys.path.append(str(BENCHMARKS))

@@ -16,10 +16,10 @@ import numpy as np
 import oracle
 import pytest
 
-from deltamesh.measures import metrics
-from deltamesh.mesh import Mesh
-from deltamesh.options import Options
-from deltamesh.pipeline import encode_mesh
+from deltamesh._measures import metrics
+from deltamesh._mesh import Mesh
+from deltamesh._options import Options
+from deltamesh._pipeline import encode_mesh
 
 
 def coded(mesh, **options):

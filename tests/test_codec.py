@@ -13,16 +13,16 @@ import strategies
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh.codec import decode, encode
-from deltamesh.geometry import solve
-from deltamesh.geometry.quantize import from_grid
-from deltamesh.limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
-from deltamesh.measures.metrics import diagonal, vertex_errors
-from deltamesh.mesh import Mesh, checked_mesh
-from deltamesh.options import Options
-from deltamesh.pipeline import encode_mesh, read_content
+from deltamesh._codec import decode, encode
+from deltamesh._geometry import solve
+from deltamesh._geometry.quantize import from_grid
+from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
+from deltamesh._measures.metrics import diagonal, vertex_errors
+from deltamesh._mesh import Mesh, checked_mesh
+from deltamesh._options import Options
+from deltamesh._pipeline import encode_mesh, read_content
+from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import DeltameshError, MeshError, OptionError
-from deltamesh_formats.reader import read_container
 
 MANIFOLDS = {name: mesh for name, mesh in meshes.every().items() if name != "three_pages"}
 SOLVERS = [name for name in ("rslab", "scipy") if name in solve.available_solvers()]
@@ -212,7 +212,7 @@ def test_same_bytes_on_two_runs_and_for_any_threads(mesh: meshes.Arrays, options
 IN_THREADS = """
 import hashlib, sys, threading
 import meshes
-from deltamesh.codec import decode, encode
+from deltamesh._codec import decode, encode
 
 digests = []
 

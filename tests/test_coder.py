@@ -11,10 +11,9 @@ import strategies
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh import entropy
-from deltamesh.kernels import coder as kernels
-from deltamesh.kernels import numbers
-from deltamesh.kernels.coder import (
+from deltamesh._kernels.coding import coder as kernels
+from deltamesh._kernels.coding import numbers
+from deltamesh._kernels.coding.coder import (
     CACHE,
     CODE,
     CONTEXT,
@@ -29,6 +28,7 @@ from deltamesh.kernels.coder import (
     code_bit,
     code_raw,
 )
+from deltamesh._streams import entropy
 from deltamesh_formats.errors import FormatError
 
 # A mixer is (inputs, bound of the counts).

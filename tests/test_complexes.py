@@ -12,19 +12,20 @@ import strategies
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh import decode, encode, entropy
-from deltamesh.kernels import corners as corner_kernels
-from deltamesh.kernels import cutting
-from deltamesh.mesh import Mesh
-from deltamesh.options import Options
-from deltamesh.pipeline import encode_mesh
-from deltamesh.shape.complexes import cut, distinct_faces
-from deltamesh.shape.corners import code_corner_classes, corners_of
-from deltamesh.shape.stitching import TURN, trivial
-from deltamesh.shape.topology import pair_halfedges, weld
+from deltamesh import decode, encode
+from deltamesh._graph.halfedges import pair_halfedges, weld
+from deltamesh._kernels.coding import wedges as corner_kernels
+from deltamesh._kernels.mesh import cutting
+from deltamesh._mesh import Mesh
+from deltamesh._options import Options
+from deltamesh._pipeline import encode_mesh
+from deltamesh._shape.complexes import cut, distinct_faces
+from deltamesh._shape.corners import code_corner_classes, corners_of
+from deltamesh._shape.stitching import TURN, trivial
+from deltamesh._streams import entropy
+from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
-from deltamesh_formats.reader import read_container
-from deltamesh_formats.writer import write_varint
 
 CLEAN = {name: mesh for name, mesh in meshes.every().items() if name != "three_pages"}
 COMPLEXES = meshes.complexes()

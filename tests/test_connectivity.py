@@ -11,11 +11,12 @@ import strategies
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh import entropy
-from deltamesh.shape.connectivity import decode_connectivity, encode_connectivity
-from deltamesh.shape.topology import build_topology, pair_halfedges
+from deltamesh._graph.halfedges import pair_halfedges
+from deltamesh._shape.connectivity import decode_connectivity, encode_connectivity
+from deltamesh._shape.topology import build_topology
+from deltamesh._streams import entropy
+from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
-from deltamesh_formats.writer import write_varint
 
 MANIFOLDS = {name: mesh for name, mesh in meshes.every().items() if name != "three_pages"}
 

@@ -12,11 +12,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from deltamesh_formats import layout
+from deltamesh_formats.container import layout
+from deltamesh_formats.container.layout import Meta, Parameters
+from deltamesh_formats.container.reader import read_container, read_varint
+from deltamesh_formats.container.writer import write_container, write_varint
 from deltamesh_formats.errors import FormatError, MeshError
-from deltamesh_formats.layout import Meta, Parameters
-from deltamesh_formats.reader import read_container, read_varint
-from deltamesh_formats.writer import write_container, write_varint
 
 SPEC = (Path(__file__).parents[1] / "formats" / "SPEC.md").read_text(encoding="utf-8")
 LAYOUT = Path(layout.__file__).read_text(encoding="utf-8")

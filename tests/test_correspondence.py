@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from deltamesh.measures import correspondence
-from deltamesh.mesh import Mesh
+from deltamesh._compare import correspondence
+from deltamesh._mesh import Mesh
 
 MESHES = meshes.every()
 

@@ -8,8 +8,8 @@ import meshes
 import numpy as np
 import pytest
 
-from deltamesh_formats.dropping import without
-from deltamesh_formats.polymesh import Attribute, Kind, Parts, PolyMesh, Role, from_triangles
+from deltamesh_formats.polymesh.dropping import without
+from deltamesh_formats.polymesh.mesh import Attribute, Kind, Parts, PolyMesh, Role, from_triangles
 
 
 def attribute(name: str, role: Role) -> Attribute:

@@ -8,11 +8,10 @@ import strategies
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh import entropy
-from deltamesh.geometry import cartesian, highpass
-from deltamesh.geometry.laplacian import adjacency, graph_laplacian
-from deltamesh.geometry.normals import vertex_normals
-from deltamesh.geometry.quantize import (
+from deltamesh._geometry import cartesian, highpass
+from deltamesh._geometry.integers import NO_POINTS, NONE, Integers
+from deltamesh._geometry.normals import vertex_normals
+from deltamesh._geometry.quantize import (
     LARGEST,
     delta_step,
     from_grid,
@@ -20,15 +19,19 @@ from deltamesh.geometry.quantize import (
     quantize_delta,
     to_grid,
 )
-from deltamesh.geometry.surface import NO_POINTS, NONE, Integers, surface_of
-from deltamesh.kernels import coder as coder_kernels
-from deltamesh.kernels import delta as delta_kernels
-from deltamesh.kernels import numbers, parallelogram, points, residual
-from deltamesh.shape import topology
-from deltamesh.shape.connectivity import encode_connectivity
-from deltamesh.shape.topology import build_topology, pair_halfedges
+from deltamesh._graph.adjacency import adjacency
+from deltamesh._graph.halfedges import pair_halfedges
+from deltamesh._graph.laplacian import graph_laplacian
+from deltamesh._kernels.coding import coder as coder_kernels
+from deltamesh._kernels.coding import delta as delta_kernels
+from deltamesh._kernels.coding import numbers, parallelogram, points, residual
+from deltamesh._shape import topology
+from deltamesh._shape.connectivity import encode_connectivity
+from deltamesh._shape.surface import surface_of
+from deltamesh._shape.topology import build_topology
+from deltamesh._streams import entropy
+from deltamesh_formats.container.layout import Parameters, Section
 from deltamesh_formats.errors import FormatError, MeshError
-from deltamesh_formats.layout import Parameters, Section
 
 MESHES = meshes.every()
 NO_FACES = np.empty((0, 3), dtype=np.int64)

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from filetests import POINTS, again, named, polygons, read, refused, rows
 
-from deltamesh_formats.meshfile import mesh_bytes, written
-from deltamesh_formats.polymesh import Attribute, Parts, from_triangles
-from deltamesh_formats.texture_origin import with_origin
+from deltamesh_formats.meshfiles.files import mesh_bytes, written
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, from_triangles
+from deltamesh_formats.polymesh.texture_origin import with_origin
 
 TRIANGLE = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype="<f4")
 
@@ -413,7 +413,7 @@ def test_what_is_no_glb(data, message):
 
 
 def test_small_files_that_ask_for_much_memory(monkeypatch):
-    monkeypatch.setattr("deltamesh_formats.meshes.glb_in._MOST", 1000)
+    monkeypatch.setattr("deltamesh_formats.meshfiles.glb.reader._MOST", 1000)
     tree, buffer = gltf_tree()
     tree["nodes"] = [{"mesh": 0}] * 1000
     tree["scenes"][0]["nodes"] = list(range(1000))

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from deltamesh import decode, info, verify
-from deltamesh.geometry import solve
-from deltamesh.measures.metrics import diagonal
+from deltamesh._geometry import solve
+from deltamesh._measures.metrics import diagonal
 from deltamesh_formats import errors
-from deltamesh_formats.attribute_table import entries_of
-from deltamesh_formats.reader import read_container
+from deltamesh_formats.container.attribute_table import entries_of
+from deltamesh_formats.container.reader import read_container
 
 GOLDEN, REFUSED = (Path(__file__).parent / name for name in ("golden", "refused"))
 TABLE = (REFUSED / "expected.tsv").read_text(encoding="utf-8").splitlines()[1:]

@@ -15,8 +15,8 @@ import meshes
 import pytest
 from test_docs import ROOT, script
 
-from deltamesh_formats.meshfile import mesh_bytes
-from deltamesh_formats.polymesh import from_triangles
+from deltamesh_formats.meshfiles.files import mesh_bytes
+from deltamesh_formats.polymesh.mesh import from_triangles
 
 GUIDE = ROOT / "docs" / "batch.md"
 MESHES = {"scans/a.ply": meshes.icosphere(2), "scans/sub/b.obj": meshes.torus(9, 7)}

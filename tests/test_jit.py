@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from deltamesh.kernels import jit
+from deltamesh._kernels import jit
 
 PACKAGE = Path(jit.__file__).parent
 

@@ -11,15 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from deltamesh import entropy
-from deltamesh.attributes import elements, labels
-from deltamesh.attributes.elements import Elements
-from deltamesh.kernels import coder as coder_kernels
-from deltamesh.kernels import labels as kernels
-from deltamesh.mesh import Mesh
-from deltamesh.pipeline import silent
-from deltamesh.shape.encoding import encode_structure
-from deltamesh.shape.polygons import Polygons, plain
+from deltamesh._graph import elements
+from deltamesh._graph.elements import Elements
+from deltamesh._kernels.coding import coder as coder_kernels
+from deltamesh._kernels.coding import labels as kernels
+from deltamesh._mesh import Mesh
+from deltamesh._pipeline import silent
+from deltamesh._shape.encoding import encode_structure
+from deltamesh._shape.polygons import Polygons, plain
+from deltamesh._streams import entropy, labels
 from deltamesh_formats.errors import FormatError
 
 Ints = NDArray[np.int64]
@@ -38,8 +38,12 @@ def alone(count: int) -> Elements:
     return graph(np.zeros(count + 1, dtype=np.int64), np.zeros(0, dtype=np.int64))
 
 
+def of_rows(F: Ints, polygons: Polygons) -> Elements:
+    return elements.of_polygons(F, polygons.offsets, polygons.of_corners)
+
+
 def of_faces(F: Ints) -> Elements:
-    return elements.of_faces(F, plain(len(F)))
+    return of_rows(F, plain(len(F)))
 
 
 def rows(elements: Elements) -> list[list[int]]:
@@ -72,7 +76,7 @@ def test_polygons_are_beside_those_with_an_edge_in_common(mesh: meshes.Arrays, s
     F = mesh[1]
     polygons = fans(F, seed)
     sizes = np.diff(polygons.offsets) // 3
-    found = elements.of_faces(F, polygons)
+    found = of_rows(F, polygons)
     polygon = np.repeat(np.arange(len(sizes)), sizes)
     assert rows(found) == oracle.beside(F.tolist(), polygon.tolist())
     assert found.count == len(sizes) == len(found.first) - 1

@@ -3,7 +3,7 @@ import numpy as np
 import oracle
 import pytest
 
-from deltamesh.geometry import laplacian
+from deltamesh._graph import adjacency as laplacian
 
 MESHES = meshes.every()
 

@@ -33,8 +33,8 @@ def test_help_and_info_import_click_only(line: str) -> None:
 
 
 def test_info_of_a_file_imports_no_codec(tmp_path: Path) -> None:
-    from deltamesh_formats.layout import Parameters
-    from deltamesh_formats.writer import write_container
+    from deltamesh_formats.container.layout import Parameters
+    from deltamesh_formats.container.writer import write_container
 
     parameters = Parameters("cartesian", True, None, 8, 0.5, (0.0, 0.0, 0.0), 0.0, 0, 0, 0)
     payloads = {"CONN": b"\x01", "CART": b"\x02"}
@@ -45,9 +45,12 @@ def test_info_of_a_file_imports_no_codec(tmp_path: Path) -> None:
 
 
 def test_the_formats_do_not_need_the_codec() -> None:
-    code = "import deltamesh_formats.reader, deltamesh_formats.writer"
+    code = "import deltamesh_formats.container.reader, deltamesh_formats.container.writer"
     assert not modules_after(code) & {*HEAVY, "numpy", "deltamesh", "deltamesh_cli"}
-    assert not modules_after("import deltamesh_formats.meshfile") & {"deltamesh", "deltamesh_cli"}
+    assert not modules_after("import deltamesh_formats.meshfiles.files") & {
+        "deltamesh",
+        "deltamesh_cli",
+    }
 
 
 @pytest.mark.parametrize("line", ["--help", "completion zsh", "info nothing.dmesh", "encode"])

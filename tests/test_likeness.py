@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from polymeshes import Kind, polymeshes
 
-from deltamesh.measures import likeness
-from deltamesh.mesh import LARGEST
-from deltamesh.reordering import rearranged
-from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh
+from deltamesh._compare import likeness
+from deltamesh._mesh import LARGEST
+from deltamesh._order.reordering import rearranged
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 
 KINDS = (
     Kind("vertex", ("u1", "i8", "f4", "f8"), (1, 3)),

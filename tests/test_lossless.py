@@ -16,18 +16,26 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from deltamesh import decode, encode, info
-from deltamesh.geometry import lossless, spelled
-from deltamesh.geometry.forms import BINARY_DIGITS, Form, Spelling, spelling, to_integers, to_values
-from deltamesh.geometry.solve import factorization
-from deltamesh.geometry.surface import surface_of
-from deltamesh.kernels.exact import NEGATIVE_ZERO, RAW
-from deltamesh.mesh import LARGEST, Mesh
-from deltamesh.options import Options
-from deltamesh.pipeline import encode_mesh
+from deltamesh._geometry import lossless
+from deltamesh._geometry.solve import factorization
+from deltamesh._kernels.coding.exact import NEGATIVE_ZERO, RAW
+from deltamesh._mesh import LARGEST, Mesh
+from deltamesh._options import Options
+from deltamesh._pipeline import encode_mesh
+from deltamesh._shape.surface import surface_of
+from deltamesh._streams import exact as spelled
+from deltamesh._streams.number_formats import (
+    BINARY_DIGITS,
+    Form,
+    Spelling,
+    spelling,
+    to_integers,
+    to_values,
+)
 from deltamesh_cli.program import run
+from deltamesh_formats.container.layout import Section
 from deltamesh_formats.errors import FormatError, MeshError, OptionError
-from deltamesh_formats.layout import Section
-from deltamesh_formats.polymesh import from_triangles
+from deltamesh_formats.polymesh.mesh import from_triangles
 
 EXACTLY = Options(method="lossless")
 TORUS = meshes.torus(7, 6)
@@ -365,7 +373,7 @@ def test_rates_contradict_it(rate: dict) -> None:
 
 @pytest.fixture
 def mesh_file(tmp_path, monkeypatch):
-    from deltamesh_formats.meshfile import write_mesh
+    from deltamesh_formats.meshfiles.files import write_mesh
 
     monkeypatch.chdir(tmp_path)
     V, F = meshes.torus(9, 7)

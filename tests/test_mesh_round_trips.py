@@ -12,9 +12,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from polymeshes import Kind, described
 
-from deltamesh_formats.meshfile import FORMATS, read_mesh, written
-from deltamesh_formats.polymesh import Parts, PolyMesh
-from deltamesh_formats.texture_origin import told_top_left
+from deltamesh_formats.meshfiles.files import FORMATS, read_mesh, written
+from deltamesh_formats.polymesh.mesh import Parts, PolyMesh
+from deltamesh_formats.polymesh.texture_origin import told_top_left
 
 REAL, ANY_REAL = ("f8",), ("f4", "f8")
 PLY_TYPES = ("i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8")

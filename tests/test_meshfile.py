@@ -15,9 +15,9 @@ from filetests import POINTS, again, read, refused
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh_formats import meshfile
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfile import (
+from deltamesh_formats.meshfiles import files as meshfile
+from deltamesh_formats.meshfiles.files import (
     FORMATS,
     mesh_bytes,
     mesh_format,
@@ -25,7 +25,7 @@ from deltamesh_formats.meshfile import (
     write_mesh,
     written,
 )
-from deltamesh_formats.polymesh import PolyMesh, from_triangles
+from deltamesh_formats.polymesh.mesh import PolyMesh, from_triangles
 
 # Numbers without an end in binary, and magnitudes that a fixed number of decimals would lose;
 # vertices 2 and 5 are isolated, vertex 4 repeats vertex 0.
@@ -166,7 +166,7 @@ def test_a_fault_of_a_reader_is_told_as_one(monkeypatch):
 
 
 def test_importing_is_cheap():
-    code = "import sys, deltamesh_formats.meshfile; sys.exit('scipy' in sys.modules)"
+    code = "import sys, deltamesh_formats.meshfiles.files; sys.exit('scipy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -5,11 +5,11 @@ import numpy as np
 import oracle
 import pytest
 
-from deltamesh.geometry.laplacian import edges
-from deltamesh.kernels import closest
-from deltamesh.measures import metrics
-from deltamesh.measures.hausdorff import _surface_samples
-from deltamesh.mesh import Mesh
+from deltamesh._graph.adjacency import edges
+from deltamesh._kernels.mesh import closest
+from deltamesh._measures import metrics
+from deltamesh._measures.hausdorff import _surface_samples
+from deltamesh._mesh import Mesh
 
 MESHES = meshes.every()
 TRIANGLE = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
@@ -158,7 +158,7 @@ def test_point_to_triangle_without_area(corners: list[list[float]]) -> None:
 @pytest.mark.parametrize("name", MESHES)
 def test_hausdorff_of_vertices_equals_brute_force(name: str, monkeypatch) -> None:
     monkeypatch.setattr(
-        "deltamesh.measures.hausdorff._surface_samples", lambda t: (np.arange(0), t[:0, 0])
+        "deltamesh._measures.hausdorff._surface_samples", lambda t: (np.arange(0), t[:0, 0])
     )
     V, F = MESHES[name]
     F = F[:25]

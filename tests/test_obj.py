@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from filetests import again, exact, named, polygons, read, refused, rows
 
-from deltamesh_formats.meshfile import mesh_bytes, written
-from deltamesh_formats.polymesh import Attribute, Parts, from_triangles
+from deltamesh_formats.meshfiles.files import mesh_bytes, written
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, from_triangles
 
 CORNERS = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 SQUARE = CORNERS + "v 1 1 0\n"

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import complexes
 
-from deltamesh.attributes.element_normals import (
+from deltamesh._attributes.element_normals import (
     ANGLE,
     AREA,
     EQUAL,
@@ -21,8 +21,7 @@ from deltamesh.attributes.element_normals import (
     Surroundings,
     surface_normals,
 )
-from deltamesh.attributes.elements import of_vertices
-from deltamesh.attributes.octahedral import (
+from deltamesh._attributes.octahedral import (
     ABSOLUTE,
     FRAME,
     LEAST_BITS,
@@ -39,7 +38,7 @@ from deltamesh.attributes.octahedral import (
     restored,
     to_grid,
 )
-from deltamesh.attributes.unit_normals import (
+from deltamesh._attributes.unit_normals import (
     NONE,
     Normals,
     decode_normals,
@@ -47,8 +46,9 @@ from deltamesh.attributes.unit_normals import (
     smallest,
     values_of,
 )
+from deltamesh._graph.elements import of_vertices
 from deltamesh_formats.errors import FormatError
-from deltamesh_formats.meshfile import read_mesh
+from deltamesh_formats.meshfiles.files import read_mesh
 
 BITS = st.integers(LEAST_BITS, 16)
 SEEDS = st.integers(0, 2**32 - 1)

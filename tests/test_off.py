@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from filetests import POINTS, again, polygons, read, refused, rows
 
-from deltamesh_formats.meshfile import mesh_bytes, written
-from deltamesh_formats.polymesh import Attribute, from_triangles
+from deltamesh_formats.meshfiles.files import mesh_bytes, written
+from deltamesh_formats.polymesh.mesh import Attribute, from_triangles
 
 OFF = "OFF\n4 2 5\n0 0 0\n1 0 0\n0 1 0\n0.5 0.25 8\n3 0 1 2\n3 2 1 3\n"
 

@@ -15,15 +15,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import decode, encode, info
-from deltamesh.kernels import remaining
-from deltamesh.mesh import Mesh
-from deltamesh.options import Options
-from deltamesh.order import decode_order, encode_order
-from deltamesh.pipeline import encode_mesh
-from deltamesh.reordering import Order, arrays, order_of, reordered
-from deltamesh.shape.polygons import Sources, plain
+from deltamesh._kernels.coding import remaining
+from deltamesh._mesh import Mesh
+from deltamesh._options import Options
+from deltamesh._order.coding import decode_order, encode_order
+from deltamesh._order.reordering import Order, arrays, order_of, reordered
+from deltamesh._pipeline import encode_mesh
+from deltamesh._shape.polygons import Sources, plain
 from deltamesh_formats.errors import FormatError
-from deltamesh_formats.polymesh import from_triangles
+from deltamesh_formats.polymesh.mesh import from_triangles
 
 MANIFOLDS = {name: mesh for name, mesh in meshes.every().items() if name != "three_pages"}
 

@@ -19,15 +19,17 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 
 import deltamesh
-from deltamesh.limits import memory_needed
-from deltamesh_formats import meshfile, packed, texts
+from deltamesh._limits import memory_needed
+from deltamesh_formats.container import packed, texts
+from deltamesh_formats.container.layout import MAX_TEXT
+from deltamesh_formats.container.listing import text_lines, texts_object
+from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.container.texts import Division, Texts
+from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, LimitError, MeshError
-from deltamesh_formats.layout import MAX_TEXT
-from deltamesh_formats.listing import printable, text_lines, texts_object
-from deltamesh_formats.polymesh import Kind, Parts, PolyMesh, from_triangles
-from deltamesh_formats.reader import read_container
-from deltamesh_formats.texts import Division, Texts
-from deltamesh_formats.writer import write_varint
+from deltamesh_formats.meshfiles import files as meshfile
+from deltamesh_formats.polymesh.mesh import Kind, Parts, PolyMesh, from_triangles
+from deltamesh_formats.printing import printable
 
 # Any text of Python, with surrogates and control characters.
 ANY_TEXT = st.text(st.characters(exclude_categories=[]), max_size=12)
@@ -127,8 +129,8 @@ def test_a_mesh_without_all_this_has_no_such_section() -> None:
 
 
 def test_the_encoder_says_what_the_decoder_will_make() -> None:
-    from deltamesh.options import Options
-    from deltamesh.pipeline import encode_mesh
+    from deltamesh._options import Options
+    from deltamesh._pipeline import encode_mesh
 
     mesh = replace(with_names("a", "b"), metadata={"comments": ("x",)}, precision="float32")
     for keep in (False, True):

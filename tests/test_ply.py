@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from filetests import POINTS, again, exact, polygons, read, refused, rows
 
-from deltamesh_formats.meshfile import mesh_bytes, written
-from deltamesh_formats.polymesh import Attribute, from_triangles
+from deltamesh_formats.meshfiles.files import mesh_bytes, written
+from deltamesh_formats.polymesh.mesh import Attribute, from_triangles
 
 ENCODINGS = ["ascii", "binary_little_endian", "binary_big_endian"]
 CODES = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I"}

@@ -15,27 +15,34 @@ import strategies
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh import decode, encode, entropy
-from deltamesh.codec import encode_mesh
-from deltamesh.kernels import coder as coder_kernels
-from deltamesh.kernels import diagonals
-from deltamesh.kernels import polygons as kernels
-from deltamesh.kernels.listed import code_listed
-from deltamesh.measures.correspondence import match_polygons
-from deltamesh.mesh import Mesh, triangulated
-from deltamesh.options import Options
-from deltamesh.order import decode_order, encode_order
-from deltamesh.reordering import Order, rows_of
-from deltamesh.shape.decoding import announced, decode_structure
-from deltamesh.shape.diagonals import cut_polygons
-from deltamesh.shape.encoding import encode_structure
-from deltamesh.shape.gluing import decode_polygons, encode_polygons, glued_halfedges, partners, ways
-from deltamesh.shape.polygons import joined
+from deltamesh import decode, encode
+from deltamesh._codec import encode_mesh
+from deltamesh._compare.correspondence import match_polygons
+from deltamesh._kernels.coding import coder as coder_kernels
+from deltamesh._kernels.coding import hidden_edges as kernels
+from deltamesh._kernels.coding.merged_pairs import code_listed
+from deltamesh._kernels.mesh import diagonals
+from deltamesh._mesh import Mesh, triangulated
+from deltamesh._options import Options
+from deltamesh._order.coding import decode_order, encode_order
+from deltamesh._order.reordering import Order, rows_of
+from deltamesh._shape.decoding import announced, decode_structure
+from deltamesh._shape.diagonals import cut_polygons
+from deltamesh._shape.encoding import encode_structure
+from deltamesh._shape.merging import (
+    decode_polygons,
+    encode_polygons,
+    glued_halfedges,
+    partners,
+    ways,
+)
+from deltamesh._shape.polygons import joined
+from deltamesh._streams import entropy
+from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
-from deltamesh_formats.meshfile import read_mesh
-from deltamesh_formats.polymesh import PolyMesh
-from deltamesh_formats.reader import read_container
-from deltamesh_formats.writer import write_varint
+from deltamesh_formats.meshfiles.files import read_mesh
+from deltamesh_formats.polymesh.mesh import PolyMesh
 
 METHODS = ("highpass", "refined", "cartesian", "lossless")
 REAL = (

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from polymeshes import Kind
 
-from deltamesh_formats.contents import attribute_words, unkept
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh import (
+from deltamesh_formats.polymesh.descriptions import attribute_words, unkept
+from deltamesh_formats.polymesh.mesh import (
     Attribute,
     Parts,
     PolyMesh,

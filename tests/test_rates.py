@@ -11,11 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import deltamesh
-from deltamesh.measures import bench, metrics, peers, rates
-from deltamesh.measures.correspondence import match
-from deltamesh.measures.welding import welded, without_isolated
-from deltamesh.mesh import Mesh
-from deltamesh.options import Options
+from deltamesh._compare.correspondence import match
+from deltamesh._compare.welding import welded, without_isolated
+from deltamesh._measures import metrics
+from deltamesh._mesh import Mesh
+from deltamesh._options import Options
+from deltamesh.bench import measure as bench
+from deltamesh.bench import peers, rates
 
 
 @pytest.fixture(scope="module")

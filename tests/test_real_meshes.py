@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from deltamesh import decode
-from deltamesh.options import Options
-from deltamesh.pipeline import encode_mesh
+from deltamesh._options import Options
+from deltamesh._pipeline import encode_mesh
 
 NAMES = (
     "unstated/bun_zipper.ply",

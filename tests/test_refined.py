@@ -10,22 +10,23 @@ import strategies
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh import FormatError, OptionError, decode, encode, entropy, info
-from deltamesh.geometry import highpass
-from deltamesh.geometry import refined as refined_method
-from deltamesh.geometry.laplacian import adjacency
-from deltamesh.geometry.normals import vertex_normals
-from deltamesh.geometry.quantize import quantize_delta
-from deltamesh.geometry.solve import factorization
-from deltamesh.geometry.surface import surface_of
-from deltamesh.kernels import coder as coder_kernels
-from deltamesh.kernels import delta as kernels
-from deltamesh.kernels import residual
-from deltamesh.measures.metrics import diagonal
-from deltamesh.mesh import Mesh
-from deltamesh.options import Options, Settings
-from deltamesh.pipeline import encode_mesh, read_content
-from deltamesh_formats.layout import Section
+from deltamesh import FormatError, OptionError, decode, encode, info
+from deltamesh._geometry import highpass
+from deltamesh._geometry import refined as refined_method
+from deltamesh._geometry.normals import vertex_normals
+from deltamesh._geometry.quantize import quantize_delta
+from deltamesh._geometry.solve import factorization
+from deltamesh._graph.adjacency import adjacency
+from deltamesh._kernels.coding import coder as coder_kernels
+from deltamesh._kernels.coding import delta as kernels
+from deltamesh._kernels.coding import residual
+from deltamesh._measures.metrics import diagonal
+from deltamesh._mesh import Mesh
+from deltamesh._options import Options, Settings
+from deltamesh._pipeline import encode_mesh, read_content
+from deltamesh._shape.surface import surface_of
+from deltamesh._streams import entropy
+from deltamesh_formats.container.layout import Section
 
 SPHERE, TORUS = meshes.icosphere(3), meshes.torus(12, 9)
 

@@ -17,14 +17,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import decode, encode, verify
-from deltamesh.geometry import highpass
-from deltamesh.geometry.surface import NONE, Integers, digest
-from deltamesh.limits import memory_needed
-from deltamesh.pipeline import read_content
-from deltamesh_formats import layout
+from deltamesh._content import digest
+from deltamesh._geometry import highpass
+from deltamesh._geometry.integers import NONE, Integers
+from deltamesh._limits import memory_needed
+from deltamesh._pipeline import read_content
+from deltamesh_formats.container import layout
+from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import DeltameshError, FormatError, LimitError, SolveError
-from deltamesh_formats.reader import read_container
-from deltamesh_formats.writer import write_varint
 
 SPHERE = meshes.icosphere(1)
 FILES = {

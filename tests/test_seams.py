@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import deltamesh
-from deltamesh_formats.joined import joined
-from deltamesh_formats.polymesh import PolyMesh
-from deltamesh_formats.seams import at_vertices, split
-from deltamesh_formats.shapes import check_shapes
+from deltamesh_formats.polymesh.joining import joined
+from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.polymesh.seams import at_vertices, split
+from deltamesh_formats.polymesh.validation import check_shapes
 
 KINDS = (
     polymeshes.Kind("corner", ("f4", "i8"), (1, 2), partly=True),

@@ -12,12 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import TargetError, encode, info
-from deltamesh.geometry.search import MOST_TRIES, Trial, smallest
-from deltamesh.geometry.targets import Bounds
-from deltamesh.measures.metrics import VertexErrors, diagonal
-from deltamesh.options import Options, Settings
+from deltamesh._geometry.bounds import Bounds
+from deltamesh._geometry.search import MOST_TRIES, Trial, smallest
+from deltamesh._measures.metrics import VertexErrors, diagonal
+from deltamesh._options import Options, Settings
+from deltamesh_formats.container.layout import Parameters
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.layout import Parameters
 
 N = 1000
 

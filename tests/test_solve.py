@@ -8,7 +8,8 @@ import numpy as np
 import oracle
 import pytest
 
-from deltamesh.geometry import laplacian, solve
+from deltamesh._geometry import solve
+from deltamesh._graph import adjacency as laplacian
 from deltamesh_formats.errors import SolveError
 
 MESHES = meshes.every()

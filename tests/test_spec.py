@@ -13,15 +13,16 @@ import spec_labels
 import spec_polygons
 import strategies
 
-from deltamesh import decode, encode, info, order
-from deltamesh.attributes.elements import of_vertices
-from deltamesh.attributes.labels import encode_labels
-from deltamesh.measures.metrics import diagonal
-from deltamesh.mesh import Mesh
-from deltamesh.reordering import Order
-from deltamesh.shape.polygons import plain
-from deltamesh_formats.polymesh import Attribute
-from deltamesh_formats.writer import write_varint
+from deltamesh import decode, encode, info
+from deltamesh._graph.elements import of_vertices
+from deltamesh._measures.metrics import diagonal
+from deltamesh._mesh import Mesh
+from deltamesh._order import coding as order
+from deltamesh._order.reordering import Order
+from deltamesh._shape.polygons import plain
+from deltamesh._streams.labels import encode_labels
+from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.polymesh.mesh import Attribute
 
 HERE = Path(__file__).parent
 GOLDEN = sorted((HERE / "golden").glob("*.dmesh"))

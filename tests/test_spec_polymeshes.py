@@ -17,10 +17,10 @@ from hypothesis import strategies as st
 from test_spec import assert_same
 
 from deltamesh import encode
-from deltamesh_formats import texts
+from deltamesh_formats.container import texts
+from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import FormatError
-from deltamesh_formats.polymesh import PolyMesh
-from deltamesh_formats.reader import read_container
+from deltamesh_formats.polymesh.mesh import PolyMesh
 
 METHODS = ("cartesian", "highpass", "lossless", "refined")
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from filetests import POINTS, again, named, polygons, read, refused
 
-from deltamesh_formats.meshfile import mesh_bytes, written
-from deltamesh_formats.polymesh import Attribute, Parts, from_triangles
+from deltamesh_formats.meshfiles.files import mesh_bytes, written
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, from_triangles
 
 FACET = "facet normal 0 0 1\nouter loop\n{}endloop\nendfacet\n"
 CORNERS = "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import deltamesh
-from deltamesh_formats.polymesh import Attribute, Parts
+from deltamesh_formats.polymesh.mesh import Attribute, Parts
 
 V, F = meshes.torus(9, 7)
 MESH = deltamesh.from_arrays(V, F, vertex={"T": V[:, 0], "normal": V}, face={"R": F[:, 0]})

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from deltamesh import MeshError, OptionError, TargetError, decode, encode, info
-from deltamesh.geometry.targets import Bounds, bounds_of
-from deltamesh.measures.metrics import VertexErrors, diagonal
-from deltamesh.mesh import Mesh
-from deltamesh.options import Options
-from deltamesh.pipeline import encode_mesh
+from deltamesh._geometry.bounds import Bounds, bounds_of
+from deltamesh._measures.metrics import VertexErrors, diagonal
+from deltamesh._mesh import Mesh
+from deltamesh._options import Options
+from deltamesh._pipeline import encode_mesh
 
 METHODS = ("auto", "highpass", "refined", "cartesian")
 BUMPY = meshes.torus(24, 16)

@@ -11,10 +11,10 @@ from filetests import POINTS, again, read
 from numpy.typing import NDArray
 
 import deltamesh
-from deltamesh.measures import likeness
-from deltamesh_formats.meshfile import mesh_bytes
-from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh, from_triangles
-from deltamesh_formats.texture_origin import is_top_left, told_top_left, with_origin
+from deltamesh._compare import likeness
+from deltamesh_formats.meshfiles.files import mesh_bytes
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, from_triangles
+from deltamesh_formats.polymesh.texture_origin import is_top_left, told_top_left, with_origin
 
 UV = np.array([[0.0, 0.25], [0.5, 0.75], [1, 0], [0.125, 1]])
 FACES = np.array([[0, 1, 2], [1, 3, 2]])

@@ -6,7 +6,8 @@ import meshes
 import numpy as np
 import pytest
 
-from deltamesh.shape.topology import build_topology, pair_halfedges, weld
+from deltamesh._graph.halfedges import pair_halfedges, weld
+from deltamesh._shape.topology import build_topology
 
 
 def topology(faces, n=None):

@@ -21,17 +21,17 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 
 from deltamesh import decode, encode
-from deltamesh.codec import encode_mesh
-from deltamesh.measures import likeness
-from deltamesh.options import Options
-from deltamesh.pipeline import Encoded
-from deltamesh_formats.attribute_table import TYPES
-from deltamesh_formats.contents import unused
+from deltamesh._codec import encode_mesh
+from deltamesh._compare import likeness
+from deltamesh._options import Options
+from deltamesh._pipeline import Encoded
+from deltamesh_formats.container.attribute_table import TYPES
+from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.container.texts import KINDS
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfile import read_mesh, written
-from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh, from_triangles
-from deltamesh_formats.reader import read_container
-from deltamesh_formats.texts import KINDS
+from deltamesh_formats.meshfiles.files import read_mesh, written
+from deltamesh_formats.polymesh.descriptions import unused
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, from_triangles
 
 METHODS = ("lossless", "cartesian", "highpass", "refined")
 DOMAINS = ("vertex", "corner", "face")

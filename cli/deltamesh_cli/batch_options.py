@@ -9,7 +9,7 @@ from typing import Any, Final
 import click
 from click.core import ParameterSource
 
-from deltamesh.options import Options
+from deltamesh._options import Options
 from deltamesh_cli import decode as decoding
 from deltamesh_cli import encode as encoding
 from deltamesh_cli import options

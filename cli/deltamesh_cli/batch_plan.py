@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
+from deltamesh._version import __version__
 from deltamesh.batch.finding import Selection, find
 from deltamesh.batch.manifest import SKIPPED, Record, is_ours, still_done
 from deltamesh.batch.plan import Task, check_targets, flat, mirrored
 from deltamesh.batch.schedule import memory_for_counts, memory_for_mesh_file
-from deltamesh.version import __version__
 from deltamesh_cli import files, options
 from deltamesh_cli.batch_work import Job, failed
 from deltamesh_cli.decode import destination
@@ -128,7 +128,7 @@ def _decoded_name(job: Job, source: str, place: str) -> str:
 
 def _need(source: str) -> int:
     """Return the memory that a `.dmesh` file takes, by its header."""
-    from deltamesh_formats.reader import read_counts
+    from deltamesh_formats.container.reader import read_counts
 
     with open(source, "rb") as stream:
         header = stream.read(_HEADER)
@@ -139,7 +139,7 @@ def _need(source: str) -> int:
 
 
 def _stored_format(source: str) -> str:
-    from deltamesh_formats.reader import read_container
+    from deltamesh_formats.container.reader import read_container
 
     try:
         with open(source, "rb") as stream:

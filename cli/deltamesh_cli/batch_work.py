@@ -10,16 +10,16 @@ import warnings
 from dataclasses import dataclass
 from typing import Any, Final
 
+from deltamesh._options import METHODS
+from deltamesh._version import __version__
 from deltamesh.batch.manifest import DONE, FAILED, Record, state_of
 from deltamesh.batch.plan import Task
-from deltamesh.options import METHODS
-from deltamesh.version import __version__
 from deltamesh_cli import files, options, summary
 from deltamesh_cli.decode import decode_into
 from deltamesh_cli.encode import encode_file
 from deltamesh_cli.failures import Failure, as_object, attempt
 from deltamesh_cli.meshes import container_of
-from deltamesh_formats.layout import Container
+from deltamesh_formats.container.layout import Container
 
 _TETRAHEDRON: Final = b"""OFF
 4 4 0
@@ -142,7 +142,7 @@ def prepare(job: Job) -> None:
     """Load the codec, or compile it after an installation, before the clock of a file runs."""
     warnings.simplefilter("ignore")  # as in deltamesh_cli.program
     import deltamesh
-    from deltamesh_formats.meshfile import read_mesh
+    from deltamesh_formats.meshfiles.files import read_mesh
 
     mesh, method = read_mesh(io.BytesIO(_TETRAHEDRON), "off"), job.parameters.get("method")
     for one in [method] if method in METHODS else METHODS:

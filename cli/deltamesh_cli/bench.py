@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 from click.core import ParameterSource
 
-from deltamesh.options import BOUNDS, RATES, Options
+from deltamesh._options import BOUNDS, RATES, Options
 from deltamesh_cli import files, measuring, options
 from deltamesh_cli.encode import command as encode
 from deltamesh_cli.failures import DONE, tried
@@ -19,8 +19,8 @@ from deltamesh_cli.progress import progress
 from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
-    from deltamesh.measures.bench import Measurement
-    from deltamesh.measures.rates import Row
+    from deltamesh.bench.measure import Measurement
+    from deltamesh.bench.rates import Row
 
 # Of the options that say how to encode: those that may be lists, and those that are not encode's.
 _LISTS: Final = ("method", *RATES, *BOUNDS)
@@ -183,7 +183,7 @@ def command(
 
 def _labels(given: dict[str, Any]) -> list[str]:
     """Return the label of each method with each rate."""
-    from deltamesh.measures.bench import label
+    from deltamesh.bench.measure import label
 
     lists = {name: _flat(given.pop(name, ())) for name in _LISTS}
     methods = [{"method": method} for method in lists.pop("method")] or [{}]

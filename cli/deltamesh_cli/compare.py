@@ -17,13 +17,13 @@ from deltamesh_cli.signals import interruptible
 from deltamesh_cli.summary import bits_per_vertex, relative
 
 if TYPE_CHECKING:
-    from deltamesh.measures.likeness import Difference
-    from deltamesh_formats.polymesh import Kind
+    from deltamesh._compare.likeness import Difference
+    from deltamesh_formats.polymesh.kinds import KIND_WORDS, Kind
 
     _Errors: TypeAlias = dict[str, float | None]
     _Named: TypeAlias = tuple[str, Loaded]
 
-# The metrics of deltamesh.measures.metrics.Errors, and what they are called here.
+# The metrics of deltamesh._measures.metrics.Errors, and what they are called here.
 _LENGTHS = {"rms": "RMS", "max": "max", "hausdorff": "Hausdorff", "visual": "visual"}
 _ANGLES = {"normal_deviation": "face normals", "dihedral": "dihedral angles"}
 
@@ -110,9 +110,10 @@ def command(
 
 
 def _measured(a: Loaded, b: Loaded, stage: Stage) -> _Found:
-    from deltamesh.measures import likeness, metrics
-    from deltamesh.mesh import Mesh, triangulated
-    from deltamesh.shape.complexes import distinct_faces
+    from deltamesh._compare import likeness
+    from deltamesh._measures import metrics
+    from deltamesh._mesh import Mesh, triangulated
+    from deltamesh._shape.complexes import distinct_faces
 
     stage("matching vertices")
     containers = [one.container for one in (a, b) if one.container]
@@ -225,7 +226,6 @@ def _parts(a: Loaded, b: Loaded, other: tuple[Kind, ...]) -> Iterator[tuple[Kind
 
 
 def _part_rows(a: Loaded, b: Loaded, other: tuple[Kind, ...]) -> Iterator[tuple[str, ...]]:
-    from deltamesh_formats.texts import KIND_WORDS
 
     yield "parts", "in A", "in B", ""
     for kind, there, here, alike in _parts(a, b, other):

@@ -13,7 +13,7 @@ from deltamesh_cli.output import print_json, shown
 from deltamesh_cli.progress import Stage, progress
 
 if TYPE_CHECKING:
-    from deltamesh_formats.polymesh import PolyMesh
+    from deltamesh_formats.polymesh.mesh import PolyMesh
 
 # What a file that names no format of its own is written as: binary, exact, read by everything.
 _FALLBACK_FORMAT = "ply"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from deltamesh.options import (
+from deltamesh._options import (
     ANCHOR_METHODS,
     BOUNDS,
     DEFAULT_BITS_NORMAL,
@@ -29,7 +29,7 @@ from deltamesh_cli.progress import Stage, progress
 from deltamesh_cli.signals import interruptible
 
 if TYPE_CHECKING:
-    from deltamesh_formats.polymesh import PolyMesh
+    from deltamesh_formats.polymesh.mesh import PolyMesh
 
 _EXAMPLES = """\
 deltamesh encode bunny.ply                      writes bunny.ply.dmesh
@@ -330,15 +330,15 @@ def _encoded(mesh: PolyMesh, stage: Stage, parameters: dict[str, Any]) -> bytes:
 
 def _not_kept(data: bytes) -> tuple[str, ...]:
     """Return words for what of the source is not in a `.dmesh` file."""
-    from deltamesh_formats.reader import read_container
-    from deltamesh_formats.texts import texts_of
+    from deltamesh_formats.container.reader import read_container
+    from deltamesh_formats.container.texts import texts_of
 
     return texts_of(read_container(data)).lost
 
 
 def _print_summary(source: tuple[str, int], target: str, data: bytes, *, as_json: bool) -> None:
     """Print what became of `source`, a name and a size in bytes."""
-    from deltamesh_formats.reader import read_container
+    from deltamesh_formats.container.reader import read_container
 
     container = read_container(data)
     name, size = source

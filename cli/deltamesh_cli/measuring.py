@@ -20,9 +20,9 @@ from deltamesh_cli.progress import Stage
 from deltamesh_cli.signals import interruptible
 
 if TYPE_CHECKING:
-    from deltamesh.measures.bench import Codec, Measurement
-    from deltamesh.measures.rates import Change, Row
-    from deltamesh.mesh import Mesh
+    from deltamesh._mesh import Mesh
+    from deltamesh.bench.measure import Codec, Measurement
+    from deltamesh.bench.rates import Change, Row
 
 PEERS: Final = ("draco", "meshopt", "zstd")
 PEER_BITS: Final = (10, 11, 12)
@@ -82,8 +82,8 @@ def read(path: str, stage: Stage, *, bare: bool) -> Mesh:
             raise FileNotFoundError(errno.ENOENT, "there is no mesh file in this folder")
     found = parsed(path, files.read_input(path), None, stage)
     with attempt(path, "cannot read"):
-        from deltamesh.measures.welding import welded, without_isolated
-        from deltamesh.mesh import checked_mesh
+        from deltamesh._compare.welding import welded, without_isolated
+        from deltamesh._mesh import checked_mesh
 
         mesh = checked_mesh(found.vertices, found.faces)
         return without_isolated(welded(mesh)) if bare else mesh
@@ -96,7 +96,7 @@ def measured(name: str, path: str, mesh: Mesh, codec: Codec, stage: Stage) -> Me
     ------
     Failure
     """
-    from deltamesh.measures import bench
+    from deltamesh.bench import measure as bench
 
     with attempt(path, f"cannot measure {codec.label}"):
         stage("loading")
@@ -107,7 +107,7 @@ def measured(name: str, path: str, mesh: Mesh, codec: Codec, stage: Stage) -> Me
 
 @cache
 def _warm_up(method: str) -> None:
-    from deltamesh.measures import bench
+    from deltamesh.bench import measure as bench
 
     if method not in PEERS:
         bench.warm_up(bench.codec_of(method))
@@ -115,7 +115,7 @@ def _warm_up(method: str) -> None:
 
 def peer_labels(names: Iterable[str], bits: Sequence[int]) -> list[str]:
     """Return the labels of other codecs at each number of bits."""
-    from deltamesh.measures.peers import labels
+    from deltamesh.bench.peers import labels
 
     return [label for name in names for label in labels(name, bits)]
 
@@ -127,7 +127,7 @@ def any_peer(labels: Iterable[str]) -> bool:
 
 def skipped(labels: Iterable[str]) -> set[str]:
     """Return the labels whose packages are not installed, and name them on standard error."""
-    from deltamesh.measures.peers import missing
+    from deltamesh.bench.peers import missing
 
     absent = {label: missing(label) for label in dict.fromkeys(labels)}
     for label, packages in absent.items():
@@ -147,7 +147,7 @@ def codecs(
     Failure
         A label names none.
     """
-    from deltamesh.measures import bench
+    from deltamesh.bench import measure as bench
 
     found = []
     for label in labels:
@@ -164,7 +164,7 @@ def saved(path: str) -> list[Row]:
     ------
     Failure
     """
-    from deltamesh.measures.rates import from_text
+    from deltamesh.bench.rates import from_text
 
     data = files.read_input(path)
     with attempt(path, "cannot compare with it"):
@@ -178,7 +178,7 @@ def save(path: str, measurements: Iterable[Measurement]) -> None:
     ------
     Failure
     """
-    from deltamesh.measures.rates import as_text, row_of
+    from deltamesh.bench.rates import as_text, row_of
 
     with files.open_output(path) as stream:
         stream.write(as_text(map(row_of, measurements)).encode())
@@ -193,7 +193,7 @@ def labels_of(name: str, rows: Iterable[Row]) -> list[str]:
 
 def print_table(path: str, measurements: Sequence[Measurement]) -> None:
     """Print the measurements of one mesh for people."""
-    from deltamesh.measures.rates import row_of
+    from deltamesh.bench.rates import row_of
 
     if not measurements:
         return
@@ -205,7 +205,7 @@ def print_table(path: str, measurements: Sequence[Measurement]) -> None:
 
 def print_csv(measurements: Iterable[Measurement]) -> None:
     """Print all rows, with times."""
-    from deltamesh.measures.rates import COLUMNS, SECONDS, as_text, row_of
+    from deltamesh.bench.rates import COLUMNS, SECONDS, as_text, row_of
 
     click.echo(as_text(map(row_of, measurements), (*COLUMNS, *SECONDS)), nl=False)
 
@@ -220,7 +220,7 @@ def changes(
     old: Iterable[Row], new: Iterable[Measurement], tolerance: float, error_tolerance: float
 ) -> list[Change]:
     """Return what differs by more than it may."""
-    from deltamesh.measures import rates
+    from deltamesh.bench import rates
 
     rows = map(rates.row_of, new)
     return rates.changes(old, rows, tolerance=tolerance, error_tolerance=error_tolerance)

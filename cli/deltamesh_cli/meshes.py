@@ -14,11 +14,11 @@ from deltamesh_cli.failures import attempt
 from deltamesh_cli.output import shown
 from deltamesh_cli.progress import Stage
 from deltamesh_cli.signals import interruptible
-from deltamesh_formats.layout import MAGIC
+from deltamesh_formats.container.layout import MAGIC
 
 if TYPE_CHECKING:
-    from deltamesh_formats.layout import Container
-    from deltamesh_formats.polymesh import PolyMesh
+    from deltamesh_formats.container.layout import Container
+    from deltamesh_formats.polymesh.mesh import PolyMesh
 
 _DMESH: Final = files.SUFFIX.removeprefix(".")
 # How files begin that are recognized whatever their names are.
@@ -45,7 +45,7 @@ def parsed(name: str, data: bytes, file_format: str | None, stage: Stage) -> Pol
     stage("reading")
     named = file_format or files.extension(name)
     with attempt(name, "cannot read", _format_hint(named, data)):
-        from deltamesh_formats.meshfile import read_mesh
+        from deltamesh_formats.meshfiles.files import read_mesh
 
         return read_mesh(io.BytesIO(data), named)
 
@@ -68,7 +68,7 @@ def write_mesh_file(name: str, mesh: PolyMesh, file_format: str) -> tuple[str, .
     Failure
         It cannot be written.
     """
-    from deltamesh_formats.meshfile import write_mesh
+    from deltamesh_formats.meshfiles.files import write_mesh
 
     with files.open_output(name) as stream:
         return write_mesh(stream, mesh, file_format)
@@ -89,7 +89,7 @@ def container_of(name: str, data: bytes, what: str) -> Container:
     Failure
         The bytes are not a valid file; `what` says what could not be done therefore.
     """
-    from deltamesh_formats.reader import read_container
+    from deltamesh_formats.container.reader import read_container
 
     with attempt(name, what):
         return read_container(data)
@@ -118,7 +118,7 @@ def load_any(name: str, file_format: str | None, stage: Stage, **parameters: Any
     Failure
         It is neither, or needs more than the limits.
     """
-    from deltamesh.mesh import checked_mesh
+    from deltamesh._mesh import checked_mesh
 
     data = files.read_input(name)
     if data[: len(MAGIC)] == MAGIC:

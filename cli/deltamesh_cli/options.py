@@ -11,7 +11,7 @@ from typing import Any, Final
 import click
 from click.shell_completion import CompletionItem
 
-from deltamesh.options import MAX_COARSE, SOLVERS
+from deltamesh._options import MAX_COARSE, SOLVERS
 from deltamesh_cli.failures import EXIT_CODES, Settings
 
 Command = Callable[..., Any]

@@ -7,8 +7,7 @@ import math
 
 import click
 
-from deltamesh_formats.listing import printable
-from deltamesh_formats.summary import number, table
+from deltamesh_formats.printing import number, printable, table
 
 __all__ = ["number", "print_json", "shown", "table"]
 

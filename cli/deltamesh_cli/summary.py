@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from deltamesh_cli.output import shown
-from deltamesh_formats.layout import ORDER, Container, Meta, Parameters
-from deltamesh_formats.summary import (
+from deltamesh_formats.container.layout import ORDER, Container, Meta, Parameters
+from deltamesh_formats.container.summary import (
     achieved,
     attributes_of,
     bits_per_vertex,
@@ -18,7 +18,7 @@ from deltamesh_formats.summary import (
 )
 
 if TYPE_CHECKING:
-    from deltamesh_formats.attribute_table import Entry
+    from deltamesh_formats.container.attribute_table import Entry
 
 __all__ = ["achieved", "as_object", "as_text", "bits_per_vertex", "counts", "errors", "relative"]
 
@@ -31,8 +31,8 @@ def as_object(name: str, container: Container) -> dict[str, object]:
     FormatError
         If its names or its table of attributes are damaged.
     """
-    from deltamesh_formats.listing import texts_object
-    from deltamesh_formats.texts import texts_of
+    from deltamesh_formats.container.listing import texts_object
+    from deltamesh_formats.container.texts import texts_of
 
     n, parameters, meta = container.vertices, container.parameters, container.meta
     return {

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from deltamesh.version import __version__
+from deltamesh._version import __version__
 from deltamesh_formats.errors import (
     DeltameshError,
     FormatError,
@@ -23,27 +23,27 @@ from deltamesh_formats.errors import (
 )
 
 if TYPE_CHECKING:
-    from deltamesh.codec import decode, encode
-    from deltamesh.files import info, load, save, verify
-    from deltamesh.mesh import Mesh
-    from deltamesh_formats.arrays import from_arrays
-    from deltamesh_formats.meshfile import read_mesh, write_mesh
-    from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh
+    from deltamesh._codec import decode, encode
+    from deltamesh._files import info, load, save, verify
+    from deltamesh._mesh import Mesh
+    from deltamesh_formats.meshfiles.files import read_mesh, write_mesh
+    from deltamesh_formats.polymesh.arrays import from_arrays
+    from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 
 _HOME = {
-    "decode": "deltamesh.codec",
-    "encode": "deltamesh.codec",
-    "info": "deltamesh.files",
-    "load": "deltamesh.files",
-    "save": "deltamesh.files",
-    "verify": "deltamesh.files",
-    "Mesh": "deltamesh.mesh",
-    "from_arrays": "deltamesh_formats.arrays",
-    "read_mesh": "deltamesh_formats.meshfile",
-    "write_mesh": "deltamesh_formats.meshfile",
-    "Attribute": "deltamesh_formats.polymesh",
-    "Parts": "deltamesh_formats.polymesh",
-    "PolyMesh": "deltamesh_formats.polymesh",
+    "decode": "deltamesh._codec",
+    "encode": "deltamesh._codec",
+    "info": "deltamesh._files",
+    "load": "deltamesh._files",
+    "save": "deltamesh._files",
+    "verify": "deltamesh._files",
+    "Mesh": "deltamesh._mesh",
+    "from_arrays": "deltamesh_formats.polymesh.arrays",
+    "read_mesh": "deltamesh_formats.meshfiles.files",
+    "write_mesh": "deltamesh_formats.meshfiles.files",
+    "Attribute": "deltamesh_formats.polymesh.mesh",
+    "Parts": "deltamesh_formats.polymesh.mesh",
+    "PolyMesh": "deltamesh_formats.polymesh.mesh",
 }
 
 __all__ = [

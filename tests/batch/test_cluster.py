@@ -17,8 +17,8 @@ import works
 from works import task
 
 from deltamesh.batch import WorkerError
-from deltamesh_formats.meshfile import mesh_bytes
-from deltamesh_formats.polymesh import from_triangles
+from deltamesh_formats.meshfiles.files import mesh_bytes
+from deltamesh_formats.polymesh.mesh import from_triangles
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 

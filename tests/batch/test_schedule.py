@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from works import task
 
+from deltamesh._limits import memory_needed
 from deltamesh.batch.schedule import (
     cores,
     groups,
@@ -19,10 +20,9 @@ from deltamesh.batch.schedule import (
     share,
     startable,
 )
-from deltamesh.limits import memory_needed
+from deltamesh_formats.container.layout import Container
 from deltamesh_formats.errors import OptionError
-from deltamesh_formats.layout import Container
-from deltamesh_formats.polymesh import from_triangles
+from deltamesh_formats.polymesh.mesh import from_triangles
 
 GB = 1 << 30
 
@@ -77,7 +77,7 @@ def test_a_whole_run(needs: list[tuple[int, int]], jobs: int, memory: int) -> No
 
 
 def test_estimates_are_those_of_the_limits() -> None:
-    from deltamesh_formats.layout import Parameters
+    from deltamesh_formats.container.layout import Parameters
 
     parameters = Parameters("highpass", True, None, 8, 0.5, (0.0, 0.0, 0.0), 0.0, 0, 0, 0)
     container = Container(1, 1000, 2000, parameters, None, {}, b"", 0)
@@ -87,7 +87,7 @@ def test_estimates_are_those_of_the_limits() -> None:
 def test_a_file_is_not_taken_for_smaller_than_it_is() -> None:
     from meshes import icosphere
 
-    from deltamesh_formats.meshfile import FORMATS, mesh_bytes
+    from deltamesh_formats.meshfiles.files import FORMATS, mesh_bytes
 
     V, F = icosphere(4)
     for file_format in FORMATS:

@@ -21,8 +21,8 @@ from deltamesh.batch import Task
 from deltamesh.batch.manifest import begun, line, open_manifest
 from deltamesh_cli import batch, files
 from deltamesh_cli.batch_work import Job, work
-from deltamesh_formats.meshfile import mesh_bytes, read_mesh
-from deltamesh_formats.polymesh import from_triangles
+from deltamesh_formats.meshfiles.files import mesh_bytes, read_mesh
+from deltamesh_formats.polymesh.mesh import from_triangles
 
 SCANS = {
     "scans/a.ply": meshes.icosphere(1),

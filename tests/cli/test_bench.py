@@ -11,7 +11,7 @@ from dataclasses import fields
 import pytest
 from commandline import cli
 
-from deltamesh.options import Options
+from deltamesh._options import Options
 from deltamesh_cli.bench import command
 from deltamesh_cli.encode import command as encode
 

@@ -11,8 +11,8 @@ import pytest
 from commandline import TORUS, cli, damaged
 
 from deltamesh_cli import failures, options, output
-from deltamesh_formats import meshfile
-from deltamesh_formats.polymesh import from_triangles
+from deltamesh_formats.meshfiles import files as meshfile
+from deltamesh_formats.polymesh.mesh import from_triangles
 
 
 def test_round_trip(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,8 +10,8 @@ import pytest
 from commandline import TORUS, cli, damaged
 
 from deltamesh_cli import failures
-from deltamesh_formats import meshfile
 from deltamesh_formats.errors import FormatError, LimitError, MeshError, SolveError, TargetError
+from deltamesh_formats.meshfiles import files as meshfile
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ import wholes
 from hypothesis import given
 
 import deltamesh
-from deltamesh_formats.polymesh import Parts
+from deltamesh_formats.polymesh.mesh import Parts
 
 trimesh = pytest.importorskip("trimesh")
 

@@ -10,7 +10,7 @@ import numpy as np
 import polymeshes
 
 import deltamesh
-from deltamesh_formats.polymesh import PolyMesh
+from deltamesh_formats.polymesh.mesh import PolyMesh
 
 NUMBERS = ("f4", "f8", "u1", "i2", "i4", "i8")
 VERTEX = polymeshes.Kind("vertex", NUMBERS, (1, 3, 5), partly=True)

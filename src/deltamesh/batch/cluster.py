@@ -16,11 +16,11 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, Final
 
+from deltamesh._version import __version__
 from deltamesh.batch.manifest import Record
 from deltamesh.batch.plan import Task
 from deltamesh.batch.schedule import groups
 from deltamesh.batch.serial import Begin, Outcome, Work, WorkerError, attempted, nobody
-from deltamesh.version import __version__
 
 # A message of the scheduler takes milliseconds, and a small file takes not many more.
 GROUP_BYTES: Final = 1 << 20

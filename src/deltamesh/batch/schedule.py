@@ -8,8 +8,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from typing import Final, TypeVar
 
+from deltamesh._limits import BASE, PER_FACE, PER_VERTEX
 from deltamesh.batch.plan import Task
-from deltamesh.limits import BASE, PER_FACE, PER_VERTEX
 from deltamesh_formats.errors import OptionError
 
 _Item = TypeVar("_Item")

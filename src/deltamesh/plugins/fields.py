@@ -9,9 +9,10 @@ from typing import Any, Final, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from deltamesh_formats.arrays import attribute_of, distinct
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh import Attribute, Domain, Kind, Parts, PolyMesh
+from deltamesh_formats.polymesh.arrays import attribute_of, distinct
+from deltamesh_formats.polymesh.kinds import Kind
+from deltamesh_formats.polymesh.mesh import Attribute, Domain, Parts, PolyMesh
 
 KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
 

@@ -20,7 +20,7 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh.files import load, save
+from deltamesh._files import load, save
 from deltamesh.plugins.fields import (
     KINDS,
     Arrays,
@@ -31,13 +31,13 @@ from deltamesh.plugins.fields import (
     parts_of,
     tell,
 )
-from deltamesh_formats.arrays import distinct
-from deltamesh_formats.contents import attribute_words
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh import Parts, PolyMesh, checked
-from deltamesh_formats.seams import at_vertices
-from deltamesh_formats.shapes import check_shapes
-from deltamesh_formats.texture_origin import with_origin
+from deltamesh_formats.polymesh.arrays import distinct
+from deltamesh_formats.polymesh.descriptions import attribute_words
+from deltamesh_formats.polymesh.mesh import Parts, PolyMesh, checked
+from deltamesh_formats.polymesh.seams import at_vertices
+from deltamesh_formats.polymesh.texture_origin import with_origin
+from deltamesh_formats.polymesh.validation import check_shapes
 
 _TYPES: Final = {3: "triangle", 4: "quad"}
 

@@ -18,7 +18,7 @@ import numpy as np
 import pyvista
 from numpy.typing import NDArray
 
-from deltamesh.files import load, save
+from deltamesh._files import load, save
 from deltamesh.plugins.fields import (
     KINDS,
     Arrays,
@@ -30,12 +30,12 @@ from deltamesh.plugins.fields import (
     parts_of,
     tell,
 )
-from deltamesh_formats.contents import attribute_words
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh, Role, checked
-from deltamesh_formats.seams import at_vertices
-from deltamesh_formats.shapes import check_shapes
-from deltamesh_formats.texture_origin import with_origin
+from deltamesh_formats.polymesh.descriptions import attribute_words
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, Role, checked
+from deltamesh_formats.polymesh.seams import at_vertices
+from deltamesh_formats.polymesh.texture_origin import with_origin
+from deltamesh_formats.polymesh.validation import check_shapes
 
 _WIDTHS: Final[dict[Role, tuple[int, ...]]] = {"normal": (3,), "uv": (2, 3)}
 

@@ -20,7 +20,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from deltamesh.codec import decode, encode
+from deltamesh._codec import decode, encode
 from deltamesh.plugins.fields import (
     KINDS,
     Arrays,
@@ -32,14 +32,14 @@ from deltamesh.plugins.fields import (
     parts_of,
     tell,
 )
-from deltamesh_formats.arrays import from_arrays, role_of
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.joined import joined
-from deltamesh_formats.meshes.numbers_out import fractions
-from deltamesh_formats.polymesh import Attribute, Parts, PolyMesh
-from deltamesh_formats.seams import at_vertices, split
-from deltamesh_formats.texture_origin import with_origin
-from deltamesh_formats.triangles import Triangles
+from deltamesh_formats.meshfiles.numbers import fractions
+from deltamesh_formats.polymesh.arrays import from_arrays, role_of
+from deltamesh_formats.polymesh.joining import joined
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
+from deltamesh_formats.polymesh.seams import at_vertices, split
+from deltamesh_formats.polymesh.texture_origin import with_origin
+from deltamesh_formats.polymesh.triangles import Triangles
 
 _CORNER: Final = "corner_"
 _DECODING: Final = ("max_vertices", "memory", "solver", "threads")

@@ -1,0 +1,1 @@
+"""The `.dmesh` container: its layout, reader and writer, and what can be read without decoding."""

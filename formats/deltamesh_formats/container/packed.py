@@ -1,0 +1,70 @@
+"""Bytes in as few of them as they are or as zlib makes of them; SPEC.md 5.15."""
+
+from __future__ import annotations
+
+import zlib
+from typing import Final
+
+from deltamesh_formats.container.reader import Buffer, read_varint, take
+from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.errors import FormatError
+
+PLAIN: Final = 0
+DEFLATED: Final = 1
+_WINDOW_BITS: Final = -15  # no header and no checksum: a section has its own
+
+
+def packed(data: bytes) -> bytes:
+    """Return a block that holds these bytes."""
+    compressor = zlib.compressobj(9, zlib.DEFLATED, _WINDOW_BITS, 9)
+    small = compressor.compress(data) + compressor.flush()
+    if len(small) < len(data):
+        return bytes([DEFLATED]) + write_varint(len(data)) + write_varint(len(small)) + small
+    return bytes([PLAIN]) + write_varint(len(data)) + data
+
+
+def unpacked_size(view: Buffer, position: int) -> int:
+    """Return how many bytes a block says that it holds; nothing else of it is looked at."""
+    return read_varint(view, position + len(take(view, position, 1)))[0]
+
+
+def unpacked(view: Buffer, position: int, most: int) -> tuple[bytes, int]:
+    """Return what a block holds, and the position after it.
+
+    Parameters
+    ----------
+    view : bytes-like
+    position : int
+    most : int
+        Bytes that it may hold; nothing is allocated for more.
+
+    Raises
+    ------
+    FormatError
+    """
+    form = take(view, position, 1)[0]
+    if form not in (PLAIN, DEFLATED):
+        raise FormatError(f"a block of form {form} is unknown", position)
+    size, at = read_varint(view, position + 1)
+    if size > most:
+        raise FormatError(f"a block of {size} bytes, more than {most}", position + 1)
+    if form == PLAIN:
+        return bytes(take(view, at, size)), at + size
+    length, at = read_varint(view, at)
+    if length >= size:
+        raise FormatError("a block that takes as many bytes as it holds", position)
+    return _inflated(take(view, at, length), size, at), at + length
+
+
+def _inflated(data: Buffer, size: int, position: int) -> bytes:
+    """Return what a deflate stream of so many bytes, and nothing after it, stands for."""
+    inflater = zlib.decompressobj(_WINDOW_BITS)
+    try:
+        result = inflater.decompress(data, size)
+        # What is left may be the end of the stream, which makes no byte.
+        more = inflater.decompress(inflater.unconsumed_tail, 1)
+    except zlib.error as error:
+        raise FormatError(f"a block that is no deflate stream: {error}", position) from None
+    if len(result) != size or more or not inflater.eof or inflater.unused_data:
+        raise FormatError("a deflate stream of another size than announced", position)
+    return result

@@ -1,0 +1,274 @@
+"""Bytes to `Container`: the mirror of `writer`, for bytes from anywhere.
+
+Small functions (view, position) -> (value, position), after tomli. Nothing is indexed before its
+bytes are known to be there, nothing is allocated by a number that a file announces, payloads are
+views of the input, and whatever is wrong raises `FormatError` with the byte where it shows.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, TypeAlias
+
+from deltamesh_formats.container import layout
+from deltamesh_formats.container.layout import Container, Field, Meta, Parameters, Section
+from deltamesh_formats.errors import FormatError
+
+# Anything else with a contiguous buffer, such as an mmap, goes in as a memoryview.
+Buffer: TypeAlias = bytes | bytearray | memoryview
+
+_METHODS = {code: name for name, code in layout.METHODS.items()}
+_ANCHOR_METHODS = {code: name for name, code in layout.ANCHOR_METHODS.items()}
+
+# How a file begins that somebody could take for a `.dmesh`.
+_OTHER_FORMATS = {b"ply": "a PLY", b"glTF": "a GLB", b"OFF": "an OFF", b"solid": "an STL"}
+
+
+def read_container(data: Buffer) -> Container:
+    """Read a `.dmesh` file and check all that can be checked without decoding it.
+
+    Parameters
+    ----------
+    data : bytes-like, contiguous
+        The whole file. The payloads of the result are views of it, not copies.
+
+    Raises
+    ------
+    FormatError
+        For anything but a whole, undamaged file of this version; `offset` says where.
+
+    Notes
+    -----
+    SPEC.md, sections 2 to 4.
+    """
+    view = memoryview(data).cast("B").toreadonly()
+    header, position = _read_header(view)
+    vertices, faces = header["vertices"], header["faces"]
+    sections, end = _read_sections(view, position)
+    if end < len(view):
+        raise FormatError(f"{len(view) - end} bytes follow the last section", end)
+    parameters = _read_parameters(view, _first(sections), vertices)
+    _check_order(sections, parameters.method)
+    meta = _read_meta(view, sections[layout.META]) if layout.META in sections else None
+    digest = _payload_fields(view, sections[layout.CHECK], layout.CHECK_FIELDS)[0]["digest"]
+    return Container(
+        header["version"], vertices, faces, parameters, meta, sections, digest, len(view)
+    )
+
+
+def read_counts(data: Buffer) -> tuple[int, int]:
+    """Return how many vertices and faces a file has, by its header; the rest is not looked at.
+
+    Raises
+    ------
+    FormatError
+    """
+    header, _ = _read_header(memoryview(data).cast("B").toreadonly())
+    return header["vertices"], header["faces"]
+
+
+def read_varint(view: Buffer, position: int) -> tuple[int, int]:
+    """Read an unsigned LEB128 number in its shortest form; return it and the position after it."""
+    value = 0
+    for i in range(layout.VARINT_MAX_BYTES):
+        byte = take(view, position + i, 1)[0]
+        value |= (byte & 0x7F) << (7 * i)
+        if byte < 0x80:
+            if byte == 0 and i > 0:
+                raise FormatError("a varint that is longer than it needs to be", position)
+            return value, position + i + 1
+    raise FormatError(f"a varint of more than {layout.VARINT_MAX_BYTES} bytes", position)
+
+
+def take(view: Buffer, position: int, size: int) -> Buffer:
+    """Return `size` bytes from `position` on, or refuse at the byte where they run out."""
+    if size > len(view) - position:
+        raise FormatError(f"truncated: {size} bytes are needed at byte {position}", len(view))
+    return view[position : position + size]
+
+
+def _read_string(view: Buffer, position: int) -> tuple[str, int]:
+    start = position + 1
+    end = start + take(view, position, 1)[0]
+    try:
+        return bytes(take(view, start, end - start)).decode(), end
+    except UnicodeDecodeError as error:
+        raise FormatError("a string that is not UTF-8", start + error.start) from None
+
+
+def _read_field(view: Buffer, position: int, kind: str) -> tuple[Any, int]:
+    if kind == "varint":
+        return read_varint(view, position)
+    if kind == "string":
+        return _read_string(view, position)
+    code = layout.STRUCT_CODES[kind]
+    return code.unpack(take(view, position, code.size))[0], position + code.size
+
+
+def _read_fields(
+    view: Buffer, position: int, fields: tuple[Field, ...]
+) -> tuple[dict[str, Any], dict[str, int], int]:
+    """Return the values of a byte table, the offset of each, and the position after the last."""
+    values: dict[str, Any] = {}
+    offsets: dict[str, int] = {}
+    for name, kind in fields:
+        offsets[name] = position
+        values[name], position = _read_field(view, position, kind)
+    return values, offsets, position
+
+
+def _payload_fields(
+    view: memoryview, section: Section, fields: tuple[Field, ...]
+) -> tuple[dict[str, Any], dict[str, int]]:
+    """Read a section whose payload is a byte table and nothing else."""
+    end = section.offset + section.size - layout.CRC_SIZE
+    values, offsets, position = _read_fields(view[:end], end - len(section.payload), fields)
+    if position < end:
+        raise FormatError(f"section {section.id} is {end - position} bytes too long", position)
+    return values, offsets
+
+
+def _read_header(view: memoryview) -> tuple[dict[str, Any], int]:
+    _check_magic(view)
+    # Another version may order what follows differently, so this comes before the checksum.
+    version = _read_field(view, len(layout.MAGIC), "u16")[0]
+    if version > layout.VERSION:
+        message = f"container version {version} needs a newer deltamesh"
+        raise FormatError(f"{message}, this one reads {layout.VERSION}", len(layout.MAGIC))
+    if version != layout.VERSION:
+        raise FormatError(f"there is no container version {version}", len(layout.MAGIC))
+    values, offsets, position = _read_fields(view, 0, layout.HEADER_FIELDS)
+    _check_crc(view, 0, offsets["crc"], "the header")
+    if values["reserved"]:
+        raise FormatError("reserved bits are set: it needs a newer deltamesh", offsets["reserved"])
+    for name in ("vertices", "faces"):
+        if values[name] > layout.MAX_COUNT:
+            message = f"{values[name]} {name}, more than {layout.MAX_COUNT}"
+            raise FormatError(message, offsets[name])
+    return values, position
+
+
+def _check_magic(view: memoryview) -> None:
+    head = bytes(view[: len(layout.MAGIC)])
+    if head == layout.MAGIC:
+        return
+    if not head:
+        raise FormatError("the input is empty", 0)
+    if layout.MAGIC.startswith(head):
+        raise FormatError("truncated: the file ends within its signature", len(head))
+    for start, name in _OTHER_FORMATS.items():
+        if head.startswith(start):
+            raise FormatError(f"not a .dmesh file but {name} mesh file", 0)
+    if b"DMS" in head:
+        raise FormatError("a .dmesh file with a damaged signature: was it sent as text?", 0)
+    raise FormatError("not a .dmesh file", 0)
+
+
+def _check_crc(view: memoryview, start: int, end: int, what: str) -> None:
+    """Compare the CRC-32 (as in zlib, PNG) of view[start:end] with the four bytes after it."""
+    stored, _ = _read_field(view, end, "u32")
+    if stored != zlib.crc32(view[start:end]):
+        raise FormatError(f"{what} is damaged: its checksum does not match", start)
+
+
+def _read_sections(view: memoryview, position: int) -> tuple[dict[str, Section], int]:
+    """Read sections up to and with `CHEK`; return them and the position after it."""
+    sections: dict[str, Section] = {}
+    while layout.CHECK not in sections:
+        if position == len(view):
+            raise FormatError(f"truncated: section {layout.CHECK} is missing", position)
+        if len(sections) == layout.MAX_SECTIONS:
+            raise FormatError(f"more than {layout.MAX_SECTIONS} sections", position)
+        section = _read_section(view, position)
+        if section.id in sections:
+            raise FormatError(f"section {section.id} comes a second time", position)
+        sections[section.id] = section
+        position += section.size
+    return sections, position
+
+
+def _read_section(view: memoryview, offset: int) -> Section:
+    raw = bytes(take(view, offset, layout.ID_SIZE))
+    if not raw.isalpha():
+        raise FormatError(f"a section cannot be called {raw!r}", offset)
+    name = raw.decode("ascii")
+    length, start = read_varint(view, offset + layout.ID_SIZE)
+    left = len(view) - start - layout.CRC_SIZE
+    if length > left:
+        message = f"truncated: section {name} at byte {offset} has {length} bytes, {max(left, 0)}"
+        raise FormatError(f"{message} are left", len(view))
+    _check_crc(view, offset, start + length, f"section {name}")
+    if name not in layout.KNOWN and name[0].isupper():
+        raise FormatError(f"section {name} is unknown: it needs a newer deltamesh", offset)
+    payload = view[start : start + length]
+    return Section(name, offset, payload, start + length + layout.CRC_SIZE - offset)
+
+
+def _first(sections: dict[str, Section]) -> Section:
+    first = next(iter(sections.values()))
+    if first.id != layout.PARAMETERS:
+        raise FormatError(f"section {layout.PARAMETERS} is missing", first.offset)
+    return first
+
+
+def _check_order(sections: dict[str, Section], method: str) -> None:
+    """Refuse a section that is missing or not in its place; SPEC.md 3.2 has the order."""
+    ids, required = list(sections), layout.required(method, sections)
+    # `CHEK` ends the ids and is not among the required, so a shorter list meets it here.
+    for wanted, found in zip(required, ids, strict=False):
+        if found != wanted:
+            message = f"section {wanted} is missing, {found} is in its place"
+            raise FormatError(message, sections[found].offset)
+    for i, name in enumerate(ids[len(required) : -1]):
+        if name[0].isupper() or (name == layout.META and i > 0):
+            message = f"section {name} has no place here in a {method} file"
+            raise FormatError(message, sections[name].offset)
+
+
+def _read_parameters(view: memoryview, section: Section, vertices: int) -> Parameters:
+    values, offsets = _payload_fields(view, section, layout.PARAMETER_FIELDS)
+    for field, names in (("method", _METHODS), ("anchor_method", _ANCHOR_METHODS)):
+        if values[field] not in names:
+            message = f"{field.replace('_', ' ')} {values[field]} is unknown"
+            raise FormatError(f"{message}: it needs a newer deltamesh", offsets[field])
+    bits = values["bits"]
+    parameters = Parameters(
+        method=_METHODS[values["method"]],
+        diffusion=bool(values["flags"] & layout.FLAG_DIFFUSION),
+        anchor_method=_ANCHOR_METHODS[values["anchor_method"]],
+        bits=None if bits == layout.BITS_FROM_STEP else bits,
+        step=values["step"],
+        origin=(values["origin_x"], values["origin_y"], values["origin_z"]),
+        anchor_step=values["anchor_step"],
+        seed=values["seed"],
+        anchor_count=values["anchor_count"],
+        isolated=values["isolated"],
+        coarse=values["coarse"],
+        dead_zone=values["dead_zone"] / layout.ZONE_UNIT,
+        normal_dead_zone=values["normal_dead_zone"] / layout.ZONE_UNIT,
+        single=bool(values["flags"] & layout.FLAG_SINGLE),
+    )
+    for field, message in layout.parameter_faults(parameters, vertices):
+        raise FormatError(message, offsets[field])
+    return parameters
+
+
+def _read_meta(view: memoryview, section: Section) -> Meta:
+    values, offsets = _payload_fields(view, section, layout.META_FIELDS)
+    meta = Meta(**values)
+    for field, message in layout.meta_faults(meta):
+        raise FormatError(message, offsets[field])
+    return meta
+
+
+@contextmanager
+def payload_of(section: Section) -> Iterator[memoryview]:
+    """Give the payload of a section; a `FormatError` in it gets its place in the file."""
+    payload = memoryview(section.payload)
+    try:
+        yield payload
+    except FormatError as error:
+        start = section.offset + section.size - layout.CRC_SIZE - len(payload)
+        raise FormatError(f"{section.id}: {error.reason}", start + (error.offset or 0)) from None

@@ -1,0 +1,169 @@
+"""What a `.dmesh` file or a mesh is, for people: as text and, for notebooks, as HTML.
+
+Names in it come from files: control characters are escaped in the text, and all in the HTML.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from html import escape
+from typing import TYPE_CHECKING, Final
+
+from deltamesh_formats.container.layout import (
+    ATTRIBUTES,
+    ORDER,
+    POLYGONS,
+    Container,
+    Meta,
+    Parameters,
+)
+from deltamesh_formats.container.listing import text_lines
+from deltamesh_formats.container.reader import read_varint
+from deltamesh_formats.container.texts import texts_of
+from deltamesh_formats.errors import FormatError
+from deltamesh_formats.printing import html_table, number, printable, table
+
+if TYPE_CHECKING:
+    from deltamesh_formats.container.attribute_table import Entry
+
+METHODS: Final = {
+    "highpass": "high-pass",
+    "refined": "refined high-pass",
+    "cartesian": "Cartesian",
+    "lossless": "lossless",
+}
+
+
+def bits_per_vertex(size: int, vertices: int) -> float:
+    """Return bits per vertex of `size` bytes."""
+    return 8 * size / max(vertices, 1)
+
+
+def relative(length: float, diagonal: float) -> float:
+    """Return a length as a fraction of the bounding box diagonal; a point has none."""
+    return length / diagonal if diagonal else 0.0
+
+
+def header_bytes(container: Container) -> int:
+    """Return the bytes before the first section."""
+    return container.size - sum(section.size for section in container.sections.values())
+
+
+def polygons(container: Container) -> int:
+    """Return how many polygons a file has; it may be damaged there, which decoding tells.
+
+    Without any of more than three corners, these are the faces.
+    """
+    if POLYGONS not in container.sections:
+        return container.faces
+    try:
+        return read_varint(memoryview(container.sections[POLYGONS].payload), 0)[0]
+    except FormatError:
+        return container.faces
+
+
+def counts(container: Container) -> str:
+    """Return vertices, faces and bits per vertex, in words."""
+    rate = bits_per_vertex(container.size, container.vertices)
+    faces = f"{container.faces} faces"
+    if POLYGONS in container.sections:
+        faces = f"{polygons(container)} polygons ({container.faces} triangles)"
+    return f"{container.vertices} vertices, {faces}, {rate:.2f} bits per vertex"
+
+
+def achieved(meta: Meta) -> str:
+    """Return the errors that the encoder measured, in words."""
+    return (
+        f"RMS {number(relative(meta.rms, meta.diagonal))} and"
+        f" max {number(relative(meta.max, meta.diagonal))} of the diagonal,"
+        f" normals {number(meta.normal)} and dihedral angles {number(meta.dihedral)} degrees"
+    )
+
+
+def container_text(container: Container) -> str:
+    """Return everything about a file, as `deltamesh info` prints it after the name."""
+    lines = [_headline(container), *(f"  {line}" for line in _lines(container))]
+    lines += ["", table(_section_rows(container))]
+    if attributes := attributes_of(container):
+        lines += ["", table(_attribute_rows(attributes))]
+    return "\n".join(lines)
+
+
+def container_html(container: Container) -> str:
+    """Return the same for a notebook."""
+    lines = "<br>\n".join(map(escape, [_headline(container), *_lines(container)]))
+    head, *rows = _section_rows(container)
+    tables = [html_table(rows, head)]
+    if attributes := attributes_of(container):
+        head, *rows = _attribute_rows(attributes)
+        tables.append(html_table(rows, head))
+    return "\n".join(["<div>", lines, *tables, "</div>"])
+
+
+def _headline(container: Container) -> str:
+    return f"{container.size} bytes, {counts(container)}"
+
+
+def _lines(container: Container) -> Iterator[str]:
+    meta = container.meta
+    yield from _described(container.parameters)
+    if ORDER in container.sections:
+        yield "order of vertices and faces: that of the source"
+    yield from text_lines(texts_of(container))
+    if meta is not None:
+        source = f", from {meta.source}" if meta.source else ""
+        source += ", positions in float32" if container.parameters.single else ""
+        yield f"errors: {achieved(meta)}"
+        yield f"written by {meta.encoder}{source}; format version {container.version}"
+
+
+def _described(parameters: Parameters) -> Iterator[str]:
+    words = [] if parameters.bits is None else [f"{parameters.bits} bits"]
+    if parameters.step:
+        words.append(f"step {number(parameters.step)}")
+        if parameters.method == "refined":
+            words.append(f"deltas {number(parameters.coarse)} times as coarse")
+        if parameters.method != "cartesian":
+            words.append("error diffusion" if parameters.diffusion else "plain rounding")
+    yield ": ".join(filter(None, (METHODS[parameters.method], ", ".join(words))))
+    if parameters.anchor_method is not None:
+        seed = f", seed {parameters.seed}" if parameters.anchor_method == "random" else ""
+        yield f"anchors: {parameters.anchor_count}, {parameters.anchor_method}{seed}"
+    if parameters.isolated:
+        yield f"isolated vertices: {parameters.isolated}"
+
+
+def attributes_of(container: Container) -> Sequence[Entry]:
+    """Return what a file tells of its attributes.
+
+    Raises
+    ------
+    FormatError
+        If that is damaged.
+    """
+    if ATTRIBUTES not in container.sections:
+        return ()
+    from deltamesh_formats.container.attribute_table import entries_of  # which needs numpy
+
+    return entries_of(container)
+
+
+def _attribute_rows(attributes: Sequence[Entry]) -> Iterator[tuple[str, ...]]:
+    yield "attribute", "of", "numbers", "coding", "bits", "largest error", "bytes"
+    for entry in attributes:
+        numbers = f"{entry.width} {entry.dtype}"
+        if entry.coding == "octahedral":
+            lost = f"{number(entry.error)} degrees"
+        else:
+            lost = number(entry.error) if entry.error else "none"
+        coding = entry.coding if entry.palette is None else f"{entry.coding}, palette"
+        bits = str(entry.bits) if entry.coding in ("grid", "octahedral") else ""
+        yield printable(entry.name), entry.domain, numbers, coding, bits, lost, str(entry.size)
+
+
+def _section_rows(container: Container) -> Iterator[tuple[str, ...]]:
+    sizes = [("header", header_bytes(container))]
+    sizes += [(section.id, section.size) for section in container.sections.values()]
+    yield "section", "bytes", "bits/vertex"
+    for name, size in [*sizes, ("total", container.size)]:
+        yield name, str(size), f"{bits_per_vertex(size, container.vertices):.3f}"

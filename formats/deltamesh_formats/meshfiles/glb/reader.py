@@ -1,0 +1,238 @@
+"""GLB to a mesh: every placed mesh of the scene is an object, with its name and its transform.
+
+Kept: all attributes of vertices, names of nodes, meshes and materials. Strips and fans become
+triangles. Named as lost: points and lines, textures, what materials look like, animations, skins
+and so on. Compressed files are refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh_formats.errors import MeshError
+from deltamesh_formats.meshfiles.glb import placement
+from deltamesh_formats.meshfiles.glb.chunks import Gltf, Tree, items, read_container
+from deltamesh_formats.meshfiles.glb.names import name_of
+from deltamesh_formats.meshfiles.glb.scene import Placed, placed_meshes, what_is_lost
+from deltamesh_formats.meshfiles.strips import from_strips
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
+from deltamesh_formats.polymesh.texture_origin import told_top_left
+
+_TRIANGLES, _STRIP, _FAN = 4, 5, 6
+_MODES: Final = {0: "points", 1: "lines", 2: "lines", 3: "lines"}
+# Nodes may show a mesh, and primitives name an accessor, any number of times: a small file can ask
+# for any amount of memory. So many numbers are read, 2 GiB or so.
+_MOST: Final = 1 << 28
+
+
+@dataclass
+class _Block:
+    """Vertices that primitives share: their accessors, and where they have been put last."""
+
+    accessors: dict[str, int]
+    start: int = 0
+    count: int = 0
+
+
+@dataclass
+class _Primitive:
+    block: _Block
+    faces: NDArray[np.int64]
+    material: int
+
+
+@dataclass
+class _Scene:
+    """What has been read so far."""
+
+    vertices: list[NDArray[np.float64]] = field(default_factory=list)
+    # By name, type and so on: where the values of each block begin, and the values.
+    attributes: dict[tuple[Any, ...], list[tuple[int, NDArray[Any]]]] = field(default_factory=dict)
+    faces: list[NDArray[np.int64]] = field(default_factory=list)
+    objects: list[int] = field(default_factory=list)
+    materials: list[int] = field(default_factory=list)
+    count: int = 0
+    numbers: int = 0
+
+    def add(self, numbers: int) -> None:
+        """Count numbers that are read, and refuse too many."""
+        self.numbers += numbers
+        if self.numbers > _MOST:
+            raise MeshError(f"its scene repeats parts of it until it is more than {_MOST} numbers")
+
+
+def read(data: bytes) -> PolyMesh:
+    """Read a GLB.
+
+    Raises
+    ------
+    MeshError
+    """
+    gltf = read_container(data)
+    placed, lost = placed_meshes(gltf), dict.fromkeys(what_is_lost(gltf))
+    if any(one.depth for one in placed):
+        lost["the hierarchy of nodes"] = None
+    if len({one.mesh for one in placed}) < len(placed):
+        lost["the sharing of a mesh by nodes"] = None
+    scene, read_meshes = _Scene(), {}
+    for number, one in enumerate(placed):
+        if one.mesh not in read_meshes:
+            read_meshes[one.mesh] = list(_primitives(gltf, scene, one.mesh, lost))
+        _place(gltf, scene, read_meshes[one.mesh], one, number)
+    sizes = [len(faces) for faces in scene.faces]
+    faces = np.concatenate([np.empty((0, 3), dtype=np.int64), *scene.faces])
+    asset = gltf.tree.get("asset", {})
+    said = str(asset.get("copyright", "")) if isinstance(asset, dict) else ""
+    objects, materials = np.repeat(scene.objects, sizes), np.repeat(scene.materials, sizes)
+    mesh = PolyMesh(
+        np.concatenate([np.empty((0, 3)), *scene.vertices]),
+        faces.ravel(),
+        3 * np.arange(len(faces) + 1, dtype=np.int64),
+        tuple(_attributes(scene)),
+        tuple(_parts(gltf, placed, objects, materials)),
+        {"copyright": (said,)} if said else {},
+        tuple(lost),
+        "float32",
+        "glb",
+    )
+    return told_top_left(mesh)
+
+
+def _primitives(
+    gltf: Gltf, scene: _Scene, mesh: int, lost: dict[str, None]
+) -> Iterator[_Primitive]:
+    """Yield the primitives of a mesh that are faces; those of the same accessors share vertices."""
+    blocks: dict[tuple[tuple[str, int], ...], _Block] = {}
+    for primitive in items(gltf.item("meshes", mesh), "primitives"):
+        if not isinstance(primitive, dict) or not isinstance(primitive.get("attributes"), dict):
+            raise MeshError(f"a primitive of mesh {mesh} has no attributes")
+        mode = primitive.get("mode", _TRIANGLES)
+        if mode in _MODES:
+            lost[_MODES[mode]] = None
+            continue
+        if mode not in (_TRIANGLES, _STRIP, _FAN):
+            raise MeshError(f"a primitive of mesh {mesh} has mode {mode!r}")
+        if "targets" in primitive:
+            lost["morph targets"] = None
+        accessors = primitive["attributes"]
+        if "POSITION" not in accessors:
+            raise MeshError(f"a primitive of mesh {mesh} has no POSITION")
+        material = primitive.get("material", -1)
+        if material != -1:
+            gltf.item("materials", material)
+        faces = _faces(gltf, primitive, mode)
+        scene.add(faces.size)
+        block = blocks.setdefault(tuple(sorted(accessors.items())), _Block(dict(accessors)))
+        yield _Primitive(block, faces, material)
+
+
+def _faces(gltf: Gltf, primitive: Tree, mode: int) -> NDArray[np.int64]:
+    """Return the triangles of a primitive, int64 (t, 3), over the vertices of its block."""
+    if "indices" in primitive:
+        values = gltf.accessor(primitive["indices"])
+        if values.shape[1] != 1 or values.dtype.kind != "u":
+            raise MeshError("the indices of a primitive are no unsigned whole numbers")
+        indices = values.ravel().astype(np.int64)
+    else:
+        count = len(gltf.accessor(primitive["attributes"]["POSITION"]))
+        indices = np.arange(count, dtype=np.int64)
+    if mode == _STRIP:
+        return from_strips(indices)
+    if mode == _FAN:
+        rim = np.stack([indices[1:-1], indices[2:]], axis=1)
+        return np.concatenate([np.broadcast_to(indices[:1, None], (len(rim), 1)), rim], axis=1)
+    if len(indices) % 3:
+        raise MeshError(f"a primitive of triangles has {len(indices)} indices")
+    return indices.reshape(-1, 3)
+
+
+def _place(
+    gltf: Gltf, scene: _Scene, primitives: list[_Primitive], one: Placed, number: int
+) -> None:
+    """Add a mesh to the scene, with its transform applied."""
+    done: set[int] = set()
+    for primitive in primitives:
+        block = primitive.block
+        if id(block) not in done:
+            done.add(id(block))
+            _place_vertices(gltf, scene, block, one.matrix)
+        highest = int(primitive.faces.max(initial=-1))
+        if highest >= block.count:
+            raise MeshError(f"mesh {one.mesh} has a face with vertex {highest}, of {block.count}")
+        scene.add(primitive.faces.size)
+        faces = primitive.faces[:, ::-1] if placement.is_mirror(one.matrix) else primitive.faces
+        scene.faces.append(faces + block.start)
+        scene.objects.append(number)
+        scene.materials.append(primitive.material)
+
+
+def _place_vertices(gltf: Gltf, scene: _Scene, block: _Block, matrix: NDArray[np.float64]) -> None:
+    points = _fractions(gltf, block.accessors["POSITION"])
+    if points.shape[1] != 3:
+        raise MeshError("positions of a mesh have not three coordinates")
+    block.start, block.count = scene.count, len(points)
+    scene.count += block.count
+    scene.add(points.size)
+    with np.errstate(all="ignore"):
+        scene.vertices.append(placement.moved(points, matrix))
+    for semantic, accessor in block.accessors.items():
+        if semantic == "POSITION":
+            continue
+        values = gltf.accessor(accessor)
+        if len(values) != block.count:
+            raise MeshError(f"{semantic} has {len(values)} rows for {block.count} vertices")
+        scene.add(values.size)
+        name, role = name_of(semantic)
+        values = placement.turned(name, values, matrix)
+        normalized = gltf.item("accessors", accessor).get("normalized") is True
+        key = (name, role, values.dtype.str, values.shape[1], normalized)
+        scene.attributes.setdefault(key, []).append((block.start, values))
+
+
+def _fractions(gltf: Gltf, accessor: int) -> NDArray[np.float64]:
+    """Return positions as float64; whole numbers may stand for fractions."""
+    values = gltf.accessor(accessor)
+    found = values.astype(np.float64)
+    if gltf.item("accessors", accessor).get("normalized") is True and values.dtype.kind in "iu":
+        found = np.maximum(found / np.iinfo(values.dtype).max, -1)
+    return found
+
+
+def _attributes(scene: _Scene) -> Iterator[Attribute]:
+    for (name, role, _, _, normalized), blocks in scene.attributes.items():
+        values, index = np.concatenate([rows for _, rows in blocks]), None
+        if len(values) < scene.count:
+            index, row = np.full(scene.count, -1, dtype=np.int64), 0
+            for start, rows in blocks:
+                index[start : start + len(rows)] = np.arange(row, row + len(rows))
+                row += len(rows)
+        native = values.astype(values.dtype.newbyteorder("="), copy=False)
+        yield Attribute(name, "vertex", native, role, index, normalized)
+
+
+def _parts(
+    gltf: Gltf, placed: list[Placed], objects: NDArray[np.int64], materials: NDArray[np.int64]
+) -> Iterator[Parts]:
+    used, of_face = np.unique(objects, return_inverse=True)
+    kept = [placed[i] for i in used.astype(np.int64).tolist()]
+    meshes = [str(gltf.item("meshes", one.mesh).get("name", "")) for one in kept]
+    names = [one.name or mesh for one, mesh in zip(kept, meshes, strict=True)]
+    transforms = np.array([one.matrix for one in kept]).reshape(-1, 4, 4)
+    plain = bool((transforms == np.eye(4)).all())
+    if len(kept) > 1 or any(names) or not plain:
+        moves = None if plain else transforms
+        yield Parts("object", tuple(names), of_face.astype(np.int64), moves)
+    if any(mesh and mesh != name for mesh, name in zip(meshes, names, strict=True)):
+        yield Parts("mesh", tuple(meshes), of_face.astype(np.int64))
+    used, of_face = np.unique(materials, return_inverse=True)
+    none = int(len(used) > 0 and used[0] == -1)
+    if len(used) > none:
+        numbers = used[none:].astype(np.int64).tolist()
+        names = [str(gltf.item("materials", i).get("name", "")) for i in numbers]
+        called = [name or f"material_{i}" for i, name in zip(numbers, names, strict=True)]
+        yield Parts("material", tuple(called), of_face.astype(np.int64) - none)

@@ -1,0 +1,119 @@
+"""The nodes of a glTF scene: which mesh is where, and what else there is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh_formats.errors import MeshError
+from deltamesh_formats.meshfiles.glb.chunks import Gltf, Tree, items, reals
+
+
+class Placed(NamedTuple):
+    """A mesh in the scene: its number, the name of its node, where it is, its depth in the tree."""
+
+    mesh: int
+    name: str
+    matrix: NDArray[np.float64]
+    depth: int
+
+
+def placed_meshes(gltf: Gltf) -> list[Placed]:
+    """Return the meshes of the scene that is shown by default, node after node, children after it.
+
+    Raises
+    ------
+    MeshError
+        When nodes are no tree.
+    """
+    if not gltf.items("nodes"):
+        return [Placed(i, "", np.eye(4), 0) for i in range(len(gltf.items("meshes")))]
+    found: list[Placed] = []
+    seen: set[int] = set()
+    stack = [(node, np.eye(4), 0) for node in reversed(_roots(gltf))]
+    while stack:
+        number, above, depth = stack.pop()
+        node = gltf.item("nodes", number)
+        if number in seen:
+            raise MeshError(f"node {number} comes twice in the scene")
+        seen.add(number)
+        with np.errstate(all="ignore"):
+            matrix = above @ _matrix(node)
+        if "mesh" in node:
+            gltf.item("meshes", node["mesh"])
+            found.append(Placed(node["mesh"], str(node.get("name", "")), matrix, depth))
+        below = reversed(items(node, "children"))
+        stack += [(child, matrix, depth + 1) for child in below]
+    return found
+
+
+def what_is_lost(gltf: Gltf) -> Iterator[str]:
+    """Yield words for what a file has beside meshes, nodes and names of materials."""
+    tree = gltf.tree
+    for name in ("animations", "skins", "cameras"):
+        if gltf.items(name):
+            yield name
+    if gltf.items("textures") or gltf.items("images"):
+        yield "textures"
+    if any(set(gltf.item("materials", i)) - {"name"} for i in range(len(gltf.items("materials")))):
+        yield "the look of materials"
+    if len(gltf.items("scenes")) > 1:
+        yield "other scenes"
+    extensions = tree.get("extensions", {})
+    if isinstance(extensions, dict) and "KHR_lights_punctual" in extensions:
+        yield "lights"
+    if "EXT_mesh_gpu_instancing" in items(tree, "extensionsUsed"):
+        yield "GPU instances"
+    if any("extras" in one for one in _with_extras(gltf)):
+        yield "custom properties (extras)"
+
+
+def _with_extras(gltf: Gltf) -> Iterator[Tree]:
+    """Yield what programs give properties of their own; materials are named as a whole."""
+    asset = gltf.tree.get("asset")
+    yield from (gltf.tree, asset if isinstance(asset, dict) else {})
+    for name in ("scenes", "nodes", "meshes"):
+        for i in range(len(gltf.items(name))):
+            one = gltf.item(name, i)
+            yield one
+            yield from (p for p in items(one, "primitives") if isinstance(p, dict))
+
+
+def _roots(gltf: Gltf) -> list[int]:
+    if gltf.items("scenes"):
+        return items(gltf.item("scenes", gltf.tree.get("scene", 0)), "nodes")
+    nodes = gltf.items("nodes")
+    below = (items(gltf.item("nodes", i), "children") for i in range(len(nodes)))
+    children = {child for some in below for child in some}
+    return [i for i in range(len(nodes)) if i not in children]
+
+
+def _matrix(node: Tree) -> NDArray[np.float64]:
+    """Return the transform of a node: its matrix, or translation after rotation after scale."""
+    given = reals(node, "matrix", 16)
+    if given is not None:
+        return given.reshape(4, 4).T
+    matrix = np.eye(4)
+    rotation, scale = reals(node, "rotation", 4), reals(node, "scale", 3)
+    translation = reals(node, "translation", 3)
+    if rotation is not None:
+        matrix[:3, :3] = _rotation(rotation)
+    if scale is not None:
+        matrix[:3, :3] *= scale
+    if translation is not None:
+        matrix[:3, 3] = translation
+    return matrix
+
+
+def _rotation(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rotation of a quaternion (x, y, z, w)."""
+    norm = float(quaternion @ quaternion)
+    if not norm:
+        return np.eye(3)
+    u, w = quaternion[:3], quaternion[3]
+    cross = np.array([[0, -u[2], u[1]], [u[2], 0, -u[0]], [-u[1], u[0], 0]])
+    doubled: NDArray[np.float64] = 2 * (np.outer(u, u) - u @ u * np.eye(3) + w * cross)
+    return np.eye(3) + doubled / norm

@@ -1,0 +1,255 @@
+"""A mesh to GLB: the mirror of `glb_in`.
+
+Each object is a node with a mesh; faces without an object are one too. Positions are float32,
+relative to the node: the transform that a scene had is undone, and where float32 would lose much,
+as far from the origin, a mesh gets a translation.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh_formats.meshfiles.glb import placement
+from deltamesh_formats.meshfiles.glb.chunks import BINARY_CHUNK, COMPONENTS, JSON_CHUNK, MAGIC
+from deltamesh_formats.meshfiles.glb.groups import Groups, grouped
+from deltamesh_formats.meshfiles.glb.names import semantic_of
+from deltamesh_formats.meshfiles.single import diagonal_of, in_float32
+from deltamesh_formats.meshfiles.written import Written
+from deltamesh_formats.polymesh.descriptions import unkept
+from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
+
+_CODES: Final = {kind: code for code, kind in COMPONENTS.items()}
+_TYPES: Final = ("", "SCALAR", "VEC2", "VEC3", "VEC4")
+_VERTICES, _INDICES = 34962, 34963
+
+
+def write(mesh: PolyMesh) -> Written:
+    """Write a GLB; polygons become triangles, corners that differ at a vertex repeat it."""
+    objects = mesh.parts_of("object")
+    of_face = np.full(len(mesh.sizes), -1) if objects is None else objects.of_face
+    kept = _kept(mesh)
+    groups = grouped(mesh, [attribute for attribute, _, _ in kept], of_face)
+    writer = _Writer(mesh, groups, kept)
+    order = np.argsort(groups.objects, kind="stable")
+    numbers, starts = np.unique(groups.objects[order], return_index=True)
+    for number, mine in zip(numbers.tolist(), np.split(order, starts[1:]), strict=True):
+        writer.add_object(number, mine)
+    words = unkept(
+        mesh,
+        attributes=[attribute for attribute, _, _ in kept],
+        parts=("object", "mesh", "material"),
+        metadata=("copyright",),
+        transforms=True,
+    )
+    return Written(writer.data(), (*words, *dict.fromkeys(writer.lost)))
+
+
+_Kept = tuple[Attribute, str, NDArray[Any]]
+
+
+def _kept(mesh: PolyMesh) -> list[_Kept]:
+    """Return the attributes that glTF holds, what it calls them, and their values as it has them.
+
+    Two of one name are kept when no vertex has both.
+    """
+    found: list[_Kept] = []
+    taken: dict[str, NDArray[np.bool_]] = {}
+    for attribute in mesh.attributes:
+        values = _single(attribute.values)
+        if attribute.domain == "face" or attribute.width > 4 or values is None:
+            continue
+        semantic = semantic_of(attribute)
+        has = attribute.rows() >= 0
+        if attribute.domain == "corner":
+            vertices, has = mesh.corners[has], np.zeros(len(mesh.vertices), dtype=bool)
+            has[vertices] = True
+        if not (taken.get(semantic, False) & has).any():
+            taken[semantic] = taken.get(semantic, False) | has
+            found.append((attribute, semantic, values))
+    return found
+
+
+def _single(values: NDArray[Any]) -> NDArray[Any] | None:
+    """Return numbers in a type of glTF; whole ones of more bits as float32 when that is exact."""
+    kind = values.dtype.str[1:]
+    if kind in _CODES and kind != "u4":
+        return values.astype("<" + kind)
+    if values.dtype.kind in "iu" and int(np.abs(values).max(initial=0)) > 1 << 24:
+        return None
+    if values.dtype.kind not in "fiub":
+        return None
+    with np.errstate(over="ignore"):
+        return values.astype("<f4")
+
+
+class _Writer:
+    """The JSON and the buffer as they grow."""
+
+    def __init__(self, mesh: PolyMesh, groups: Groups, kept: list[_Kept]) -> None:
+        self.mesh, self.groups, self.kept = mesh, groups, kept
+        self.diagonal = diagonal_of(mesh.vertices)
+        self.mesh_of_object = _meshes_of_objects(mesh)
+        self.lost = [*groups.lost]
+        self.buffer: list[bytes] = []
+        self.size = 0
+        self.views: list[dict[str, int]] = []
+        self.accessors: list[dict[str, Any]] = []
+        self.meshes: list[dict[str, Any]] = []
+        self.nodes: list[dict[str, Any]] = []
+        materials = mesh.parts_of("material")
+        self.materials = () if materials is None else materials.names
+        of_face = np.full(len(mesh.sizes), -1) if materials is None else materials.of_face
+        # Triangles by group and material: those of one pair are a primitive.
+        group = np.searchsorted(groups.starts, groups.faces[:, 0], side="right") - 1
+        self.order = np.lexsort([of_face[groups.polygon], group])
+        self.sorted = np.stack([group, of_face[groups.polygon]], axis=1)[self.order]
+
+    def add_object(self, number: int, mine: NDArray[np.int64]) -> None:
+        """Add a node, and its mesh of these groups."""
+        vertices = np.concatenate([self._vertices(group) for group in mine.tolist()])
+        matrix, node = self._transform(number, self.mesh.vertices[vertices])
+        primitives = []
+        for group in mine.tolist():
+            primitives += self._group(group, matrix)
+        name, mesh_name = self._names(number)
+        named = {"name": mesh_name} if mesh_name else {}
+        node |= {"mesh": len(self.meshes)} | ({"name": name} if name else {})
+        self.nodes.append(node)
+        self.meshes.append({"primitives": primitives} | named)
+
+    def _vertices(self, group: int) -> NDArray[np.int64]:
+        return self.groups.vertex[self._slice(group)]
+
+    def _slice(self, group: int) -> slice:
+        return slice(int(self.groups.starts[group]), int(self.groups.starts[group + 1]))
+
+    def _names(self, number: int) -> tuple[str, str]:
+        """Return the names of the node and of the mesh of an object."""
+        objects, meshes = self.mesh.parts_of("object"), self.mesh.parts_of("mesh")
+        if objects is None or number < 0:
+            return "", ""
+        name = _valid(objects.names[number])
+        if meshes is not None and self.mesh_of_object[number] >= 0:
+            return name, _valid(meshes.names[self.mesh_of_object[number]])
+        return name, name
+
+    def _transform(
+        self, number: int, points: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], dict[str, Any]]:
+        """Return the transform of an object, and its node."""
+        objects = self.mesh.parts_of("object")
+        matrix = np.eye(4)
+        if objects is not None and objects.transforms is not None and number >= 0:
+            matrix = objects.transforms[number]
+            with np.errstate(all="ignore"):
+                condition = np.linalg.cond(matrix[:3, :3])
+            if not condition < 1e12:
+                matrix = np.eye(4)  # it has no inverse: the vertices are where it put them
+        if placement.is_identity(matrix) and in_float32(points, self.diagonal, "GLB")[1]:
+            matrix = np.eye(4)
+            # Coarse numbers, so that taking them off rounds little.
+            grid = 2.0 ** np.ceil(np.log2(self.diagonal)) if self.diagonal else 1.0
+            matrix[:3, 3] = np.round((points.min(axis=0) + points.max(axis=0)) / 2 / grid) * grid
+        if placement.is_identity(matrix):
+            return matrix, {}
+        if placement.is_identity(matrix[:3, :3]):
+            return matrix, {"translation": matrix[:3, 3].tolist()}
+        return matrix, {"matrix": matrix.T.ravel().tolist()}
+
+    def _group(self, group: int, matrix: NDArray[np.float64]) -> list[dict[str, Any]]:
+        """Add the vertices of a group; return its primitives, one for each material."""
+        some = self._slice(group)
+        points = placement.moved_back(self.mesh.vertices[self._vertices(group)], matrix)
+        local, rounded = in_float32(points, self.diagonal, "GLB")
+        self.lost += rounded
+        bounds = {"min": local.min(axis=0).tolist(), "max": local.max(axis=0).tolist()}
+        attributes = {"POSITION": self._add(self._accessor(local, _VERTICES) | bounds)}
+        back = np.linalg.inv(matrix).astype(np.float64)
+        for (attribute, semantic, values), rows in zip(self.kept, self.groups.rows, strict=True):
+            if (rows[some] >= 0).all():
+                table = placement.turned(attribute.name, values[rows[some]], back)
+                accessor = self._accessor(table, _VERTICES)
+                if attribute.normalized:
+                    accessor["normalized"] = True
+                attributes[semantic] = self._add(accessor)
+        begin, end = np.searchsorted(self.sorted[:, 0], [group, group + 1]).tolist()
+        cuts = begin + np.flatnonzero(np.diff(self.sorted[begin:end, 1], prepend=-2))
+        primitives = []
+        for first, last in zip(cuts.tolist(), [*cuts[1:].tolist(), end], strict=True):
+            faces = self.groups.faces[self.order[first:last]] - some.start
+            if placement.is_mirror(matrix):
+                faces = faces[:, ::-1]
+            kind = "<u2" if some.stop - some.start < 1 << 16 else "<u4"
+            indices = self._add(self._accessor(faces.reshape(-1, 1).astype(kind), _INDICES))
+            material = int(self.sorted[first, 1])
+            own = {"material": material} if material >= 0 else {}
+            primitives.append({"attributes": attributes, "indices": indices} | own)
+        return primitives
+
+    def _add(self, accessor: dict[str, Any]) -> int:
+        self.accessors.append(accessor)
+        return len(self.accessors) - 1
+
+    def _accessor(self, values: NDArray[Any], target: int) -> dict[str, Any]:
+        """Put a table into the buffer, its rows padded to four bytes for vertices."""
+        row = values.shape[1] * values.dtype.itemsize
+        raw = np.ascontiguousarray(values).view(np.uint8).reshape(len(values), row)
+        view: dict[str, int] = {"buffer": 0, "byteOffset": self.size, "target": target}
+        if target == _VERTICES and row % 4:
+            raw = np.pad(raw, ((0, 0), (0, -row % 4)))
+            view["byteStride"] = raw.shape[1]
+        data = raw.tobytes()
+        view["byteLength"] = len(data)
+        self.buffer += [data, bytes(-len(data) % 4)]
+        self.size += len(data) + -len(data) % 4
+        self.views.append(view)
+        return {
+            "bufferView": len(self.views) - 1,
+            "componentType": _CODES[values.dtype.str[1:]],
+            "count": len(values),
+            "type": _TYPES[values.shape[1]],
+        }
+
+    def data(self) -> bytes:
+        """Return the bytes of the file."""
+        said = self.mesh.metadata.get("copyright", ())
+        copyright_ = {"copyright": said[0]} if said else {}
+        tree: dict[str, Any] = {
+            "asset": {"version": "2.0", "generator": "deltamesh"} | copyright_,
+            "scene": 0,
+            "scenes": [{"nodes": list(range(len(self.nodes)))}],
+            "nodes": self.nodes,
+            "meshes": self.meshes,
+            "accessors": self.accessors,
+            "bufferViews": self.views,
+            "buffers": [{"byteLength": self.size}],
+        }
+        if self.materials:
+            tree["materials"] = [{"name": _valid(name)} for name in self.materials]
+        text = json.dumps(tree, separators=(",", ":")).encode()
+        text += b" " * (-len(text) % 4)
+        chunks = [(JSON_CHUNK, text), (BINARY_CHUNK, b"".join(self.buffer))]
+        body = b"".join(len(raw).to_bytes(4, "little") + kind + raw for kind, raw in chunks)
+        return MAGIC + (2).to_bytes(4, "little") + (12 + len(body)).to_bytes(4, "little") + body
+
+
+def _meshes_of_objects(mesh: PolyMesh) -> NDArray[np.int64]:
+    """Return the one "mesh" that all faces of each object are in, -1 if there is no such one."""
+    objects, meshes = mesh.parts_of("object"), mesh.parts_of("mesh")
+    if objects is None or meshes is None:
+        return np.empty(0, dtype=np.int64)
+    least = np.full(len(objects.names), len(meshes.names))
+    most = np.full(len(objects.names), -1)
+    named = objects.of_face >= 0
+    np.minimum.at(least, objects.of_face[named], meshes.of_face[named])
+    np.maximum.at(most, objects.of_face[named], meshes.of_face[named])
+    return np.where(least == most, most, -1)
+
+
+def _valid(name: str) -> str:
+    """Return a name without bytes of another encoding than UTF-8."""
+    return name.encode("utf-8", "surrogateescape").decode("utf-8", "replace")

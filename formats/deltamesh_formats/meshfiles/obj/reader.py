@@ -1,0 +1,243 @@
+"""OBJ to a mesh (Wavefront, Object Files, version 3.0, appendix B1).
+
+Kept: positions with colours after them (a common extension), texture coordinates and normals with
+their own indices, polygons, objects, groups, smoothing groups, names of materials and of their
+libraries. A normal or texture coordinate for each vertex, in the vertices' order, becomes an
+attribute of vertices.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh_formats.meshfiles import text
+from deltamesh_formats.meshfiles.obj.words import KEPT, OFF, OTHERS, PARTS
+from deltamesh_formats.meshfiles.text import Indices, Lines
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, Role
+
+_CONTINUATION: Final = re.compile(rb"\\\r?\n")
+# "#" begins a comment after white space; names such as "part#1" are whole.
+_COMMENT: Final = re.compile(rb"(?m)(?:^|(?<=[ \t\r]))#[^\n]*")
+_HEADER: Final = re.compile(rb"(?:[ \t\r]*(?:#[^\n]*)?\n)*")
+
+# The fields of a corner, v/vt/vn, in their order.
+_FIELDS: Final = ("vertex", "texture coordinate", "normal")
+
+
+def read(data: bytes) -> PolyMesh:
+    """Read an OBJ.
+
+    Raises
+    ------
+    MeshError
+        With the line at fault.
+    """
+    data = text.normal_ends(data)
+    # Comments first: a path at the end of one continues nothing.
+    lines = text.split(text.blanked(_CONTINUATION, text.blanked(_COMMENT, data)))
+    words = lines.words()
+    where = {key: words == text.word(key) for key in KEPT}
+    where[b"f"] = where[b"f"] | where.pop(b"fo")
+    vertices, colours, weighted = _vertices(lines, where[b"v"])
+    tables = {
+        "texture coordinate": _table(lines, where[b"vt"], "a texture coordinate", 1, 3),
+        "normal": _table(lines, where[b"vn"], "a normal", 3, 3),
+    }
+    faces = _faces(lines, where, [len(vertices), *(len(table) for table in tables.values())])
+    attributes, unused = _attributes(tables, faces, len(vertices))
+    lost = [*(["weights of vertices"] if weighted else []), *unused, *_others(lines, words)]
+    return PolyMesh(
+        vertices,
+        faces.indices[0],
+        faces.offsets,
+        (*colours, *attributes),
+        tuple(_parts(lines, data, where)),
+        _metadata(lines, data, where[b"mtllib"]),
+        tuple(lost),
+        format="obj",
+    )
+
+
+class _Faces(NamedTuple):
+    """Indices of each corner from 0, -1 for none, one array a field; offsets of the faces."""
+
+    indices: list[Indices]
+    offsets: Indices
+
+
+def _rows(lines: Lines, chosen: NDArray[np.bool_]) -> tuple[NDArray[np.float64], Indices, Indices]:
+    """Return the numbers of some lines, where each line's begin, and how many it has."""
+    cut, tokens = text.cut_out(lines, chosen)
+    counts = lines.counts[chosen] - 1
+    return text.numbers(cut, lines, tokens), np.cumsum(counts) - counts, counts
+
+
+def _check_counts(
+    lines: Lines, chosen: NDArray[np.bool_], fits: NDArray[np.bool_], what: str
+) -> None:
+    if not fits.all():
+        line = np.flatnonzero(chosen)[np.argmin(fits)]
+        found = lines.counts[line] - 1
+        raise lines.error(int(lines.first[line]), f"{what} of {found} numbers")
+
+
+def _vertices(
+    lines: Lines, chosen: NDArray[np.bool_]
+) -> tuple[NDArray[np.float64], list[Attribute], bool]:
+    """Return positions, colours, and whether there are weights; x y z, x y z w, x y z r g b (a)."""
+    flat, starts, counts = _rows(lines, chosen)
+    _check_counts(lines, chosen, np.isin(counts, (3, 4, 6, 7)), "a vertex")
+    if len(counts) and (counts == 3).all():
+        return flat.reshape(-1, 3), [], False
+    colours = []
+    for width in (3, 4):
+        has = counts == 3 + width
+        if has.any():
+            values = flat[starts[has, None] + np.arange(3, 3 + width)]
+            index = None if has.all() else np.where(has, np.cumsum(has) - 1, -1)
+            colours.append(Attribute("colour", "vertex", values, "colour", index))
+    weighted = bool((flat[starts[counts == 4] + 3] != 1).any())
+    return flat[starts[:, None] + np.arange(3)].reshape(-1, 3), colours, weighted
+
+
+def _table(
+    lines: Lines, chosen: NDArray[np.bool_], what: str, least: int, most: int
+) -> NDArray[np.float64]:
+    """Return the rows of `vt` or `vn`; numbers that a line leaves out are 0, as the format says."""
+    flat, starts, counts = _rows(lines, chosen)
+    _check_counts(lines, chosen, (counts >= least) & (counts <= most), what)
+    width = int(counts.max(initial=least))
+    found = np.zeros((len(counts), width))
+    for i in range(width):
+        found[counts > i, i] = flat[starts[counts > i] + i]
+    return found
+
+
+def _faces(lines: Lines, where: Mapping[bytes, NDArray[np.bool_]], sizes: list[int]) -> _Faces:
+    """Return the indices of faces: v, v/vt, v//vn, v/vt/vn, each from 1, or from -1 backwards."""
+    chosen = where[b"f"]
+    cut, tokens = text.cut_out(lines, chosen)
+    slashes = cut == ord("/")
+    plain = np.where(slashes, np.uint8(ord(" ")), cut)
+    at, _ = text.tokens_of(plain)
+    corner, fields = np.arange(len(at)), np.zeros(len(at), dtype=np.int64)
+    if slashes.any():
+        begins, _ = text.tokens_of(cut)
+        corner = np.searchsorted(begins, at, side="right") - 1
+        before = np.cumsum(slashes) - slashes
+        fields = before[at] - before[begins[corner]]
+    _check_fields(lines, tokens, corner, fields)
+    given = text.numbers(plain, lines, tokens[corner], int)
+    face_lines = np.flatnonzero(chosen)
+    counts = lines.counts[face_lines] - 1
+    line_of_corner = np.repeat(face_lines, counts)
+    indices = []
+    for field, key in enumerate((b"v", b"vt", b"vn")):
+        mine = fields == field
+        found, of = given[mine], corner[mine]
+        above = np.searchsorted(np.flatnonzero(where[key]), line_of_corner[of])
+        absolute = np.where(found > 0, found - 1, above + found)
+        bad = (found == 0) | (absolute < 0) | (absolute >= sizes[field])
+        if bad.any():
+            i = int(np.argmax(bad))
+            raise lines.error(
+                int(tokens[of[i]]), _bad_index(_FIELDS[field], int(found[i]), sizes[field])
+            )
+        rows = np.full(len(line_of_corner), -1, dtype=np.int64)
+        rows[of] = absolute
+        indices.append(rows)
+    return _Faces(indices, np.concatenate(([0], np.cumsum(counts))).astype(np.int64))
+
+
+def _bad_index(what: str, index: int, count: int) -> str:
+    if index == 0:
+        return f"a face has the {what} index 0, but OBJ counts from 1"
+    return f"a face refers to {what} {index}, of {count}"
+
+
+def _check_fields(lines: Lines, tokens: Indices, corner: Indices, fields: Indices) -> None:
+    """Refuse corners without a vertex or with more than v/vt/vn."""
+    bad = fields > 2
+    if bad.any():
+        token = int(tokens[corner[np.argmax(bad)]])
+        raise lines.error(token, f"{text.shown(lines.token(token))} is no v/vt/vn")
+    has = np.zeros(len(tokens), dtype=bool)
+    has[corner[fields == 0]] = True
+    if not has.all():
+        token = int(tokens[np.argmin(has)])
+        raise lines.error(token, f"{text.shown(lines.token(token))} names no vertex")
+
+
+def _attributes(
+    tables: Mapping[str, NDArray[np.float64]], faces: _Faces, n: int
+) -> tuple[list[Attribute], list[str]]:
+    """Return texture coordinates and normals, and the words for those that no face refers to."""
+    names: tuple[tuple[str, Role], ...] = (("uv", "uv"), ("normal", "normal"))
+    found, unused = [], []
+    for (what, table), (name, role), index in zip(
+        tables.items(), names, faces.indices[1:], strict=True
+    ):
+        if len(table) == n and np.array_equal(index, faces.indices[0]):
+            found.append(Attribute(name, "vertex", table, role))
+        elif (index >= 0).any():
+            found.append(Attribute(name, "corner", table, role, index))
+        elif len(table):
+            unused.append(f"{what}s that no face refers to")
+    return found, unused
+
+
+def _parts(lines: Lines, data: bytes, where: Mapping[bytes, NDArray[np.bool_]]) -> list[Parts]:
+    """Return what o, g, usemtl and s say of the faces below them; without a name, or off: none."""
+    face_lines, found = np.flatnonzero(where[b"f"]), []
+    for kind, key in PARTS.items():
+        at = np.flatnonzero(where[key])
+        numbers: dict[str, int] = {"": -1}
+        if kind == "smoothing":
+            numbers |= dict.fromkeys(OFF, -1)
+        names = [_rest(lines, data, int(line)) for line in at]
+        ids = [-1, *(numbers.setdefault(name, len(numbers)) for name in names)]
+        of_face = np.array(ids)[np.searchsorted(at, face_lines)]
+        used, of_face = np.unique(of_face, return_inverse=True)
+        by_number = {number: name for name, number in numbers.items() if number >= 0}
+        if used.max(initial=-1) >= 0:
+            none = int(used[0] == -1)
+            kept = tuple(by_number[i] for i in used[none:].tolist())
+            found.append(Parts(kind, kept, of_face.astype(np.int64) - none))
+    return found
+
+
+def _rest(lines: Lines, data: bytes, line: int) -> str:
+    """Return what follows the keyword of a line, whatever it is."""
+    start = int(lines.token_ends[lines.first[line]])
+    end = data.find(b"\n", start)
+    return text.decoded(data[start : end if end >= 0 else None].strip())
+
+
+def _metadata(
+    lines: Lines, data: bytes, libraries: NDArray[np.bool_]
+) -> dict[str, tuple[str, ...]]:
+    head = _HEADER.match(data)
+    above = [line.strip() for line in (head[0] if head else b"").split(b"\n")]
+    comments = tuple(text.decoded(line[1:]) for line in above if line)
+    names = tuple(_rest(lines, data, int(line)) for line in np.flatnonzero(libraries))
+    return {key: found for key, found in (("comments", comments), ("mtllib", names)) if found}
+
+
+def _others(lines: Lines, words: NDArray[np.uint64]) -> list[str]:
+    """Return the words for statements that are not kept."""
+    strange = ~np.isin(words, [text.word(key[:8]) for key in KEPT])
+    found = []
+    for what, keys in OTHERS.items():
+        mine = strange & np.isin(words, [text.word(key[:8]) for key in keys])
+        if mine.any():
+            found.append(what)
+            strange &= ~mine
+    if strange.any():
+        token = int(lines.first[np.argmax(strange)])
+        found.append(f"statements unknown to OBJ ({text.shown(lines.token(token))})")
+    return found

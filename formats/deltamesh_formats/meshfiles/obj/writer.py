@@ -1,0 +1,103 @@
+"""A mesh to OBJ: the mirror of `obj_in`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh_formats.meshfiles import numbers as numbers_out
+from deltamesh_formats.meshfiles import text
+from deltamesh_formats.meshfiles.obj.words import OFF, PARTS
+from deltamesh_formats.meshfiles.written import Written, numbered
+from deltamesh_formats.polymesh.descriptions import unkept
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
+
+# A corner by what it has besides its vertex: nothing, vt, vn, both.
+_CORNERS: Final = np.array(["%d", "%d/%d", "%d//%d", "%d/%d/%d"], dtype=object)
+
+
+def write(mesh: PolyMesh) -> Written:
+    """Write an OBJ: names, polygons, one set each of colours, texture coordinates and normals."""
+    colour = next((a for a in mesh.attributes if _is_obj_colour(a)), None)
+    uv, normal = _table(mesh, "uv", (1, 2, 3)), _table(mesh, "normal", (3,))
+    parts = [p for p in mesh.parts if p.kind in PARTS]
+    lines = [f"#{text.one_line(line)}" for line in mesh.metadata.get("comments", ())]
+    lines += [f"mtllib {text.one_line(name)}" for name in mesh.metadata.get("mtllib", ())]
+    lines += [f"v {row}" for row in _vertex_rows(mesh, colour)]
+    for keyword, table in (("vt", uv), ("vn", normal)):
+        if table is not None:
+            lines += [f"{keyword} {row}" for row in numbers_out.rows(table.values)]
+    lines += _faces(mesh, [_of_corners(mesh, table) for table in (uv, normal)], parts)
+    kept = [attribute for attribute in (colour, uv, normal) if attribute is not None]
+    lost = unkept(
+        mesh,
+        attributes=kept,
+        parts=list(PARTS),
+        metadata=("mtllib",),
+        polygons=True,
+    )
+    return Written("\n".join([*lines, ""]).encode(*text.ENCODING), lost)
+
+
+def _is_obj_colour(attribute: Attribute) -> bool:
+    a = attribute
+    known = a.normalized or a.values.dtype.kind == "f"
+    return a.role == "colour" and a.domain == "vertex" and a.width in (3, 4) and known
+
+
+def _table(mesh: PolyMesh, role: str, widths: tuple[int, ...]) -> Attribute | None:
+    for a in mesh.attributes:
+        fits = a.role == role and a.domain != "face" and a.width in widths
+        if fits and a.values.dtype.kind == "f":
+            return a
+    return None
+
+
+def _vertex_rows(mesh: PolyMesh, colour: Attribute | None) -> list[str]:
+    rows = numbers_out.rows(numbers_out.positions(mesh))
+    if colour is None:
+        return rows
+    values = numbers_out.fractions(colour.values, colour.normalized)
+    colours = [*(f" {row}" for row in numbers_out.rows(values)), ""]  # -1, none, is the last
+    return [row + colours[i] for row, i in zip(rows, colour.rows().tolist(), strict=True)]
+
+
+def _of_corners(mesh: PolyMesh, attribute: Attribute | None) -> NDArray[np.int64]:
+    """Return the row of the attribute's table for each corner, int64 (c,), -1 for none."""
+    if attribute is None:
+        return np.full(len(mesh.corners), -1, dtype=np.int64)
+    rows = attribute.rows()
+    return rows if attribute.domain == "corner" else rows[mesh.corners]
+
+
+def _faces(mesh: PolyMesh, tables: list[NDArray[np.int64]], parts: list[Parts]) -> Iterator[str]:
+    """Yield the lines of the faces, and of the names where these change."""
+    fields = np.stack([mesh.corners, *tables], axis=1) + 1
+    has = fields > 0
+    templates = _CORNERS[has[:, 1] + 2 * has[:, 2]]
+    templates[mesh.offsets[:-1]] = "\nf " + templates[mesh.offsets[:-1]]
+    ids = np.stack([np.zeros(len(mesh.sizes), dtype=np.int64), *(p.of_face for p in parts)])
+    changes = np.flatnonzero((np.diff(ids, axis=1, prepend=-1) != 0).any(axis=0))
+    names = [_statements(p) for p in parts]
+    current = [-1] * len(parts)
+    for begin, end in zip(changes.tolist(), [*changes[1:].tolist(), len(mesh.sizes)], strict=True):
+        for i, (part, statements) in enumerate(zip(parts, names, strict=True)):
+            number = int(part.of_face[begin])
+            if number != current[i]:
+                yield statements[number]
+                current[i] = number
+        some = slice(int(mesh.offsets[begin]), int(mesh.offsets[end]))
+        numbers = fields[some][has[some]].tolist()
+        yield " ".join(templates[some].tolist()).replace(" \n", "\n")[1:] % tuple(numbers)
+
+
+def _statements(parts: Parts) -> list[str]:
+    """Return the line for each part, and last, where -1 finds it, the line for none."""
+    keyword = PARTS[parts.kind].decode()
+    none = OFF[0] if parts.kind == "smoothing" else ""
+    reserved = ("", *OFF) if parts.kind == "smoothing" else ("",)
+    names = numbered([name.strip() for name in parts.names], parts.kind, reserved)
+    return [*(text.one_line(f"{keyword} {name}") for name in names), f"{keyword} {none}".rstrip()]

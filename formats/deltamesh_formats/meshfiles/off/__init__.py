@@ -1,0 +1,1 @@
+"""OFF, as text and binary."""

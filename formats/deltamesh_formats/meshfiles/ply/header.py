@@ -1,0 +1,129 @@
+"""The header of a PLY: its format, its elements and their properties, in the order of the file."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Final
+
+from deltamesh_formats.errors import MeshError
+from deltamesh_formats.meshfiles import text
+from deltamesh_formats.meshfiles.ply.names import FORMATS, TYPES
+
+_BEGINNING: Final = re.compile(rb"ply[ \t]*(\r\n|\n|\r)")
+# A count with more digits is beyond any file.
+_COUNT: Final = re.compile(r"\d{1,18}")
+
+
+@dataclass(frozen=True)
+class Property:
+    """A number of a record, or a list of numbers with their count before them.
+
+    Attributes
+    ----------
+    name : str
+    type : str
+        Of the numbers: a type code of numpy without byte order.
+    count_type : str or None
+        Of the count; None for a single number.
+    """
+
+    name: str
+    type: str
+    count_type: str | None = None
+
+
+@dataclass(frozen=True)
+class Element:
+    """A table of records."""
+
+    name: str
+    count: int
+    properties: list[Property] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Header:
+    """What a header says, and where the body begins.
+
+    Attributes
+    ----------
+    order : str
+        "<" or ">", the byte order; "" for text.
+    body : int
+        In bytes from the beginning of the file.
+    """
+
+    order: str
+    elements: list[Element]
+    comments: list[str]
+    obj_info: list[str]
+    body: int
+
+
+def read_header(data: bytes) -> Header:
+    """Read the header of a PLY.
+
+    Raises
+    ------
+    MeshError
+        With the line at fault.
+    """
+    beginning = _BEGINNING.match(data)
+    if beginning is None:
+        raise MeshError("it does not begin with 'ply' on a line of its own")
+    # The first line tells how lines end: a binary body may begin with the byte of a line feed.
+    end_of_line = beginning[1]
+    end = re.compile(rb"(?<=[\r\n])[ \t]*end_header[ \t]*(?:" + end_of_line + rb"|\Z)").search(data)
+    if end is None:
+        raise MeshError("its header has no end: is it cut short?")
+    header = Header("", [], [], [], end.end())
+    order = None
+    for i, line in enumerate(data[: end.start()].splitlines()):
+        words = line.split()
+        if i == 0 or not words:
+            continue
+        key, rest = text.decoded(words[0]), [text.decoded(word) for word in words[1:]]
+        try:
+            if key == "format":
+                order = FORMATS[rest[0]]
+            elif key == "element":
+                header.elements.append(_element(rest))
+            elif key == "property":
+                header.elements[-1].properties.append(_property(rest))
+            else:
+                _remark(header, line, key)
+        except (LookupError, ValueError):
+            raise MeshError(f"line {i + 1}: not of a PLY header: {text.shown(line)}") from None
+    if order is None:
+        raise MeshError("its header has no format: ascii, binary_little_endian, binary_big_endian")
+    return Header(order, header.elements, header.comments, header.obj_info, header.body)
+
+
+def _element(words: list[str]) -> Element:
+    name, count = words
+    if not _COUNT.fullmatch(count):
+        raise ValueError(count)
+    return Element(name, int(count))
+
+
+def _property(words: list[str]) -> Property:
+    if words[0] != "list":
+        kind, name = words
+        return Property(name, TYPES[kind])
+    _, count, kind, name = words
+    if TYPES[count][0] == "f":
+        raise ValueError(count)
+    return Property(name, TYPES[kind], TYPES[count])
+
+
+def _remark(header: Header, line: bytes, key: str) -> None:
+    """Keep a comment; above the first element also one that has lost its keyword."""
+    said = text.decoded(line.strip())
+    if key in ("comment", "obj_info"):
+        kept = header.comments if key == "comment" else header.obj_info
+        kept.append(said[len(key) + 1 :])
+    elif not header.elements:
+        header.comments.append(said)
+    else:
+        raise ValueError(key)

@@ -1,0 +1,179 @@
+"""PLY to a mesh: text and binary of either byte order, properties of any type and name.
+
+Kept: properties of vertices and faces; lists of faces with numbers for each corner; comments and
+obj_info. Triangle strips become triangles. Named as lost: other elements, other lists.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh_formats.errors import MeshError
+from deltamesh_formats.meshfiles import text
+from deltamesh_formats.meshfiles.ply.bodies import Ascii, Binary
+from deltamesh_formats.meshfiles.ply.header import Element, Header, read_header
+from deltamesh_formats.meshfiles.ply.names import GROUPS, INDICES, POSITION, WEDGE_UV, role_of
+from deltamesh_formats.meshfiles.ply.rows import Column, read_rows
+from deltamesh_formats.meshfiles.strips import from_strips
+from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh
+
+_KEPT: Final = ("vertex", "face", "tristrips")
+_NO_END: Final = re.compile(rb"[^\n]+")
+
+
+def read(data: bytes) -> PolyMesh:
+    """Read a PLY.
+
+    Raises
+    ------
+    MeshError
+        With the line, or the byte, at fault.
+    """
+    header = read_header(data)
+    tables, lost = _tables(data, header)
+    vertices = tables.get("vertex", {})
+    if not all(name in vertices and vertices[name].counts is None for name in POSITION):
+        raise MeshError("its vertices have no properties x, y and z")
+    positions = [vertices.pop(name).values for name in POSITION]
+    single = all(axis.dtype.itemsize < 8 and axis.dtype.kind == "f" for axis in positions)
+    faces = tables.get("face", {})
+    corners, offsets = _faces(faces, tables.get("tristrips", {}))
+    attributes, unlike = _scalars(vertices, "vertex"), _lists(vertices)
+    attributes += _scalars(faces, "face")
+    wedges, others = _corner_attributes(faces, np.diff(offsets))
+    lost += [f"lists {name} of vertices" for name in unlike]
+    lost += [f"lists {name} of faces" for name in others]
+    metadata = {"comments": tuple(header.comments), "obj_info": tuple(header.obj_info)}
+    return PolyMesh(
+        np.stack(positions, axis=1).astype(np.float64),
+        corners,
+        offsets,
+        (*attributes, *wedges),
+        metadata={key: said for key, said in metadata.items() if said},
+        lost=tuple(lost),
+        precision="float32" if single else "float64",
+        format="ply",
+    )
+
+
+def _tables(data: bytes, header: Header) -> tuple[dict[str, dict[str, Column]], list[str]]:
+    """Return the columns of each element, and words for those that are not kept."""
+    body: Ascii | Binary = Binary(data[header.body :], header.order)
+    if not header.order:
+        plain = text.normal_ends(data)
+        above = text.blanked(_NO_END, plain[: header.body])
+        body = Ascii(text.split(above + plain[header.body :]))
+    elements = header.elements if header.order else map(_as_written, header.elements)
+    tables: dict[str, dict[str, Column]] = {}
+    at, lost = 0, []
+    for element in elements:
+        columns, at = read_rows(body, at, element)
+        if element.name in _KEPT and element.name not in tables:
+            tables[element.name] = columns
+        elif element.count:
+            lost.append(f"elements {element.name}")
+    left = len(body.cells) - at
+    if left and not header.order:
+        raise body.error(at, f"{left} numbers follow the last element")
+    if left:
+        lost.append(f"{left} bytes after the last element")
+    return tables, lost
+
+
+def _as_written(element: Element) -> Element:
+    """Let positions in a text be float64, whatever their header says: they may have the digits."""
+    types = {name: "f8" for name in POSITION if element.name == "vertex"}
+    properties = [replace(p, type=types.get(p.name, p.type)) for p in element.properties]
+    return replace(element, properties=properties)
+
+
+def _faces(
+    faces: dict[str, Column], strips: dict[str, Column]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return corners and offsets; of the strips, where there are no faces."""
+    indices = _indices(faces)
+    if indices is not None and indices.counts is not None:
+        offsets = np.concatenate(([0], np.cumsum(indices.counts))).astype(np.int64)
+        return indices.values.astype(np.int64), offsets
+    if any(len(column.values) for column in faces.values()):
+        raise MeshError("its faces have no list vertex_indices of whole numbers")
+    indices = _indices(strips)
+    if indices is None or indices.counts is None:
+        return np.empty(0, dtype=np.int64), np.zeros(1, dtype=np.int64)
+    ends = np.cumsum(indices.counts)[:-1]
+    # A strip ends where -1 is, and at the end of a list.
+    triangles = from_strips(np.insert(indices.values.astype(np.int64), ends, -1))
+    return triangles.ravel(), np.arange(len(triangles) + 1, dtype=np.int64) * 3
+
+
+def _indices(columns: dict[str, Column]) -> Column | None:
+    """Take the list of vertex indices out of the columns of faces."""
+    for name in INDICES:
+        column = columns.get(name)
+        if column is not None and column.counts is not None and column.values.dtype.kind in "iu":
+            return columns.pop(name)
+    return None
+
+
+def _scalars(columns: dict[str, Column], domain: Domain) -> list[Attribute]:
+    """Return the properties that are single numbers, those that belong together as one."""
+    names = [name for name, column in columns.items() if column.counts is None]
+    kinds = {name: columns[name].values.dtype for name in names}
+    found, i = [], 0
+    while i < len(names):
+        name, role, width = _group(names, i)
+        if len({kinds[each] for each in names[i : i + width]}) > 1:
+            name, role, width = names[i], role_of(names[i]), 1
+        values = np.stack([columns[each].values for each in names[i : i + width]], axis=1)
+        normalized = role == "colour" and values.dtype.kind == "u"
+        found.append(Attribute(name, domain, values, role, normalized=normalized))
+        i += width
+    return found
+
+
+def _group(names: list[str], i: int) -> tuple[str, Any, int]:
+    """Return the attribute that begins at the i-th property: name, role, how many properties."""
+    for group in GROUPS:
+        if tuple(names[i : i + len(group.properties)]) == group.properties:
+            return group.name, group.role, len(group.properties)
+    stem, width = names[i].removesuffix("_0"), 1
+    if stem != names[i]:
+        while i + width < len(names) and names[i + width] == f"{stem}_{width}":
+            width += 1
+    name = stem if width > 1 else names[i]
+    return name, role_of(name), width
+
+
+def _lists(columns: dict[str, Column]) -> list[str]:
+    return [name for name, column in columns.items() if column.counts is not None]
+
+
+def _corner_attributes(
+    columns: dict[str, Column], sizes: NDArray[np.int64]
+) -> tuple[list[Attribute], list[str]]:
+    """Return the lists that have as many numbers for each corner, and the names of the others."""
+    found, others = [], []
+    for list_name in _lists(columns):
+        column = columns[list_name]
+        counts = column.counts
+        assert counts is not None
+        has = counts > 0
+        width = int(counts[has][0] // sizes[has][0]) if has.any() and sizes[has][0] else 0
+        if width == 0 or (counts[has] != width * sizes[has]).any():
+            if has.any():
+                others.append(list_name)
+            continue
+        index = None
+        if not has.all():
+            of_corner = np.repeat(has, sizes)
+            index = np.where(of_corner, np.cumsum(of_corner) - 1, -1)
+        name = "uv" if list_name == WEDGE_UV else list_name
+        values, role = column.values.reshape(-1, width), role_of(name)
+        normalized = role == "colour" and values.dtype.kind == "u"
+        found.append(Attribute(name, "corner", values, role, index, normalized))
+    return found, others

@@ -1,0 +1,166 @@
+"""A mesh to PLY, binary and little-endian: the mirror of `ply_in`."""
+
+from __future__ import annotations
+
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh_formats.meshfiles import numbers as numbers_out
+from deltamesh_formats.meshfiles import text
+from deltamesh_formats.meshfiles.ply.names import INDICES, NAMES, POSITION, WEDGE_UV, properties_of
+from deltamesh_formats.meshfiles.written import Written, numbered
+from deltamesh_formats.polymesh.descriptions import unkept
+from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
+
+_METADATA: Final = {"comments": "comment", "obj_info": "obj_info"}
+
+
+class _List(NamedTuple):
+    """A list property of the faces: width numbers for each corner, (c, width)."""
+
+    name: str
+    values: NDArray[Any]
+
+
+def write(mesh: PolyMesh) -> Written:
+    """Write a PLY: every attribute with its name and type, positions as the source had them."""
+    kept, lost = [], []
+    for attribute in mesh.attributes:
+        values = _known_type(attribute.dense())
+        if values is None:
+            lost.append(attribute)
+        else:
+            kept.append((attribute, values))
+    position = numbers_out.positions(mesh)
+    vertex = [(name, position[:, i]) for i, name in enumerate(POSITION)]
+    vertex += _scalars([pair for pair in kept if pair[0].domain == "vertex"], POSITION)
+    lists = [_List(INDICES[0], _indices(mesh))] + [
+        _List(_list_name(attribute), values)
+        for attribute, values in kept
+        if attribute.domain == "corner"
+    ]
+    names = numbered([each.name for each in lists], "list", POSITION)
+    lists = [each._replace(name=name) for each, name in zip(lists, names, strict=True)]
+    face = _scalars([pair for pair in kept if pair[0].domain == "face"], names)
+    counts = [_count_type(mesh, each) for each in lists]
+    header = ["ply", "format binary_little_endian 1.0"]
+    for key, word in _METADATA.items():
+        header += [f"{word} {text.one_line(line)}" for line in mesh.metadata.get(key, ())]
+    header += [f"element vertex {len(mesh.vertices)}", *_properties(vertex)]
+    header += [f"element face {len(mesh.sizes)}"]
+    for each, count in zip(lists, counts, strict=True):
+        kind = NAMES[each.values.dtype.str[1:]]
+        header.append(f"property list {NAMES[count]} {kind} {each.name}")
+    head = "\n".join([*header, *_properties(face), "end_header", ""]).encode(*text.ENCODING)
+    body = _records(vertex).tobytes() + _face_bytes(mesh, lists, counts, face)
+    words = unkept(
+        mesh,
+        attributes=[attribute for attribute, _ in kept],
+        polygons=True,
+    )
+    return Written(head + body, words)
+
+
+def _known_type(values: NDArray[Any]) -> NDArray[Any] | None:
+    """Return numbers in a little-endian type of PLY that holds them all, or None."""
+    kind = values.dtype.str[1:]
+    if kind in NAMES:
+        return values.astype("<" + kind)
+    wider = {"b1": "u1", "f2": "f4"}.get(kind)
+    if wider is not None:
+        return values.astype("<" + wider)
+    if kind in ("i8", "u8"):
+        for fitting in ("i4", "u4"):
+            limits = np.iinfo(fitting)
+            if limits.min <= values.min(initial=0) and values.max(initial=0) <= limits.max:
+                return values.astype("<" + fitting)
+        if np.abs(values.astype(float)).max(initial=0) <= 2**53:
+            return values.astype("<f8")
+    return None
+
+
+def _property_name(name: str) -> str:
+    return "_".join(name.split()) or "property"
+
+
+def _scalars(
+    attributes: list[tuple[Attribute, NDArray[Any]]], taken: Any
+) -> list[tuple[str, NDArray[Any]]]:
+    """Return the properties of some attributes: a name and a value for each element."""
+    columns = [
+        (_property_name(name), values[:, i])
+        for attribute, values in attributes
+        for i, name in enumerate(properties_of(attribute.name, attribute.width))
+    ]
+    names = numbered([name for name, _ in columns], "property", taken)
+    return [(name, values) for name, (_, values) in zip(names, columns, strict=True)]
+
+
+def _list_name(attribute: Attribute) -> str:
+    return WEDGE_UV if attribute.name == "uv" else _property_name(attribute.name)
+
+
+def _properties(columns: list[tuple[str, NDArray[Any]]]) -> list[str]:
+    return [f"property {NAMES[values.dtype.str[1:]]} {name}" for name, values in columns]
+
+
+def _records(columns: list[tuple[str, NDArray[Any]]]) -> NDArray[np.void]:
+    kind = [(f"f{i}", values.dtype.newbyteorder("<")) for i, (_, values) in enumerate(columns)]
+    count = len(columns[0][1]) if columns else 0
+    records = np.empty(count, dtype=kind)
+    for (field, _), (_, values) in zip(kind, columns, strict=True):
+        records[field] = values
+    return records
+
+
+def _indices(mesh: PolyMesh) -> NDArray[Any]:
+    return mesh.corners.astype("<i4" if len(mesh.vertices) <= 2**31 else "<u4")[:, None]
+
+
+def _count_type(mesh: PolyMesh, each: _List) -> str:
+    longest = int(mesh.sizes.max(initial=0)) * each.values.shape[1]
+    return next(kind for kind in ("u1", "u2", "u4") if longest <= np.iinfo(kind).max)
+
+
+def _face_bytes(
+    mesh: PolyMesh,
+    lists: list[_List],
+    counts: list[str],
+    columns: list[tuple[str, NDArray[Any]]],
+) -> bytes:
+    """Return the records of the faces: those of one size are one array."""
+    sizes = mesh.sizes
+    of_size = {int(k): _face_type(int(k), lists, counts, columns) for k in np.unique(sizes)}
+    lengths = np.zeros(len(sizes), dtype=np.int64)
+    for size, kind in of_size.items():
+        lengths[sizes == size] = kind.itemsize
+    starts = np.cumsum(lengths) - lengths
+    out = np.empty(int(lengths.sum()), dtype=np.uint8)
+    for size, kind in of_size.items():
+        mine = np.flatnonzero(sizes == size)
+        records = np.empty(len(mine), dtype=kind)
+        at = mesh.offsets[mine, None] + np.arange(size)
+        for i, each in enumerate(lists):
+            width = each.values.shape[1]
+            records[f"n{i}"] = size * width
+            records[f"l{i}"] = each.values[at].reshape(len(mine), size * width)
+        for i, (_, values) in enumerate(columns):
+            records[f"f{i}"] = values[mine]
+        raw = records.view(np.uint8).reshape(len(mine), kind.itemsize)
+        if len(of_size) == 1:
+            return raw.tobytes()
+        out[starts[mine, None] + np.arange(kind.itemsize)] = raw
+    return out.tobytes()
+
+
+def _face_type(
+    size: int, lists: list[_List], counts: list[str], columns: list[tuple[str, NDArray[Any]]]
+) -> np.dtype[np.void]:
+    fields: list[Any] = []
+    for i, (each, count) in enumerate(zip(lists, counts, strict=True)):
+        fields.append((f"n{i}", "<" + count))
+        fields.append((f"l{i}", each.values.dtype.newbyteorder("<"), size * each.values.shape[1]))
+    fields += [(f"f{i}", v.dtype.newbyteorder("<")) for i, (_, v) in enumerate(columns)]
+    return np.dtype(fields)

@@ -1,0 +1,1 @@
+"""STL, as text and binary."""

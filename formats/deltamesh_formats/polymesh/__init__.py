@@ -1,0 +1,1 @@
+"""The mesh of polygons that readers make and writers take, and functions of it."""

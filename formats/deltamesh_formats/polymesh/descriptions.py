@@ -1,0 +1,89 @@
+"""What a mesh has beyond positions and faces, in words: for warnings of what is not kept."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from typing import Final
+
+import numpy as np
+
+from deltamesh_formats.polymesh.kinds import KIND_WORDS, Kind
+from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh, Role
+
+_ROLES: Final[dict[Role, str]] = {
+    "normal": "normals",
+    "uv": "texture coordinates",
+    "colour": "colours",
+}
+_DOMAINS: Final[dict[Domain, str]] = {"vertex": "vertices", "corner": "corners", "face": "faces"}
+# Comments and headers, in which programs speak of themselves, are not worth a warning.
+_METADATA: Final = {"mtllib": "material libraries", "copyright": "copyright"}
+
+
+def unkept(
+    mesh: PolyMesh,
+    *,
+    attributes: Collection[Attribute] = (),
+    parts: Collection[Kind] = (),
+    metadata: Collection[str] = (),
+    polygons: bool = False,
+    transforms: bool = False,
+) -> tuple[str, ...]:
+    """Return words for what is lost when only positions and triangles are kept, and this.
+
+    Parameters
+    ----------
+    mesh : PolyMesh
+    attributes : collection of Attribute
+        Those of the mesh that are kept.
+    parts : collection of str
+        Kinds of parts that are.
+    metadata : collection of str
+        Keys that are; comments and headers are never named.
+    polygons, transforms : bool
+        Whether they are.
+    """
+    words = dict.fromkeys(mesh.lost)
+    if not polygons and (mesh.sizes != 3).any():
+        words["polygons of more than three corners"] = None
+    for attribute in mesh.attributes:
+        if not any(attribute is kept for kept in attributes):
+            words[attribute_words(attribute)] = None
+    for group in mesh.parts:
+        if group.kind not in parts:
+            words[KIND_WORDS[group.kind]] = None
+        if group.transforms is not None and not transforms and _moves(group.transforms):
+            words["transforms"] = None
+    return (*words, *_metadata_words(mesh, metadata))
+
+
+def unused(mesh: PolyMesh) -> Iterator[str]:
+    """Yield words for rows of attributes that no element has: they go when a mesh is encoded."""
+    for attribute in mesh.attributes:
+        if attribute.index is None:
+            continue
+        used = np.bincount(attribute.index[attribute.index >= 0], minlength=len(attribute.values))
+        if not used.all():
+            whose = "vertex" if attribute.domain == "vertex" else "face"
+            yield f"{attribute_words(attribute)} that no {whose} refers to"
+
+
+def attribute_words(attribute: Attribute) -> str:
+    """Return what to call an attribute: "normals", "colours of faces", "quality of vertices"."""
+    what = _ROLES.get(attribute.role, attribute.name)
+    if attribute.name[-1:].isdigit() and attribute.role in _ROLES:
+        what += f" ({attribute.name})"
+    usual = attribute.role in ("normal", "uv") or attribute.domain == "vertex"
+    if attribute.role in _ROLES and usual:
+        return what
+    return f"{what} of {_DOMAINS[attribute.domain]}"
+
+
+def _moves(transforms: np.ndarray) -> bool:
+    return bool((transforms != np.eye(4)).any())
+
+
+def _metadata_words(mesh: PolyMesh, kept: Collection[str]) -> Iterator[str]:
+    for key, words in _METADATA.items():
+        if mesh.metadata.get(key) and key not in kept:
+            yield words

@@ -1,0 +1,251 @@
+"""The mesh as files have it: polygons, attributes, parts, and what a reader had to leave behind.
+
+Plain arrays in frozen dataclasses: what a reader of `deltamesh_formats.meshfiles` makes and a
+writer takes. Polygons are rows of a compressed table, corner after corner; an attribute has a row
+for each vertex, corner or face, or a table of rows and an index into it, so that the separate
+indices of OBJ (`f v/vt/vn`) survive. Positions are where the file puts them in space: the
+transforms of a scene are applied, and kept beside to be undone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh_formats.errors import MeshError
+from deltamesh_formats.polymesh.kinds import Kind
+from deltamesh_formats.polymesh.triangles import Triangles, triangulate
+
+Domain: TypeAlias = Literal["vertex", "corner", "face"]
+Role: TypeAlias = Literal["normal", "uv", "colour", "other"]
+Precision: TypeAlias = Literal["float32", "float64"]
+
+
+@dataclass(frozen=True)
+class Attribute:
+    """Numbers that belong to the vertices, corners or faces.
+
+    Attributes
+    ----------
+    name : str
+        "normal", "uv", "colour", and "uv1", "colour1" and so on for further sets; otherwise the
+        name that the file has. Sets of different type may share a name.
+    domain : {"vertex", "corner", "face"}
+    values : (rows, width), any numpy scalar type, in the byte order of the machine
+    role : {"normal", "uv", "colour", "other"}
+    index : int64 (count of the domain,) or None
+        The row of each element, -1 for an element that has none; None when row i is element i's.
+    normalized : bool
+        Whether integers stand for fractions of the largest value of their type.
+    """
+
+    name: str
+    domain: Domain
+    values: NDArray[Any]
+    role: Role = "other"
+    index: NDArray[np.int64] | None = None
+    normalized: bool = False
+
+    @property
+    def width(self) -> int:
+        """Numbers a row."""
+        return int(self.values.shape[1])
+
+    def rows(self) -> NDArray[np.int64]:
+        """Return the row of each element, int64, -1 for none."""
+        if self.index is not None:
+            return self.index
+        return np.arange(len(self.values), dtype=np.int64)
+
+    def dense(self) -> NDArray[Any]:
+        """Return a row for each element, (count, width); one that has none gets NaN, or 0."""
+        if self.index is None:
+            return self.values
+        nothing = np.nan if self.values.dtype.kind == "f" else 0
+        found = np.full((len(self.index), self.width), nothing, dtype=self.values.dtype)
+        has = self.index >= 0
+        found[has] = self.values[self.index[has]]
+        return found
+
+
+@dataclass(frozen=True)
+class Parts:
+    """One way in which the faces are divided and named.
+
+    Attributes
+    ----------
+    kind : {"object", "mesh", "group", "material", "smoothing"}
+        "object" are the OBJ objects, STL solids and the placed meshes of a scene; "mesh" are the
+        names of a scene's meshes where they differ from those of its nodes.
+    names : tuple of str
+        One a part; objects may share a name, or have none ("").
+    of_face : int64 (p,)
+        The part of each face, -1 for none.
+    transforms : float64 (parts, 4, 4) or None
+        From the part's own coordinates, which a GLB stores, to those of the vertices.
+    """
+
+    kind: Kind
+    names: tuple[str, ...]
+    of_face: NDArray[np.int64]
+    transforms: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class PolyMesh:
+    """What a mesh file holds.
+
+    Attributes
+    ----------
+    vertices : float64 (n, 3)
+        Every vertex of the file, in its order and unit; of an STL, every position once.
+    corners : int64 (c,)
+        Vertex indices from 0, polygon after polygon, in the file's winding.
+    offsets : int64 (p + 1,)
+        Polygon i has the corners offsets[i] up to offsets[i + 1], at least three.
+    attributes : tuple of Attribute
+    parts : tuple of Parts, at most one of each kind
+    metadata : mapping of str to tuple of str
+        "comments" (those above the first element), "obj_info", "mtllib", "header", "copyright",
+        "texture_origin" ("top left" of a GLB; that of others is at the bottom left).
+    lost : tuple of str
+        What the file has and this class has no place for, in words.
+    precision : {"float32", "float64"}
+        What the source holds positions in; text is float64.
+    format : str
+        Of the file; "" for a mesh from elsewhere.
+    """
+
+    vertices: NDArray[np.float64]
+    corners: NDArray[np.int64]
+    offsets: NDArray[np.int64]
+    attributes: tuple[Attribute, ...] = ()
+    parts: tuple[Parts, ...] = ()
+    metadata: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    lost: tuple[str, ...] = ()
+    precision: Precision = "float64"
+    format: str = ""
+
+    @property
+    def sizes(self) -> NDArray[np.int64]:
+        """Corners of each polygon, int64 (p,)."""
+        return np.diff(self.offsets)
+
+    @property
+    def faces(self) -> NDArray[np.int64]:
+        """The triangles alone, int64 (t, 3)."""
+        return self.triangles().faces
+
+    @property
+    def vertex_data(self) -> dict[str, NDArray[Any]]:
+        """The attributes of the vertices by name; `arrays.to_arrays` says how."""
+        return _arrays(self, "vertex")
+
+    @property
+    def corner_data(self) -> dict[str, NDArray[Any]]:
+        """Those of the corners, in the order of `corners`."""
+        return _arrays(self, "corner")
+
+    @property
+    def face_data(self) -> dict[str, NDArray[Any]]:
+        """Those of the polygons."""
+        return _arrays(self, "face")
+
+    def __repr__(self) -> str:
+        from deltamesh_formats.polymesh.summary import mesh_text
+
+        return mesh_text(self)
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows."""
+        from deltamesh_formats.polymesh.summary import mesh_html
+
+        return mesh_html(self)
+
+    def triangles(self) -> Triangles:
+        """Cut the polygons into triangles; `deltamesh_formats.polymesh.triangles` says how."""
+        return triangulate(self.vertices, self.corners, self.offsets)
+
+    def attribute(self, role: Role, *domains: Domain) -> Attribute | None:
+        """Return the first attribute of a role on one of these domains."""
+        fitting = (a for a in self.attributes if a.role == role and a.domain in domains)
+        return next(fitting, None)
+
+    def parts_of(self, kind: Kind) -> Parts | None:
+        """Return the parts of a kind."""
+        return next((parts for parts in self.parts if parts.kind == kind), None)
+
+
+def _arrays(mesh: PolyMesh, domain: Domain) -> dict[str, NDArray[Any]]:
+    from deltamesh_formats.polymesh.arrays import to_arrays
+
+    return to_arrays(mesh, domain)
+
+
+def from_triangles(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> PolyMesh:
+    """Return a mesh of vertices, float64 (n, 3), and triangles, int64 (m, 3), and nothing else."""
+    offsets = np.arange(len(faces) + 1, dtype=np.int64) * 3
+    return PolyMesh(vertices, np.ascontiguousarray(faces, dtype=np.int64).ravel(), offsets)
+
+
+def keep_faces(mesh: PolyMesh, keep: NDArray[np.bool_]) -> PolyMesh:
+    """Return the mesh with only those faces where `keep`, bool (p,), is true."""
+    if keep.all():
+        return mesh
+    kept_corners = np.repeat(keep, mesh.sizes)
+    masks = {"corner": kept_corners, "face": keep}
+    offsets = np.concatenate(([0], np.cumsum(mesh.sizes[keep]))).astype(np.int64)
+    parts = tuple(replace(p, of_face=p.of_face[keep]) for p in mesh.parts)
+    attributes = tuple(
+        a if a.domain == "vertex" else _keep_rows(a, masks[a.domain]) for a in mesh.attributes
+    )
+    corners = mesh.corners[kept_corners]
+    return replace(mesh, corners=corners, offsets=offsets, attributes=attributes, parts=parts)
+
+
+def _keep_rows(attribute: Attribute, keep: NDArray[np.bool_]) -> Attribute:
+    if attribute.index is None:
+        return replace(attribute, values=attribute.values[keep])
+    return replace(attribute, index=attribute.index[keep])
+
+
+def checked(mesh: PolyMesh) -> PolyMesh:
+    """Refuse what is no mesh; leave out, and name, faces of fewer than three corners.
+
+    Raises
+    ------
+    MeshError
+        For a mesh without faces, a position that is not finite, an index out of range; the
+        message names the first element at fault.
+    """
+    V, n = mesh.vertices, len(mesh.vertices)
+    also = _also(mesh)
+    if not n:
+        raise MeshError(f"it holds no mesh: no vertices and no faces{also}")
+    bad = ~np.isfinite(V).all(axis=1)
+    if bad.any():
+        i = int(np.argmax(bad))
+        raise MeshError(f"vertex {i} is not finite: {V[i].tolist()}")
+    bad = (mesh.corners < 0) | (mesh.corners >= n)
+    if bad.any():
+        face = int(np.searchsorted(mesh.offsets, np.argmax(bad), side="right")) - 1
+        indices = mesh.corners[mesh.offsets[face] : mesh.offsets[face + 1]].tolist()
+        raise MeshError(f"face {face} has vertex indices {indices}, outside 0..{n - 1}")
+    whole = mesh.sizes >= 3
+    if not whole.all():
+        lost = f"{np.count_nonzero(~whole)} faces of fewer than three corners"
+        mesh = replace(keep_faces(mesh, whole), lost=(*mesh.lost, lost))
+        also = _also(mesh)
+    if len(mesh.offsets) == 1:
+        raise MeshError(f"it holds {n} vertices but no faces: a point cloud{also}")
+    return mesh
+
+
+def _also(mesh: PolyMesh) -> str:
+    """Return what a file has instead of a mesh, fit for a message."""
+    words = ", ".join(mesh.lost)
+    return f" (and {words if words.isprintable() else ascii(words)[1:-1]})" if words else ""

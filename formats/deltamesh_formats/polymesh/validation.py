@@ -1,0 +1,75 @@
+"""What the arrays of a `PolyMesh` must be; one made by hand may be anything."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh_formats.errors import MeshError
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
+
+
+def check_shapes(mesh: PolyMesh) -> None:
+    """Refuse a mesh whose arrays have other shapes or types than `PolyMesh` says.
+
+    Raises
+    ------
+    MeshError
+        The array, attribute or part is named.
+    """
+    n, c = len(mesh.vertices), len(mesh.corners)
+    _expect("vertices", mesh.vertices, np.float64, (n, 3))
+    _expect("corners", mesh.corners, np.int64, (c,))
+    _expect("offsets", mesh.offsets, np.int64, (max(len(mesh.offsets), 1),))
+    if mesh.offsets[0] != 0 or mesh.offsets[-1] != c or (mesh.sizes < 0).any():
+        raise MeshError(f"offsets must ascend from 0 to {c}, the number of corners")
+    counts = {"vertex": n, "corner": c, "face": len(mesh.offsets) - 1}
+    for attribute in mesh.attributes:
+        _check_attribute(attribute, counts)
+    for parts in mesh.parts:
+        _check_parts(parts, counts["face"])
+    kinds = [parts.kind for parts in mesh.parts]
+    if len(set(kinds)) < len(kinds):
+        raise MeshError("the mesh has parts of one kind twice")
+
+
+def _check_attribute(attribute: Attribute, counts: Mapping[str, int]) -> None:
+    name = f"{attribute.domain} attribute {attribute.name!r}"
+    if attribute.domain not in counts:
+        raise MeshError(f"{name}: there are attributes of {', '.join(counts)}")
+    count, values, index = counts[attribute.domain], attribute.values, attribute.index
+    if not _is_numeric(values.dtype):
+        raise MeshError(f"{name} is of type {values.dtype}: numbers of up to 64 bits only")
+    if values.ndim != 2:
+        raise MeshError(f"{name} has values of shape {values.shape}, not (rows, width)")
+    if index is None:
+        if len(values) != count:
+            raise MeshError(f"{name} has {len(values)} rows for {count} elements")
+        return
+    _expect(f"the index of {name}", index, np.int64, (count,))
+    if index.min(initial=-1) < -1 or index.max(initial=-1) >= len(values):
+        raise MeshError(f"the index of {name} leads out of its {len(values)} rows")
+
+
+def _is_numeric(dtype: np.dtype[Any]) -> bool:
+    """Tell whether numbers, or the two real numbers of a complex one, have up to 64 bits."""
+    size = dtype.itemsize // (2 if dtype.kind == "c" else 1)
+    return dtype.kind in "biufc" and size <= 8
+
+
+def _check_parts(parts: Parts, faces: int) -> None:
+    name, count = f"parts of kind {parts.kind!r}", len(parts.names)
+    _expect(name, parts.of_face, np.int64, (faces,))
+    if parts.of_face.min(initial=-1) < -1 or parts.of_face.max(initial=-1) >= count:
+        raise MeshError(f"{name} lead out of their {count} names")
+    if parts.transforms is not None:
+        _expect(f"transforms of {name}", parts.transforms, np.float64, (count, 4, 4))
+
+
+def _expect(name: str, array: NDArray[Any], dtype: type, shape: tuple[int, ...]) -> None:
+    has = np.shape(array), getattr(array, "dtype", type(array).__name__)
+    if has != (shape, np.dtype(dtype)):
+        raise MeshError(f"{name} must be {np.dtype(dtype)} {shape}, not {has[1]} {has[0]}")

@@ -1,0 +1,235 @@
+"""The codec as a function of arrays: `encode` and `decode`, with all that can be asked of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from numpy.typing import ArrayLike
+
+from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
+from deltamesh._mesh import checked_mesh, triangulated
+from deltamesh._options import DEFAULT_BITS_NORMAL, DEFAULT_BITS_UV, DEFAULT_EFFORT, Options
+from deltamesh._pipeline import Progress, decode_mesh, encode_mesh, silent
+from deltamesh._sources import Source, read_source
+from deltamesh_formats.errors import MeshError
+from deltamesh_formats.polymesh.mesh import PolyMesh, checked, from_triangles
+from deltamesh_formats.polymesh.validation import check_shapes
+
+
+def encode(
+    vertices: ArrayLike | PolyMesh,
+    faces: ArrayLike | None = None,
+    *,
+    method: str = "auto",
+    bits: int | None = None,
+    step: float | None = None,
+    quality: int | None = None,
+    normal_error: float | None = None,
+    dihedral_error: float | None = None,
+    max_error: float | None = None,
+    max_error_rel: float | None = None,
+    effort: int = DEFAULT_EFFORT,
+    diffusion: bool = True,
+    anchors: int | float | None = None,
+    anchor_method: str = "farthest",
+    seed: int = 0,
+    coarse: float | None = None,
+    solver: str = "auto",
+    threads: int | None = None,
+    drop_isolated: bool = False,
+    keep_order: bool = False,
+    drop: str | Iterable[str] = (),
+    bits_uv: int = DEFAULT_BITS_UV,
+    bits_normal: int = DEFAULT_BITS_NORMAL,
+    lossless_attributes: bool = False,
+    source_format: str = "",
+    progress: Progress | None = None,
+) -> bytes:
+    """Compress a mesh.
+
+    Connectivity is kept exactly, whatever it is, and polygons stay polygons; vertices and faces
+    come back in an order of the codec's own unless `keep_order` says otherwise. Vertices at one
+    position stay there, each for itself. Attributes, parts, metadata and the words of `lost` of a
+    whole mesh are kept, unless `drop` names them; its `format` is what `source_format` is for.
+
+    Parameters
+    ----------
+    vertices : array_like (n, 3), or PolyMesh
+        Finite real numbers; or a whole mesh of polygons, which `deltamesh.from_arrays` makes of any
+        arrays.
+    faces : array_like (m, 3)
+        Vertex indices from 0, of any triangles; nothing beside a whole mesh.
+    method : {"auto", "refined", "highpass", "cartesian", "lossless"}
+        What is quantized: differential coordinates, coarsely, and their component along the normal
+        finely; these coordinates alike; x, y and z; or nothing: positions come back bit for bit,
+        -0.0 and all. "auto" is refined or cartesian, whichever takes fewer bytes for the same
+        errors.
+    bits : int, optional
+        The step is the range of what is quantized over 2^bits. 0 is a least-squares mesh:
+        connectivity and anchors alone. Default for "cartesian": 11.
+    step : float, optional
+        The step itself, in the unit of the vertices. Default for "highpass" and "refined": 1/1000
+        of the diagonal of the bounding box.
+    quality : int, optional
+        From 1 to 9, instead of bits or a step. 5, the default for "auto", keeps the mean deviation
+        of the face normals within 1 degree, and the RMS distance of the vertices from where they
+        were within 0.15 % of the diagonal of the bounding box; two levels more halve both.
+    normal_error, dihedral_error : float, optional
+        Likewise, the largest mean deviation of the face normals, or of the dihedral angles, in
+        degrees. Bounds go together, and with a quality; the file keeps them all, and the encoder
+        has proved it by decoding.
+    max_error, max_error_rel : float, optional
+        Likewise, the largest distance of any vertex from where it was: in the unit of the vertices,
+        or as a fraction of the diagonal of the bounding box.
+    effort : int
+        From 1 to 3: how long to search for the fewest bytes within the bounds.
+    diffusion : bool
+        Hand the error of each rounding on to the neighbours still to come.
+    anchors : int or float, optional
+        How many vertices are stored with their positions, or which fraction. Default: 0.001. At
+        least one a component.
+    anchor_method : {"farthest", "greedy", "random"}
+    seed : int
+        Of the random anchors.
+    coarse : float, optional
+        With "refined", the step along the surface over that across it, 1 to 64. Default: 8, or
+        what the search finds.
+    solver : {"auto", "rslab", "pardiso", "scipy"}
+    threads : int, optional
+        For the solver. Default: all cores. The bytes do not depend on it.
+    drop_isolated : bool
+        Leave out the vertices that belong to no face.
+    keep_order : bool
+        Vertices and faces come back in the order of the input, each face from its first corner on.
+    drop : str or iterable of str
+        What to leave out of a whole mesh, by name: attributes or their roles ("uv", "normal",
+        "colour"), kinds of parts, keys of metadata, "transforms", "all". A name that the mesh does
+        not have is no error.
+    bits_uv : int
+        Texture coordinates of floats come back within half a step, which is the largest of their
+        extents over 2^bits - 1.
+    bits_normal : int
+        Unit normals come back within sqrt(2) / (2^(bits - 1) - 1) radians.
+    lossless_attributes : bool
+        Both come back bit for bit instead, as all other attributes do but colours of floats within
+        0 .. 1, which get 256 levels. So it is, too, with "lossless".
+    source_format : str
+        Stored; what `deltamesh decode` writes by default.
+    progress : callable, optional
+        Called with the name of each stage as it begins.
+
+    Returns
+    -------
+    bytes
+        A `.dmesh` file (formats/SPEC.md).
+
+    Raises
+    ------
+    MeshError
+        If the arrays are no mesh; the first element at fault is named.
+    OptionError
+    TargetError
+        If nothing keeps the errors within their bounds; the message tells what could be had.
+    SolveError
+
+    Notes
+    -----
+    D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
+    """
+    options = Options(
+        method=method,
+        bits=bits,
+        step=step,
+        quality=quality,
+        normal_error=normal_error,
+        dihedral_error=dihedral_error,
+        max_error=max_error,
+        max_error_rel=max_error_rel,
+        effort=effort,
+        diffusion=diffusion,
+        anchors=anchors,
+        anchor_method=anchor_method,
+        seed=seed,
+        coarse=coarse,
+        solver=solver,
+        threads=threads,
+        drop_isolated=drop_isolated,
+        keep_order=keep_order,
+        drop=(drop,) if isinstance(drop, str) else tuple(drop),
+        bits_uv=bits_uv,
+        bits_normal=bits_normal,
+        lossless_attributes=lossless_attributes,
+        source_format=source_format,
+    )
+    return encode_mesh(_whole(vertices, faces), options, progress or silent).data
+
+
+def _whole(vertices: ArrayLike | PolyMesh, faces: ArrayLike | None) -> PolyMesh:
+    """Return what `encode` was given, checked."""
+    if isinstance(vertices, PolyMesh):
+        if faces is not None:
+            raise MeshError("faces beside a whole mesh")
+        check_shapes(vertices)
+        mesh = checked(vertices)
+        triangles = triangulated(mesh)
+        checked_mesh(triangles.vertices, triangles.faces)
+        return mesh
+    if faces is None:
+        raise MeshError(
+            f"{type(vertices).__name__} without faces: give vertices and faces, or a PolyMesh, "
+            "which from_arrays and deltamesh.plugins make"
+        )
+    plain = checked_mesh(vertices, faces)
+    return from_triangles(plain.vertices, plain.faces)
+
+
+def decode(
+    source: Source,
+    *,
+    solver: str = "auto",
+    threads: int | None = None,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Progress | None = None,
+) -> PolyMesh:
+    """Decompress a `.dmesh` file.
+
+    Parameters
+    ----------
+    source : bytes-like, path or binary file object
+    solver : {"auto", "rslab", "pardiso", "scipy"}
+    threads : int, optional
+        For the solver. Default: all cores.
+    max_vertices, memory : int
+        Refuse files with more vertices, or that would take more bytes of memory.
+    progress : callable, optional
+        Called with the name of each stage as it begins.
+
+    Returns
+    -------
+    PolyMesh
+        Polygons, attributes (as exactly as they were encoded), parts, metadata, and the words for
+        what of the source is not kept; in the order of the source only with `keep_order`. Faces and
+        stored integers are exact; positions to within 1e-9 of the bounding box diagonal,
+        whatever the machine and the solver, of a lossless file bit for bit.
+
+    Raises
+    ------
+    FormatError
+        If the bytes are damaged or no encoder has written them; it has an offset.
+    LimitError
+        Before anything above the limits is allocated.
+    SolveError
+
+    Notes
+    -----
+    D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
+    """
+    return decode_mesh(
+        read_source(source),
+        solver=solver,
+        threads=threads,
+        max_vertices=max_vertices,
+        memory=memory,
+        progress=progress or silent,
+    )

@@ -1,0 +1,1 @@
+"""Correspondence of two meshes, and the differences between them."""

@@ -1,0 +1,104 @@
+"""What a quality means: bounds on errors."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from deltamesh._measures.metrics import VertexErrors
+from deltamesh._options import DEFAULT_QUALITY, Options
+from deltamesh_formats.errors import TargetError
+
+# By how much positions may differ between machines and solvers, over the diagonal.
+TOLERANCE: Final = 1e-9
+
+# What quality 5 means: the mean deviation of the face normals in degrees, which shading does not
+# show, and the RMS distance over the diagonal, which bounds how far a silhouette drifts. Two levels
+# up halve both.
+QUALITY_NORMAL: Final = 1.0
+QUALITY_RMS: Final = 1.5e-3
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """The largest errors that are allowed; of `metrics.VertexErrors`, with the same units."""
+
+    rms: float = math.inf
+    max: float = math.inf
+    normal_deviation: float = math.inf
+    dihedral: float = math.inf
+
+    def shares(self, errors: VertexErrors) -> dict[str, float]:
+        """Return each error over its bound; at most 1 where it is kept."""
+        return {name: _share(getattr(errors, name), bound) for name, bound in vars(self).items()}
+
+    def excess(self, errors: VertexErrors) -> float:
+        """Return the largest of the shares."""
+        return max(self.drift(errors), self.look(errors))
+
+    def drift(self, errors: VertexErrors) -> float:
+        """Return the largest share of a distance."""
+        return max(_share(errors.rms, self.rms), _share(errors.max, self.max))
+
+    def look(self, errors: VertexErrors) -> float:
+        """Return the largest share of an angle."""
+        normal = _share(errors.normal_deviation, self.normal_deviation)
+        return max(normal, _share(errors.dihedral, self.dihedral))
+
+    @property
+    def has_look(self) -> bool:
+        """Whether an angle is bounded."""
+        return min(self.normal_deviation, self.dihedral) < math.inf
+
+    def missed(self, errors: VertexErrors) -> TargetError:
+        """Return what to raise where the errors are the least that could be had."""
+        shares = self.shares(errors)
+        name = max(shares, key=lambda name: shares[name])
+        bound, had = getattr(self, name), getattr(errors, name)
+        text = name.replace("_", " ")
+        return TargetError(f"{text} {bound:g} cannot be met: {had:g} is the least there was")
+
+
+def _share(error: float, bound: float) -> float:
+    if bound:
+        return error / bound
+    return math.inf if error else 1.0  # a bound of 0 is kept by 0 alone
+
+
+def bounds_of(options: Options, scale: float) -> Bounds | None:
+    """Return the bounds that options ask for, None where they ask for a rate or for nothing.
+
+    Parameters
+    ----------
+    options : Options
+    scale : float
+        Diagonal of the bounding box.
+
+    Raises
+    ------
+    TargetError
+        For a distance that positions may differ by between machines.
+    """
+    if options.method == "auto" and not options.has_rate:
+        return _of_quality(DEFAULT_QUALITY, scale)
+    largest = min(options.max_error or math.inf, (options.max_error_rel or math.inf) * scale)
+    if not largest > 2 * TOLERANCE * scale and scale:
+        raise TargetError(
+            f"a distance of {largest:g} cannot be promised: positions may differ by"
+            f" {TOLERANCE * scale:g} between machines"
+        )
+    look = Bounds() if options.quality is None else _of_quality(options.quality, scale)
+    bounds = Bounds(
+        rms=look.rms,
+        max=largest - TOLERANCE * scale,
+        normal_deviation=min(options.normal_error or math.inf, look.normal_deviation),
+        dihedral=options.dihedral_error or math.inf,
+    )
+    return None if bounds == Bounds() else bounds
+
+
+def _of_quality(quality: int, scale: float) -> Bounds:
+    factor = 2 ** ((DEFAULT_QUALITY - quality) / 2)
+    rms = QUALITY_RMS * factor * scale
+    return Bounds(rms=rms or math.inf, normal_deviation=QUALITY_NORMAL * factor)

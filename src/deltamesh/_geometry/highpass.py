@@ -1,0 +1,287 @@
+"""The high-pass method: quantized delta coordinates and anchors.
+
+O. Sorkine, D. Cohen-Or, S. Toledo, "High-Pass Quantization for Mesh Encoding", SGP 2003;
+D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006. The encoder's
+functions and the decoder's are mirrors: quantize / reconstruct, write / read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh._geometry import anchors as choice
+from deltamesh._geometry.integers import Integers, Quantized
+from deltamesh._geometry.quantize import delta_step, from_grid, quantize_delta, to_delta, to_grid
+from deltamesh._geometry.solve import Factor
+from deltamesh._kernels.coding import delta as delta_kernels
+from deltamesh._kernels.coding import points, residual
+from deltamesh._measures.metrics import diagonal
+from deltamesh._options import DEFAULT_HIGHPASS_STEP, Settings
+from deltamesh._shape.surface import Surface
+from deltamesh._streams import entropy
+from deltamesh_formats.container.layout import Parameters, Section
+from deltamesh_formats.container.reader import payload_of, take
+from deltamesh_formats.errors import FormatError, OptionError
+
+# The grid of the anchors is that much finer than the step of the deltas: with diffusion, the
+# error of the surface between anchors is about a fifth of that step, and theirs should not show.
+ANCHOR_REFINEMENT = 8
+# ... and at least as fine as that fraction of the longest side, which alone counts for 0 bits.
+ANCHOR_GRID_BITS = 16
+MAX_GRID_BITS = 30
+
+
+def quantize(
+    surface: Surface,
+    vertices: NDArray[np.float64],
+    isolated: NDArray[np.float64],
+    settings: Settings,
+    factor: Factor,
+) -> Quantized:
+    """Choose steps and anchors, and round.
+
+    Parameters
+    ----------
+    surface : Surface
+    vertices, isolated : float64 (n, 3), (i, 3)
+        Positions of the vertices of the faces in coding order, and of the others by x.
+    settings : Settings
+    factor : callable
+
+    Raises
+    ------
+    MeshError, OptionError, SolveError
+    """
+    delta = surface.laplacian @ vertices
+    step = step_of(vertices, delta, settings)
+    values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
+    if step:
+        share = float(settings.diffusion)
+        values = quantize_delta(delta, surface.graph, step, (share, share))
+    parameters, integers = anchored(surface, vertices, isolated, values, step, settings, factor)
+    W = solved(deltas(parameters, integers), parameters, integers, factor)
+    return finish(W, vertices, parameters, integers, settings)
+
+
+def reconstruct(
+    surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
+) -> NDArray[np.float64]:
+    """Solve [L; S] x = [delta'; c] in the least-squares sense; isolated vertices come last.
+
+    Raises
+    ------
+    SolveError
+    """
+    W = solved(deltas(parameters, integers), parameters, integers, factor)
+    return finished(W, parameters, integers)
+
+
+def anchored(
+    surface: Surface,
+    vertices: NDArray[np.float64],
+    isolated: NDArray[np.float64],
+    values: NDArray[np.int64],
+    step: float,
+    settings: Settings,
+    factor: Factor,
+) -> tuple[Parameters, Integers]:
+    """Choose the anchors of quantized deltas, and round their positions."""
+    everything = np.concatenate([vertices, isolated])
+    origin, fine = everything.min(axis=0), _anchor_step(everything, step)
+    grid, isolated_grid = to_grid(vertices, origin, fine), to_grid(isolated, origin, fine)
+    coarse = settings.coarse if settings.method == "refined" else 1.0
+    delta, fixed = to_delta(values, coarse * step), from_grid(grid, origin, fine)
+    anchors = _choose(surface, vertices, delta, fixed, settings, factor)
+    parameters = Parameters(
+        method=settings.method,
+        diffusion=settings.diffusion,
+        anchor_method=settings.anchor_method,
+        bits=settings.bits,
+        step=step,
+        origin=(float(origin[0]), float(origin[1]), float(origin[2])),
+        anchor_step=fine,
+        seed=settings.seed,
+        anchor_count=len(anchors),
+        isolated=surface.isolated_count,
+        coarse=coarse,
+    )
+    return parameters, Integers(values, anchors, grid[anchors], isolated_grid)
+
+
+def finish(
+    W: NDArray[np.float64],
+    vertices: NDArray[np.float64],
+    parameters: Parameters,
+    integers: Integers,
+    settings: Settings,
+) -> Quantized:
+    """Correct the solution W, in steps, where it is too far from where the vertices were.
+
+    Raises
+    ------
+    MeshError
+        If a correction takes more than 2^30 steps.
+    """
+    error = vertices - W
+    far = np.linalg.norm(error, axis=1) > settings.largest
+    if parameters.step and far.any():
+        fixes = to_grid(np.where(far[:, None], error, 0.0), np.zeros(3), parameters.step)
+        if fixes.any():
+            integers = replace(integers, corrections=fixes)
+    return parameters, integers, finished(W, parameters, integers)
+
+
+def solved(
+    delta: NDArray[np.float64], parameters: Parameters, integers: Integers, factor: Factor
+) -> NDArray[np.float64]:
+    """Return the vertices of the faces that deltas and anchors make."""
+    positions = from_grid(integers.positions, np.array(parameters.origin), parameters.anchor_step)
+    return factor(integers.anchors).solve(delta, positions)
+
+
+def deltas(parameters: Parameters, integers: Integers) -> NDArray[np.float64]:
+    """Return the delta coordinates as they were quantized, before any refinement."""
+    return to_delta(integers.values, parameters.coarse * parameters.step)
+
+
+def finished(
+    vertices: NDArray[np.float64], parameters: Parameters, integers: Integers
+) -> NDArray[np.float64]:
+    """Return the vertices of the faces, corrected, then the isolated ones."""
+    if len(integers.corrections):
+        vertices = vertices + parameters.step * integers.corrections
+    isolated = from_grid(integers.isolated, np.array(parameters.origin), parameters.anchor_step)
+    return np.concatenate([vertices, isolated])
+
+
+def step_of(vertices: NDArray[np.float64], delta: NDArray[np.float64], settings: Settings) -> float:
+    """Return the quantization step that is asked for, 0 for 0 bits."""
+    if settings.bits is not None:
+        return delta_step(delta, settings.bits) if settings.bits else 0.0
+    return settings.step or DEFAULT_HIGHPASS_STEP * diagonal(vertices) or 1.0
+
+
+def _anchor_step(vertices: NDArray[np.float64], step: float) -> float:
+    """Return the step of the grid of the anchors."""
+    extent = float(np.ptp(vertices, axis=0).max())
+    coarsest = extent / 2.0**ANCHOR_GRID_BITS or 1.0
+    finest = extent / 2.0 ** (MAX_GRID_BITS - 1)
+    return max(min(coarsest, step / ANCHOR_REFINEMENT if step else coarsest), finest)
+
+
+def _choose(
+    surface: Surface,
+    vertices: NDArray[np.float64],
+    delta: NDArray[np.float64],
+    fixed: NDArray[np.float64],
+    settings: Settings,
+    factor: Factor,
+) -> NDArray[np.int64]:
+    """Return the anchors that are asked for, ascending where their indices are stored."""
+    components = int(surface.labels.max(initial=-1)) + 1
+    try:
+        k = choice.count_anchors(settings.anchors, surface.vertex_count, components)
+    except ValueError as error:
+        raise OptionError(str(error)) from None
+    if settings.anchor_method == "greedy":
+        return np.sort(choice.greedy(surface.laplacian, vertices, delta, k, fixed, factor))
+    return _computed(surface, settings.anchor_method, k, settings.seed)
+
+
+def _computed(surface: Surface, method: str, k: int, seed: int) -> NDArray[np.int64]:
+    """Return the anchors that follow from connectivity and seed."""
+    if method == "random":
+        return choice.random(surface.labels, k, seed)
+    return choice.farthest(*surface.graph, surface.labels, k)
+
+
+def write(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
+    """Return the payloads of ANCH and DELT, and of FIXS where there are corrections."""
+    payloads = {
+        "ANCH": _write_anchors(surface, parameters, integers),
+        "DELT": _write_vectors(surface, integers.values) if parameters.step else b"",
+    }
+    if len(integers.corrections):
+        payloads["FIXS"] = _write_vectors(surface, integers.corrections)
+    return payloads
+
+
+def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
+    """Return the integers: the mirror of `write`.
+
+    Raises
+    ------
+    FormatError
+    """
+    with payload_of(sections["ANCH"]) as payload:
+        anchors, positions, isolated = _read_anchors(surface, parameters, payload)
+    with payload_of(sections["DELT"]) as payload:
+        if parameters.step:
+            values = _read_vectors(surface, payload)
+        elif len(payload):
+            raise FormatError("deltas in a file of 0 bits", 0)
+        else:
+            values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
+    integers = Integers(values, anchors, positions, isolated)
+    if "FIXS" not in sections:
+        return integers
+    with payload_of(sections["FIXS"]) as payload:
+        if not parameters.step:
+            raise FormatError("corrections in a file of 0 bits", 0)
+        return replace(integers, corrections=_read_vectors(surface, payload))
+
+
+def _write_anchors(surface: Surface, parameters: Parameters, integers: Integers) -> bytes:
+    both = np.concatenate([integers.positions, integers.isolated])
+    bits = [int(size).bit_length() for size in both.max(axis=0, initial=0)]
+    coder = entropy.encoder(len(both), points.SLOTS, points.MIXERS)
+    if parameters.anchor_method == "greedy":
+        points.code_gaps(coder, integers.anchors.copy(), surface.vertex_count)
+    points.code_points(coder, integers.positions.copy(), np.array(bits))
+    if len(integers.isolated):  # most meshes have none, and need not wait for this kernel
+        points.code_sorted_points(coder, integers.isolated.copy(), np.array(bits))
+    return bytes(bits) + entropy.finish(coder)
+
+
+def _read_anchors(
+    surface: Surface, parameters: Parameters, payload: memoryview
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    bits = np.array(take(payload, 0, 3), dtype=np.int64)
+    if bits.max() > MAX_GRID_BITS:
+        raise FormatError(f"a grid of more than {MAX_GRID_BITS} bits", int(np.argmax(bits)))
+    coder = entropy.decoder(payload[3:], points.SLOTS, points.MIXERS)
+    k, n = parameters.anchor_count, surface.vertex_count
+    anchors = np.zeros(k, dtype=np.int64)
+    positions = np.zeros((k, 3), dtype=np.int64)
+    isolated = np.zeros((surface.isolated_count, 3), dtype=np.int64)
+    if parameters.anchor_method == "greedy":
+        if not points.code_gaps(coder, anchors, n):
+            raise FormatError("an anchor that is no vertex", 3)
+    else:
+        anchors = _computed(surface, str(parameters.anchor_method), k, parameters.seed)
+    labels = surface.labels
+    if len(np.unique(labels[anchors])) <= labels.max(initial=-1) or len(anchors) != k:
+        raise FormatError("a component without an anchor", 3)
+    points.code_points(coder, positions, bits)
+    if len(isolated) and not points.code_sorted_points(coder, isolated, bits):
+        raise FormatError("an isolated vertex outside the grid", 3)
+    entropy.check_end(coder, 3)
+    return anchors, positions, isolated
+
+
+def _write_vectors(surface: Surface, values: NDArray[np.int64]) -> bytes:
+    coder = entropy.encoder(len(values), residual.SLOTS, residual.MIXERS)
+    delta_kernels.code_deltas(coder, *surface.graph, values.copy())
+    return entropy.finish(coder)
+
+
+def _read_vectors(surface: Surface, payload: memoryview) -> NDArray[np.int64]:
+    values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
+    coder = entropy.decoder(payload, residual.SLOTS, residual.MIXERS)
+    delta_kernels.code_deltas(coder, *surface.graph, values)
+    entropy.check_end(coder, 0)
+    return values

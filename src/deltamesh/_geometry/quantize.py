@@ -1,0 +1,107 @@
+"""Steps, grids and rounding.
+
+The step of the papers: the range of what is quantized over 2^B, for B bits a coordinate
+(O. Sorkine, D. Cohen-Or, S. Toledo, "High-Pass Quantization for Mesh Encoding", SGP 2003).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh._kernels.coding import delta as kernels
+from deltamesh_formats.errors import MeshError
+
+# What the entropy coder takes: |value| < 2^31, with a bit to spare for diffused errors.
+LARGEST = 1 << 30
+
+
+def delta_step(delta: NDArray[np.float64], bits: int) -> float:
+    """Return range / 2^bits of the coordinate with the largest range; 1 when all are constant."""
+    extent = float(np.ptp(delta, axis=0).max()) if len(delta) else 0.0
+    return extent / 2.0**bits or 1.0
+
+
+def grid_step(vertices: NDArray[np.float64], bits: int) -> float:
+    """Return the longest side of the bounding box / (2^bits - 1); 1 when there is no extent."""
+    extent = float(np.ptp(vertices, axis=0).max())
+    return extent / (2.0**bits - 1) or 1.0
+
+
+def to_grid(
+    vertices: NDArray[np.float64], origin: NDArray[np.float64], step: float
+) -> NDArray[np.int64]:
+    """Return the nearest grid points, int64 (n, 3).
+
+    Raises
+    ------
+    MeshError
+        If the step is too small for the extent: 2^30 steps is what a file holds.
+    """
+    grid = np.rint((vertices - origin) / step)
+    _check_size(grid, step)
+    return grid.astype(np.int64)
+
+
+def from_grid(
+    grid: NDArray[np.int64], origin: NDArray[np.float64], step: float
+) -> NDArray[np.float64]:
+    """Return the positions of grid points, float64 (n, 3)."""
+    return np.asarray(origin + grid * step, dtype=np.float64)
+
+
+def to_delta(values: NDArray[np.int64], step: float) -> NDArray[np.float64]:
+    """Return the delta coordinates that quantized ones stand for, float64 (n, 3)."""
+    return np.asarray(values * step, dtype=np.float64)
+
+
+def quantize_delta(
+    delta: NDArray[np.float64],
+    graph: tuple[NDArray[np.int64], NDArray[np.int64]],
+    step: float,
+    carry: tuple[float, float],
+    *,
+    normals: NDArray[np.float64] | None = None,
+    zone: float = 0.0,
+    along: bool = False,
+) -> NDArray[np.int64]:
+    """Round delta / step, or its component along the normals, diffusing the error.
+
+    Diffusion visits the vertices in their order and hands the error of each on, in equal parts,
+    to its neighbours that are still to come; the sum of the errors over any region then nearly
+    vanishes, which is what low frequencies are made of. The decoder is the same.
+
+    Parameters
+    ----------
+    delta : float64 (n, 3)
+    graph : pair of int64 arrays
+        Neighbours, from `laplacian.adjacency`.
+    step : float
+    carry : (float, float)
+        Which shares of the error go on, along the surface and across it; without normals, the
+        first. Zeros are plain rounding.
+    normals : float64 (n, 3), optional
+    zone : float
+        Dead zone: round to 0 up to 0.5 + zone steps.
+    along : bool
+        Whether to round the component along the normals alone.
+
+    Returns
+    -------
+    int64 (n, 3), or (n, 1) along the normals
+
+    Raises
+    ------
+    MeshError
+        If the step is too small for the deltas: 2^30 steps is what a file holds.
+    """
+    _check_size(delta / step, step)
+    N = np.zeros_like(delta) if normals is None else normals
+    out = np.empty((len(delta), 1 if along else 3), dtype=np.int64)
+    kernels.diffuse(*graph, delta.copy(), N, step, zone, carry[0], carry[1], out)
+    return out
+
+
+def _check_size(steps: NDArray[np.float64], step: float) -> None:
+    if len(steps) and not np.abs(steps).max() < LARGEST:
+        raise MeshError(f"a quantization step of {step:g} is too small for this mesh")

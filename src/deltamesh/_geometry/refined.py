@@ -1,0 +1,121 @@
+"""The refined method: coarse delta coordinates, and a fine correction along the normals.
+
+An error along the surface only slides a vertex within it; normals and dihedral angles feel the
+error across it. So the deltas are quantized with `coarse` times the step, the surface is
+reconstructed, and along its normals, which the decoder has as well, what is left of the deltas is
+quantized with the step itself. Both reconstructions share one factorization. The corrections are
+coded in the light of integers alone: the normals, floats, never steer the decoder.
+
+Coarser tangential components are an old idea for residuals in local frames (P. Alliez, M. Desbrun,
+"Progressive Compression for Lossless Transmission of Triangle Meshes", SIGGRAPH 2001, section 4).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh._geometry import highpass
+from deltamesh._geometry.integers import Integers, Quantized
+from deltamesh._geometry.normals import vertex_normals
+from deltamesh._geometry.quantize import quantize_delta
+from deltamesh._geometry.solve import Factor
+from deltamesh._kernels.coding import delta as kernels
+from deltamesh._kernels.coding import residual
+from deltamesh._options import Settings
+from deltamesh._shape.surface import Surface
+from deltamesh._streams import entropy
+from deltamesh_formats.container.layout import Parameters, Section
+from deltamesh_formats.container.reader import payload_of
+
+# Dead zones: beyond half a step, what is still rounded to 0. Over eight meshes and both errors,
+# sizes at equal quality are within 1 % from (0.1, 0.1) to (0.2, 0.2), and 4 % larger without.
+DEAD_ZONE = 0.15
+NORMAL_DEAD_ZONE = 0.1
+# Shares of the rounding error that are handed on, along the surface and across it. The coarse stage
+# hands on half of what the fine one corrects: all of it costs 15 % at equal quality, none of it
+# bends some surfaces until their normals mislead. The fine stage hands on what it cannot correct,
+# for a neighbour whose normal points elsewhere; all of it would pile up where none does.
+COARSE_CARRY = (1.0, 0.5)
+FINE_CARRY = (0.7, 1.0)
+PLAIN = (0.0, 0.0)
+
+
+def quantize(
+    surface: Surface,
+    vertices: NDArray[np.float64],
+    isolated: NDArray[np.float64],
+    settings: Settings,
+    factor: Factor,
+) -> Quantized:
+    """Quantize as `highpass.quantize` does, coarsely; then what is left along the normals."""
+    L, graph = surface.laplacian, surface.graph
+    delta = L @ vertices
+    step = highpass.step_of(vertices, delta, settings)
+    N = vertex_normals(vertices, surface.faces, step)
+    carries = (COARSE_CARRY, FINE_CARRY) if settings.diffusion else (PLAIN, PLAIN)
+    coarse_step = settings.coarse * step
+    values = quantize_delta(delta, graph, coarse_step, carries[0], normals=N, zone=DEAD_ZONE)
+    parameters, integers = highpass.anchored(
+        surface, vertices, isolated, values, step, settings, factor
+    )
+    parameters = replace(parameters, dead_zone=DEAD_ZONE, normal_dead_zone=NORMAL_DEAD_ZONE)
+    coarse, N = _stage(surface, factor, parameters, integers)
+    left = delta - coarse
+    fine = quantize_delta(
+        left, graph, step, carries[1], normals=N, zone=NORMAL_DEAD_ZONE, along=True
+    )
+    W = highpass.solved(coarse + (step * fine) * N, parameters, integers, factor)
+    integers = replace(integers, refinements=fine)
+    return highpass.finish(W, vertices, parameters, integers, settings)
+
+
+def reconstruct(
+    surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
+) -> NDArray[np.float64]:
+    """Solve for the coarse deltas, correct them along the normals, and solve again.
+
+    Raises
+    ------
+    SolveError
+    """
+    coarse, N = _stage(surface, factor, parameters, integers)
+    fine = coarse + (parameters.step * integers.refinements) * N
+    W = highpass.solved(fine, parameters, integers, factor)
+    return highpass.finished(W, parameters, integers)
+
+
+def _stage(
+    surface: Surface, factor: Factor, parameters: Parameters, integers: Integers
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the coarse deltas, and the normals of the surface that they make."""
+    coarse = highpass.deltas(parameters, integers)
+    W = highpass.solved(coarse, parameters, integers, factor)
+    return coarse, vertex_normals(W, surface.faces, parameters.coarse * parameters.step)
+
+
+def write(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
+    """Return the payloads of ANCH, DELT and NORM."""
+    coder = entropy.encoder(surface.vertex_count, residual.SLOTS, residual.MIXERS)
+    values = integers.refinements.copy()
+    kernels.code_refinements(coder, *surface.graph, integers.values, values)
+    return {**highpass.write(surface, parameters, integers), "NORM": entropy.finish(coder)}
+
+
+def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
+    """Return the integers: the mirror of `write`.
+
+    Raises
+    ------
+    FormatError
+    """
+    integers = highpass.read(surface, parameters, sections)
+    refinements = np.zeros((surface.vertex_count, 1), dtype=np.int64)
+    with payload_of(sections["NORM"]) as payload:
+        coder = entropy.decoder(payload, residual.SLOTS, residual.MIXERS)
+        kernels.code_refinements(coder, *surface.graph, integers.values, refinements)
+        entropy.check_end(coder, 0)
+    return replace(integers, refinements=refinements)

@@ -1,0 +1,5 @@
+"""The ground floor: what follows from faces alone, whatever is coded on them.
+
+Half-edges, neighbours, components, parallelograms, and elements with their neighbours. Everything
+here is integers, so that encoder and decoder get the same.
+"""

@@ -1,0 +1,109 @@
+"""Elements that numbers belong to (vertices, wedges, polygons), and their neighbours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh._graph.adjacency import adjacency
+from deltamesh._graph.parallelograms import parallelograms
+
+_Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Elements:
+    """Elements in the order of a file, their neighbours, and the parallelograms among them.
+
+    Attributes
+    ----------
+    count : int
+    indptr, indices : int64 (count + 1,), (2 e,)
+        The neighbours of each element, ascending, as of `adjacency.adjacency`.
+    first, corners, within : int64 (count + 1,), (p, 3), (count,)
+        What predicts each element, as of `parallelograms.parallelograms`; nothing for faces.
+    """
+
+    count: int
+    indptr: _Ints
+    indices: _Ints
+    first: _Ints
+    corners: _Ints
+    within: _Ints
+
+
+def of_vertices(faces: _Ints, count: int) -> Elements:
+    """Return vertices, or classes of corners, as elements.
+
+    Parameters
+    ----------
+    faces : int64 (m, 3)
+        Any triangles; those that share an edge are a parallelogram.
+    count : int
+        Number of vertices, with those in no face.
+    """
+    return Elements(count, *adjacency(faces, count), *parallelograms(faces, count))
+
+
+def of_polygons(faces: _Ints, offsets: _Ints, of_corners: _Ints) -> Elements:
+    """Return polygons as elements; those with an edge in common are neighbours.
+
+    Parameters
+    ----------
+    faces : int64 (m, 3)
+        The triangles of the polygons, over points.
+    offsets : int64 (p + 1,)
+        Where the corners of each polygon begin.
+    of_corners : int64 (3 m,)
+        The corner of a polygon at which each corner of a triangle is.
+    """
+    count = len(offsets) - 1
+    polygon = np.repeat(np.arange(count), np.diff(offsets))[of_corners]
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    key = low * (int(faces.max(initial=0)) + 1) + high
+    # However many faces there are on an edge, each is linked to the next: as many links as faces.
+    order = np.argsort(key, kind="stable")
+    a, b = order[:-1], order[1:]
+    beside = (key[a] == key[b]) & (low[a] != high[a])
+    pairs = np.stack([polygon[a[beside]], polygon[b[beside]]], axis=1)
+    none = np.zeros((0, 3), dtype=np.int64)
+    first, within = np.zeros(count + 1, dtype=np.int64), np.zeros(count, dtype=np.int64)
+    return Elements(count, *adjacency(pairs, count), first, none, within)
+
+
+def of_classes(classes: _Ints) -> Elements:
+    """Return the classes of corners of triangles, (3 m,), each an element."""
+    return of_vertices(classes.reshape(-1, 3), int(classes.max(initial=-1)) + 1)
+
+
+def alone(count: int) -> Elements:
+    """Return elements that are near none but the one before."""
+    none = np.zeros(count + 1, dtype=np.int64)
+    return Elements(count, none, none[:0], none, np.zeros((0, 3), dtype=np.int64), none[:count])
+
+
+def among(elements: Elements, keep: NDArray[np.bool_]) -> Elements:
+    """Return only some of the elements, in their order, and what is near among these."""
+    if keep.all():
+        return elements
+    e, number = elements, np.cumsum(keep) - 1
+    owner = np.repeat(np.arange(e.count), np.diff(e.indptr))
+    near = keep[owner] & keep[e.indices]
+    apex = np.repeat(np.arange(e.count), np.diff(e.first))
+    whole = keep[apex] & keep[e.corners].all(axis=1)
+    count = int(keep.sum())
+    return Elements(
+        count,
+        _starts(number[owner[near]], count),
+        number[e.indices[near]],
+        _starts(number[apex[whole]], count),
+        number[e.corners[whole]],
+        np.zeros(count, dtype=np.int64),
+    )
+
+
+def _starts(owners: _Ints, count: int) -> _Ints:
+    return np.concatenate(([0], np.cumsum(np.bincount(owners, minlength=count)))).astype(np.int64)

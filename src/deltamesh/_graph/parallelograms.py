@@ -1,0 +1,52 @@
+"""Parallelograms of two triangles, or of a quad, that predict the last of their vertices."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh._graph.halfedges import pair_halfedges
+
+NO_QUADS: Final = np.zeros((0, 4), dtype=np.int64)
+
+
+def parallelograms(
+    faces: NDArray[np.int64], n: int, quads: NDArray[np.int64] = NO_QUADS
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Return, for each vertex, the parallelograms that predict it.
+
+    Parameters
+    ----------
+    faces : int64 (m, 3), of an oriented manifold
+    n : int
+    quads : int64 (q, 4)
+        The polygons of four corners among those that the faces make.
+
+    Returns
+    -------
+    first : int64 (n + 1,)
+    corners : int64 (p, 3)
+        Rows first[i] to first[i + 1] are (a, b, o), all below i: first those where (a, i, b, o)
+        is a quad, then those where (a, b, i) is a face, (b, a, o) another.
+    within : int64 (n,)
+        How many of those of each vertex are quads.
+    """
+    opposite = pair_halfedges(faces, n)
+    a, b, apex = (
+        faces.ravel(),
+        np.roll(faces, -1, axis=1).ravel(),
+        np.roll(faces, -2, axis=1).ravel(),
+    )
+    across = np.where(opposite >= 0, apex[opposite], n)
+    sides = [np.roll(quads, -turn, axis=1).ravel() for turn in (3, 1, 2, 0)]
+    a, b, across, apex = (
+        np.concatenate(both) for both in zip(sides, (a, b, across, apex), strict=True)
+    )
+    known = np.flatnonzero(np.maximum(np.maximum(a, b), across) < apex)
+    known = known[np.argsort(apex[known], kind="stable")]
+    first = np.zeros(n + 1, dtype=np.int64)
+    np.cumsum(np.bincount(apex[known], minlength=n), out=first[1:])
+    within = np.bincount(apex[known[known < quads.size]], minlength=n)
+    return first, np.stack([a[known], b[known], across[known]], axis=1), within

@@ -1,0 +1,1 @@
+"""Kernels of the entropy coder and its models, one function for both directions."""

@@ -1,0 +1,360 @@
+"""Positions to the last bit: the distance of each coordinate from a prediction, in its own units.
+
+A coordinate is a number m * base^(e - places) of a form (`geometry.forms`), known by its index
+among the numbers of that form. Parallelograms predict a place on a grid of integers; what is coded
+is how many numbers of the form lie between the one next to that place and the true one. After
+P. Lindstrom, M. Isenburg, "Fast and efficient compression of floating-point data", IEEE TVCG 12(5),
+2006, and M. Isenburg, P. Lindstrom, J. Snoeyink, "Lossless compression of predicted floating-point
+geometry", CAD 37(8), 2005, whose contexts are exponents. Here the errors around are told in the
+unit that the form has at the prediction: that they were made where numbers lie denser or less
+dense then makes no difference.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit, code_raw
+from deltamesh._kernels.coding.numbers import LEVELS, level
+from deltamesh._kernels.jit import Flag, Int, inlined, kernel
+
+_Ints = NDArray[np.int64]
+
+# Places on the grid stay within it, and so do sums of as many as are looked at: of the
+# parallelograms and of the neighbours of a vertex, so many at most.
+BOUND = 1 << 56
+MOST = 8
+
+# What a coordinate is: in the first form, in the second, its bits as they are, a negative zero.
+FIRST, SECOND, RAW, NEGATIVE_ZERO = range(4)
+
+# Columns of the table of axes: the row of the first form, the number of forms, whether there are
+# raw coordinates and negative zeros.
+FORM_AT, FORMS, HAS_RAW, HAS_ZEROS, AXIS_SIZE = range(5)
+# Columns of the table of forms: the places of the grid less those of the form; the usual length of
+# a distance, where the coder begins to ask.
+BASE, OFFSET, DIGITS, USUAL, FORM_SIZE = range(5)
+
+LENGTHS = 63  # of a distance, in bits; indices are below 2^61
+WINDOW = 8  # levels tell apart what is down to 2^-8 of the usual
+LIMIT = 255
+
+MAGNITUDES, MANTISSAS, SIGNS = 6, 2, 3  # contexts of each kind of bit
+INPUTS = MAGNITUDES + MANTISSAS + SIGNS
+MAGNITUDE_SLOTS = 1024 * LENGTHS  # of one context
+MANTISSA_SLOTS = 8 * LENGTHS  # of one level
+SIGN_SLOTS = 32
+
+# Slots and mixers of one form.
+MANTISSA_AT = MAGNITUDES * MAGNITUDE_SLOTS
+SIGN_AT = MANTISSA_AT + (1 + LEVELS) * MANTISSA_SLOTS
+FORM_SLOTS = SIGN_AT + SIGNS * SIGN_SLOTS
+FORM_MIXERS = ((MAGNITUDES, LIMIT),) * LENGTHS + ((MANTISSAS, LIMIT), (SIGNS, LIMIT))
+
+# Slots and mixers of the choice between the forms, of one axis.
+CHOICES = 3
+CHOICE_SLOTS = 128
+AXIS_SLOTS = 3 * CHOICES * CHOICE_SLOTS
+AXIS_MIXERS = ((CHOICES, LIMIT),) * 3
+# Those of the forms come after those of the axes.
+FORMS_AT = 3 * AXIS_SLOTS
+
+POWERS = np.array([10**i for i in range(19)], dtype=np.int64)
+
+
+@kernel
+def code_exact(
+    c: Coder,
+    indptr: _Ints,
+    indices: _Ints,
+    first: _Ints,
+    corners: _Ints,
+    axes: _Ints,
+    forms: _Ints,
+    width: Int,
+    classes: _Ints,
+    values: _Ints,
+) -> None:
+    """Code `classes` and `values` (n, 3), filled in place when decoding.
+
+    A value is an index or, where it is raw, `width` bits. Neighbours are as of `adjacency`,
+    parallelograms as of `cartesian.parallelograms`.
+    """
+    n = len(values)
+    grid = np.zeros((n, 3), np.int64)
+    errors = np.zeros((n, 3), np.int64)  # prediction to truth, on the grid
+    slots = np.zeros(INPUTS, np.int64)
+    for i in range(n):
+        before, spelled = np.int64(0), np.int64(0)
+        for axis in range(3):
+            place, spread = _predict(indptr, indices, first, corners, grid, i, axis)
+            around = _around(indptr, indices, errors, classes, i, axis)
+            chosen = _code_choice(c, axes, classes, i, axis, around, spelled)
+            spelled = 3 * spelled + chosen
+            if classes[i, axis] != NEGATIVE_ZERO:
+                classes[i, axis] = chosen
+            if chosen == RAW:
+                values[i, axis] = _code_bits(c, values[i, axis], width)
+                grid[i, axis] = place
+                continue
+            f = axes[axis, FORM_AT] + chosen
+            index, unit = _index_at(forms, f, place)
+            error = errors[i - 1, axis] if i > 0 else np.int64(0)
+            kind = min(first[i + 1] - first[i], 3)
+            _set_contexts(slots, forms, f, unit, around, kind, spread, error, before)
+            mixer = 3 * len(AXIS_MIXERS) + f * len(FORM_MIXERS)
+            distance = _code_distance(c, values[i, axis] - index, slots, mixer, forms[f, USUAL])
+            values[i, axis] = index + distance
+            if index + distance == 0 and chosen == FIRST and axes[axis, HAS_ZEROS] == 1:
+                classes[i, axis] = _code_zero(c, indptr, indices, classes, i, axis)
+            grid[i, axis] = _place_of(forms, f, index + distance)
+            errors[i, axis] = min(max(grid[i, axis] - place, -BOUND), BOUND)
+            size = level(abs(distance) >> max(forms[f, USUAL] - WINDOW, 0))
+            before = size if axis == 0 else (before + size + 1) // 2
+
+
+@inlined
+def _predict(
+    indptr: _Ints, indices: _Ints, first: _Ints, corners: _Ints, grid: _Ints, i: Int, axis: Int
+) -> tuple[Int, Int]:
+    """Return the mean of the parallelograms, else of the known neighbours, and their spread."""
+    total, low, high = np.int64(0), np.int64(4 * BOUND), np.int64(-4 * BOUND)
+    count = min(first[i + 1] - first[i], MOST)
+    for at in range(first[i], first[i] + count):
+        a, b, o = corners[at, 0], corners[at, 1], corners[at, 2]
+        place = grid[a, axis] + grid[b, axis] - grid[o, axis]
+        total += place
+        low, high = min(low, place), max(high, place)
+    if count > 0:
+        place = (2 * total + count) // (2 * count)
+        return min(max(place, -BOUND), BOUND), high - low
+    for at in range(indptr[i], indptr[i + 1]):
+        if indices[at] >= i or count == MOST:
+            break  # neighbours ascend
+        total += grid[indices[at], axis]
+        count += 1
+    if count > 0:
+        return total // count, np.int64(0)
+    return (grid[i - 1, axis] if i > 0 else np.int64(0)), np.int64(0)
+
+
+@inlined
+def _around(
+    indptr: _Ints, indices: _Ints, errors: _Ints, classes: _Ints, i: Int, axis: Int
+) -> tuple[Int, Int, Int, Int]:
+    """Return what the known neighbours have, four numbers.
+
+    These are the sum of the sizes of their errors, and of the signs; how many of them are raw or in
+    the second form; how many there are.
+    """
+    total, signs, others, count = np.int64(0), np.int64(0), np.int64(0), np.int64(0)
+    for at in range(indptr[i], indptr[i + 1]):
+        j = indices[at]
+        if j >= i or count == MOST:
+            break
+        error = errors[j, axis]
+        total += abs(error)
+        signs += np.int64(error > 0) - np.int64(error < 0)
+        others += np.int64(classes[j, axis] == SECOND) + np.int64(classes[j, axis] == RAW)
+        count += 1
+    return total, signs, others, count
+
+
+@inlined
+def _code_choice(
+    c: Coder,
+    axes: _Ints,
+    classes: _Ints,
+    i: Int,
+    axis: Int,
+    around: tuple[Int, Int, Int, Int],
+    spelled: Int,
+) -> Int:
+    """Code whether a coordinate is in the first form, the second, or raw.
+
+    `spelled` tells what was chosen for the axes before.
+    """
+    _, _, others, count = around
+    given = classes[i, axis]
+    last = classes[i - 1, axis] if i > 0 else np.int64(FIRST)
+    base = axis * AXIS_SLOTS
+    share = 4 * others // max(count, 1)
+    c.state[CONTEXT] = base + 16 * share + spelled
+    c.state[CONTEXT + 1] = base + CHOICE_SLOTS + (MOST + 1) * others + count
+    c.state[CONTEXT + 2] = base + 2 * CHOICE_SLOTS + 16 * last + spelled
+    forms, raw = axes[axis, FORMS], axes[axis, HAS_RAW]
+    mixer = axis * len(AXIS_MIXERS)
+    if forms == 0:
+        return np.int64(RAW)
+    if forms + raw == 1:
+        return np.int64(FIRST)
+    other = np.int64(given == SECOND) + np.int64(given == RAW)
+    if code_bit(c, other, mixer) == 0:
+        return np.int64(FIRST)
+    if forms == 1:
+        return np.int64(RAW)
+    if raw == 0:
+        return np.int64(SECOND)
+    for k in range(CHOICES):
+        c.state[CONTEXT + k] += CHOICES * CHOICE_SLOTS
+    return np.int64(SECOND) + code_bit(c, np.int64(given == RAW), mixer + 1)
+
+
+@inlined
+def _code_bits(c: Coder, value: Int, width: Int) -> Int:
+    """Code a number as it is, the highest bits first."""
+    high = code_raw(c, (value >> 32) & 0xFFFFFFFF, np.int64(width - 32))
+    return (high << 32) | code_raw(c, value & 0xFFFFFFFF, np.int64(32))
+
+
+@inlined
+def _code_zero(c: Coder, indptr: _Ints, indices: _Ints, classes: _Ints, i: Int, axis: Int) -> Int:
+    """Code whether a zero is negative."""
+    alike = np.int64(0)
+    for at in range(indptr[i], min(indptr[i + 1], indptr[i] + MOST)):
+        alike += np.int64(indices[at] < i and classes[indices[at], axis] == NEGATIVE_ZERO)
+    base = axis * AXIS_SLOTS + 2 * CHOICES * CHOICE_SLOTS
+    c.state[CONTEXT] = base
+    c.state[CONTEXT + 1] = base + CHOICE_SLOTS + alike
+    c.state[CONTEXT + 2] = base + 2 * CHOICE_SLOTS + (classes[i - 1, axis] if i > 0 else 0)
+    negative = code_bit(c, np.int64(classes[i, axis] == NEGATIVE_ZERO), axis * len(AXIS_MIXERS) + 2)
+    return np.int64(NEGATIVE_ZERO if negative == 1 else FIRST)
+
+
+@inlined
+def _index_at(forms: _Ints, f: Int, place: Int) -> tuple[Int, Int]:
+    """Return the index of the number next to a place, and its unit as a power on the grid."""
+    offset, digits = forms[f, OFFSET], forms[f, DIGITS]
+    size, length = abs(place), np.int64(0)
+    if forms[f, BASE] == 2:
+        while size >> length > 0:
+            length += 1
+        e = max(length - offset - digits, 0)
+        unit = e + offset
+        if unit > 0:
+            m = ((size >> min(unit - 1, 62)) + 1) >> 1
+        else:
+            m = size << -unit if size > 0 else np.int64(0)  # fewer digits than the form has
+        index = (e << (digits - 1)) + m
+    else:
+        while length < 18 and size >= POWERS[length]:
+            length += 1
+        e = max(length - offset - digits, 0)
+        unit = e + offset
+        m = (size + POWERS[unit] // 2) // POWERS[unit]
+        index = e * 9 * POWERS[digits - 1] + m
+    return (-index if place < 0 else index), unit
+
+
+@inlined
+def _place_of(forms: _Ints, f: Int, index: Int) -> Int:
+    """Return the place of a number on the grid, rounded towards 0, within the bound."""
+    offset, digits = forms[f, OFFSET], forms[f, DIGITS]
+    size: Int = abs(index)
+    place: Int = BOUND
+    if forms[f, BASE] == 2:
+        e = max((size >> (digits - 1)) - 1, 0)
+        m, unit = size - (e << (digits - 1)), e + offset
+        if unit <= 0:
+            place = min(m >> min(-unit, 62), BOUND)
+        elif (unit < 56 and m < BOUND >> unit) or m == 0:
+            place = m << min(unit, 56)
+    else:
+        top = POWERS[digits - 1]
+        e = (size - top) // (9 * top) if size >= top else 0
+        m, unit = size - e * 9 * top, e + offset
+        if m <= BOUND // POWERS[min(unit, 18)]:
+            place = m * POWERS[min(unit, 18)]
+    return -place if index < 0 else place
+
+
+@inlined
+def _in_units(forms: _Ints, f: Int, unit: Int, size: Int) -> Int:
+    """Return a size on the grid in units of base^unit, or as many of them as fit."""
+    if forms[f, BASE] == 10:
+        return size // POWERS[unit]
+    if unit >= 0:
+        return size >> min(unit, 62)
+    return min(size, 1 << 29) << min(-unit, 32)
+
+
+@inlined
+def _set_contexts(
+    slots: _Ints,
+    forms: _Ints,
+    f: Int,
+    unit: Int,
+    around: tuple[Int, Int, Int, Int],
+    kind: Int,
+    spread: Int,
+    error: Int,
+    before: Int,
+) -> None:
+    """Set the slots of a distance; `error` is that of the vertex before."""
+    total, signs, _, count = around
+    shift = max(forms[f, USUAL] - WINDOW, 0)
+    here = level(_in_units(forms, f, unit, 4 * total // max(count, 1)) >> shift)
+    hint = level(_in_units(forms, f, unit, spread) >> shift)
+    latest = level(_in_units(forms, f, unit, abs(error)) >> shift)
+    base = FORMS_AT + f * FORM_SLOTS
+    slots[0] = base + (here * 4 + kind) * LENGTHS
+    slots[1] = base + MAGNITUDE_SLOTS + (here * LEVELS + before) * LENGTHS
+    slots[2] = base + 2 * MAGNITUDE_SLOTS + (here * LEVELS + latest) * LENGTHS
+    slots[3] = base + 3 * MAGNITUDE_SLOTS + (hint * LEVELS + here) * LENGTHS
+    pair = (hint // 2) * 16 + before // 2
+    slots[4] = base + 4 * MAGNITUDE_SLOTS + (pair * 4 + kind) * LENGTHS
+    pair = (here // 2) * 16 + before // 2
+    slots[5] = base + 5 * MAGNITUDE_SLOTS + (pair * 4 + kind) * LENGTHS
+    slots[6] = base + MANTISSA_AT
+    slots[7] = base + MANTISSA_AT + (1 + here) * MANTISSA_SLOTS
+    side = np.int64(signs > 0) + 2 * np.int64(signs < 0)
+    turn = np.int64(error > 0) + 2 * np.int64(error < 0)
+    base += SIGN_AT
+    slots[8] = base + side
+    slots[9] = base + SIGN_SLOTS + signs + MOST
+    slots[10] = base + 2 * SIGN_SLOTS + 3 * turn + side
+
+
+@kernel
+def _code_distance(c: Coder, value: Int, slots: _Ints, mixer: Int, usual: Int) -> Int:
+    """Code the length of |value|, asked from the usual one up or down, its other bits, its sign."""
+    magnitude, length = abs(value), np.int64(0)
+    while magnitude >> length > 0:
+        length += 1
+    k = usual
+    if _is_longer(c, length, k, slots, mixer):
+        k += 1
+        while k < LENGTHS - 1 and _is_longer(c, length, k, slots, mixer):
+            k += 1
+    else:
+        while k > 0 and not _is_longer(c, length, k - 1, slots, mixer):
+            k -= 1
+    if k == 0:
+        return np.int64(0)
+    magnitude = _code_mantissa(c, magnitude, k, slots, mixer + LENGTHS)
+    for j in range(SIGNS):
+        c.state[CONTEXT + j] = slots[MAGNITUDES + MANTISSAS + j]
+    negative = code_bit(c, np.int64(value < 0), mixer + LENGTHS + 1)
+    return -magnitude if negative == 1 else magnitude
+
+
+@inlined
+def _is_longer(c: Coder, length: Int, k: Int, slots: _Ints, mixer: Int) -> Flag:
+    for j in range(MAGNITUDES):
+        c.state[CONTEXT + j] = slots[j] + k
+    return code_bit(c, np.int64(length > k), mixer + k) == 1
+
+
+@inlined
+def _code_mantissa(c: Coder, magnitude: Int, length: Int, slots: _Ints, mixer: Int) -> Int:
+    """Code the bits of a magnitude below its highest, the first three in their contexts."""
+    result = np.int64(1)
+    modelled = min(length - 1, 3)
+    for j in range(modelled):
+        node = 8 * length + result
+        c.state[CONTEXT] = slots[MAGNITUDES] + node
+        c.state[CONTEXT + 1] = slots[MAGNITUDES + 1] + node
+        result = 2 * result + code_bit(c, (magnitude >> (length - 2 - j)) & 1, mixer)
+    rest = length - 1 - modelled
+    return (result << rest) | code_raw(c, magnitude & ((1 << rest) - 1), rest)

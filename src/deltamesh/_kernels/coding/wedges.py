@@ -1,0 +1,212 @@
+"""Classes of corners around a point: copies of a vertex, or both sides of a seam.
+
+The corners of a point are visited fan by fan in their rotational order. A corner is of the class
+of the one before unless a seam runs between them, along the edge that they share; a seam at one
+end of an edge mostly goes on at the other.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit
+from deltamesh._kernels.coding.valence import code_below
+from deltamesh._kernels.jit import Flag, Int, inlined, kernel
+from deltamesh._kernels.mesh.halfedges import next_halfedge, previous_halfedge
+
+_Ints = NDArray[np.int64]
+
+# How a corner comes after the one that it is expected to be like: across an edge, as the first of
+# a further fan, in a repeat of a face, in a degenerate face.
+ACROSS, FAN, REPEAT, DEGENERATE = range(4)
+# What is known of a seam along an edge at its other end.
+UNKNOWN, SMOOTH, SEAM, OPEN = range(4)
+
+SAME, NEW, MORE = range(3)
+MIXERS = ((5, 255), (2, 255), (2, 255))
+SAME_AT = 0
+NEW_AT = SAME_AT + 64 + 4 * 256
+MORE_AT = NEW_AT + 2 * 64
+SLOTS = MORE_AT + 2 * 16
+
+
+@kernel
+def fill_rings(
+    opposite: _Ints,
+    corners: _Ints,
+    by_point: _Ints,
+    ring: _Ints,
+    spoke: _Ints,
+    closing: _Ints,
+) -> None:
+    """Put the corners of each point into rotational order, fan by fan.
+
+    opposite : int64 (3 m,), of a manifold; corners : int64 (3 m,), its vertices.
+    by_point : int64 (n,), the vertices in the order in which they are wanted.
+    ring : int64 (3 m,), the corners; spoke : the half-edge that leads on to each from the corner
+        before, -1 at the first of a fan; closing : that from the last of a closed fan to the first.
+    """
+    first = np.full(len(by_point), -1, np.int64)
+    for h in range(len(corners)):
+        v = corners[h]
+        if first[v] < 0 or opposite[previous_halfedge(h)] < 0:
+            first[v] = h
+    at = 0
+    for k in range(len(by_point)):
+        start = first[by_point[k]]
+        closed = opposite[previous_halfedge(start)]
+        h, g = start, np.int64(-1)
+        while True:
+            ring[at], spoke[at], closing[at] = h, g, closed
+            at += 1
+            g = h
+            if opposite[h] < 0:
+                break
+            h = next_halfedge(opposite[h])
+            if h == start:
+                break
+
+
+@inlined
+def _status(seams: _Ints, opposite: _Ints, h: Int) -> Int:
+    return seams[opposite[h]] if h >= 0 and opposite[h] >= 0 else np.int64(OPEN)
+
+
+@inlined
+def _look_ahead(
+    seams: _Ints,
+    opposite: _Ints,
+    first: Int,
+    end: Int,
+    spoke: _Ints,
+    closing: _Ints,
+    ahead: _Ints,
+    left: _Ints,
+) -> Int:
+    """Return how many seams are known that run into a point.
+
+    For each corner, set how many corners further the next of them is (0: none before the end) and
+    how many edges from there on nothing is known of.
+    """
+    seen, unknown, distance = 0, 0, 0
+    for i in range(end - 1, first - 1, -1):
+        far = _status(seams, opposite, spoke[i])
+        if spoke[i] < 0 and closing[i] >= 0:
+            seen += _status(seams, opposite, closing[i]) == SEAM
+        seen += far == SEAM
+        unknown += far == UNKNOWN
+        ahead[i], left[i] = distance, unknown
+        if far == SEAM:
+            distance = 1
+        elif distance > 0:
+            distance += 1
+    return seen
+
+
+@kernel
+def code_classes(
+    c: Coder,
+    opposite: _Ints,
+    bounds: _Ints,
+    ring: _Ints,
+    spoke: _Ints,
+    closing: _Ints,
+    like: _Ints,
+    kind: _Ints,
+    classes: _Ints,
+    labels: Int,
+) -> Int:
+    """Code the classes of corners; return how many there are, over all points, or -1: corrupt.
+
+    bounds : int64 (p + 1,), where the corners of each point begin in `ring`, `spoke`, `closing`,
+        `like` (the corner that each is expected to be like, -1 for the first of a point), `kind`.
+    classes : int64, of each corner; any numbers below `labels` when encoding, of which those at
+        one point count. Replaced by numbers that ascend with the points and the visits.
+    """
+    state = c.state
+    seams = np.full(len(opposite), UNKNOWN, np.int64)
+    met = np.full(labels, -1, np.int64)  # the last point that had each label, and which it is there
+    number = np.zeros(labels, np.int64)
+    ahead, left = np.empty(len(ring), np.int64), np.empty(len(ring), np.int64)
+    base, recent, several = np.int64(0), 0, 0
+    for p in range(len(bounds) - 1):
+        first, end = bounds[p], bounds[p + 1]
+        seen = min(_look_ahead(seams, opposite, first, end, spoke, closing, ahead, left), 3)
+        start: Int = np.int64(0)
+        count, changes, behind = np.int64(0), 0, 0
+        for i in range(first, end):
+            corner = ring[i]
+            actual = np.int64(0)
+            if labels > 0:
+                label = classes[corner]
+                if met[label] != p:
+                    met[label], number[label] = p, count
+                actual = number[label]
+            if like[i] >= 0:
+                expected = classes[like[i]] - base
+                far = _status(seams, opposite, spoke[i])
+                back = _status(seams, opposite, closing[i])
+                known = kind[i] * 16 + min(count, 4) - 1
+                found = 64 * far + 16 * seen + 4 * min(changes, 3)
+                state[CONTEXT] = SAME_AT + (kind[i] * 4 + far) * 4 + recent
+                state[CONTEXT + 1] = SAME_AT + 64 + found + kind[i]
+                state[CONTEXT + 2] = SAME_AT + 320 + found + min(left[i], 3)
+                state[CONTEXT + 3] = (
+                    SAME_AT + 576 + 64 * far + 8 * min(behind, 7) + min(ahead[i], 7)
+                )
+                state[CONTEXT + 4] = SAME_AT + 832 + 4 * known + 2 * several + (back == SEAM)
+                same = code_bit(c, 1 if actual == expected else 0, np.int64(SAME))
+                recent = 2 * (recent & 1) + same
+                behind += behind > 0
+                if same == 1:
+                    actual = expected
+                else:
+                    actual = _code_other(c, actual, expected, count, known + 4 * back, far)
+                    changes += 1
+                    behind = 1
+                if spoke[i] >= 0:
+                    seams[spoke[i]] = SMOOTH if same == 1 else SEAM
+            if spoke[i] < 0:
+                start = actual
+            if closing[i] >= 0:
+                seams[closing[i]] = SMOOTH if start == actual else SEAM
+            count = max(count, actual + 1)
+            classes[corner] = base + actual
+        several = 1 if count > 1 else 0
+        base += count
+    return base
+
+
+@inlined
+def _code_other(c: Coder, actual: Int, expected: Int, count: Int, known: Int, far: Int) -> Int:
+    """Code a class that is not the expected one: a new one, or one of the others."""
+    if count == 1:
+        return np.int64(1)
+    c.state[CONTEXT] = NEW_AT + known
+    c.state[CONTEXT + 1] = NEW_AT + 64 + 4 * min(count, 15) + far
+    if code_bit(c, 1 if actual == count else 0, np.int64(NEW)) == 1:
+        return count
+    other = code_below(c, actual - (1 if actual > expected else 0), count - 1)
+    return other + (1 if other >= expected else 0)
+
+
+@kernel
+def code_loose(c: Coder, loose: _Ints, total: Int) -> Flag:
+    """Code how many vertices at each point are in no face; return whether they come to the total.
+
+    loose : int64 (p,), filled in when decoding.
+    """
+    rest = total
+    last = 0
+    for p in range(len(loose)):
+        wanted, k = loose[p], 0
+        while rest > 0:
+            c.state[CONTEXT] = MORE_AT + min(k, 3) * 4 + min(last, 3)
+            c.state[CONTEXT + 1] = MORE_AT + 16 + min(k, 15)
+            if code_bit(c, 1 if wanted > k else 0, np.int64(MORE)) == 0:
+                break
+            k += 1
+            rest -= 1
+        loose[p] = last = k
+    return rest == 0

@@ -1,0 +1,1 @@
+"""Kernels on meshes that code nothing."""

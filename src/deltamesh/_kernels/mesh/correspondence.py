@@ -1,0 +1,96 @@
+"""Walking over two meshes at once."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh._kernels.jit import kernel
+
+_Ints = NDArray[np.int64]
+
+
+@kernel
+def assign(source: int, target: int, mapping: _Ints, inverse: _Ints, log: _Ints, count: int) -> int:
+    """Map source to target, one to one, and log a new pair; return the new count or -1."""
+    if mapping[source] == target:
+        return count
+    if mapping[source] >= 0 or inverse[target] >= 0:
+        return -1
+    mapping[source] = target
+    inverse[target] = source
+    log[count] = source
+    return count + 1
+
+
+@kernel
+def propagate(
+    corners: _Ints,
+    twins: _Ints,
+    colours: _Ints,
+    other_corners: _Ints,
+    other_twins: _Ints,
+    other_colours: _Ints,
+    half_edge: int,
+    other_half_edge: int,
+    vertices: _Ints,
+    inverse_vertices: _Ints,
+    half_edges: _Ints,
+    inverse_half_edges: _Ints,
+    vertex_log: _Ints,
+    face_log: _Ints,
+) -> bool:
+    """Map the patch around a half-edge of one mesh onto that around a half-edge of another.
+
+    Half-edge h runs from `corners[h]` to the next corner of face `h // 3`; `twins[h]` is the one
+    half-edge that runs back along it, or -1 at a boundary, at an edge of three faces, or between
+    faces that are turned differently. A patch is what can be reached over twins.
+
+    corners, other_corners : int64 (3 m,), the flat faces.
+    colours, other_colours : int64 (n,); vertices of different colour cannot correspond.
+    vertices, half_edges : the maps so far, -1 where there is none, with their inverses; changed in
+    place, and back again when the patches differ (False). A face's half-edges are mapped together,
+    only that of its first corner is kept: entry `3 f` at `half_edges[f]`.
+    """
+    vertex_count, face_count, head = 0, 0, 0
+    # Twins find the face of a half-edge that should be mapped; this pair starts the first face.
+    h, g = half_edge, other_half_edge
+    while True:
+        f, at = h // 3, h % 3
+        e = g // 3
+        start = 3 * e + (g % 3 + 3 - at) % 3  # what corresponds to half-edge 3 f
+        ok = True
+        if half_edges[f] != start:
+            ok = half_edges[f] < 0 and inverse_half_edges[e] < 0
+            if ok:
+                half_edges[f] = start
+                inverse_half_edges[e] = f
+                face_log[face_count] = f
+                face_count += 1
+            for i in range(3):
+                if ok:
+                    a, b = corners[3 * f + i], other_corners[3 * e + (start + i) % 3]
+                    ok = colours[a] == other_colours[b]
+                    if ok:
+                        new = assign(a, b, vertices, inverse_vertices, vertex_log, vertex_count)
+                        ok = new >= 0
+                        vertex_count = max(new, vertex_count)
+        # On to the next half-edge of the logged faces that has a twin.
+        h = -1
+        while ok and h < 0 and head < 3 * face_count:
+            f, at = face_log[head // 3], head % 3
+            start = half_edges[f]
+            h = twins[3 * f + at]
+            g = other_twins[start // 3 * 3 + (start + at) % 3]
+            ok = (h < 0) == (g < 0)
+            head += 1
+        if not ok:
+            for i in range(vertex_count):
+                inverse_vertices[vertices[vertex_log[i]]] = -1
+                vertices[vertex_log[i]] = -1
+            for i in range(face_count):
+                inverse_half_edges[half_edges[face_log[i]] // 3] = -1
+                half_edges[face_log[i]] = -1
+            return False
+        if h < 0:
+            return True

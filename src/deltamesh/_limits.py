@@ -1,0 +1,134 @@
+"""What decoding a file may take; checked before anything of that size is allocated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from deltamesh_formats.container.layout import ATTRIBUTES, POLYGONS, Container, Section
+from deltamesh_formats.container.texts import text_size, texts_of
+from deltamesh_formats.errors import FormatError, LimitError
+
+# As many as a 32-bit index can name, were there memory for them.
+DEFAULT_MAX_VERTICES = 1 << 32
+DEFAULT_MEMORY = 16 << 30
+
+# Bytes, measured as peak memory of whole processes over the counts (`benchmarks/memory.py`), and
+# rounded up: faces, half-edges and fronts; coder tables; factorization and its solves.
+BASE = {
+    "cartesian": 192 << 20,
+    "lossless": 256 << 20,
+    "highpass": 256 << 20,
+    "refined": 256 << 20,
+}
+PER_FACE = 320
+PER_TEXT_BYTE = 24
+PER_TRANSFORM = 400
+PER_GLUED_FACE = 240  # more, where polygons are made of triangles
+# Of attributes: an element, and each number of one; three of them share a stream. Unit normals need
+# those of the surface, corner by corner.
+PER_ELEMENT = 160
+PER_NUMBER = 40
+PER_VERTEX = {"cartesian": 400, "lossless": 600, "highpass": 4000, "refined": 4000}
+
+# The range coder spends at least log2(65536 / (65536 - P_MIN)) bits on a bit, and at least one
+# bit on each vertex or face: a file of b bytes cannot hold more of them than that.
+PER_BYTE = 15200
+
+
+@dataclass(frozen=True)
+class Counts:
+    """What a file announces, before anything of it is decoded.
+
+    Attributes
+    ----------
+    points : int
+        Positions; several vertices may share one.
+    isolated : int
+        Points that are in no face of the manifold.
+    vertices, faces : int
+        Of the manifold that CONN describes.
+    """
+
+    points: int
+    isolated: int
+    vertices: int
+    faces: int
+
+
+def memory_needed(container: Container) -> int:
+    """Estimate the memory that decoding takes, in bytes, without decoding anything.
+
+    Raises
+    ------
+    FormatError
+        If the table of the attributes is none, or the text of the parts.
+    """
+    moved = sum(len(one.names) for one in texts_of(container).divisions if one.moved)
+    return _memory_of_counts(container) + PER_TRANSFORM * moved
+
+
+def _memory_of_counts(container: Container) -> int:
+    """Likewise, but for what only the text of the parts, not unpacked yet, tells."""
+    method = container.parameters.method
+    fixed, per_vertex = BASE[method], PER_VERTEX[method]
+    per_face = PER_FACE + (PER_GLUED_FACE if POLYGONS in container.sections else 0)
+    needed = fixed + per_vertex * container.vertices + per_face * container.faces
+    return needed + _memory_of_attributes(container) + PER_TEXT_BYTE * text_size(container)
+
+
+def _memory_of_attributes(container: Container) -> int:
+    if ATTRIBUTES not in container.sections:
+        return 0
+    from deltamesh_formats.container.attribute_table import entries_of  # which needs numpy
+
+    counts = {"vertex": container.vertices, "corner": 3 * container.faces, "face": container.faces}
+    needed = 0
+    for entry in entries_of(container):
+        columns = 3 * -(-entry.columns // 3)
+        count = counts["corner" if entry.coding == "octahedral" else entry.domain]
+        needed += count * (PER_ELEMENT + PER_NUMBER * columns)
+    return needed
+
+
+def check_limits(container: Container, counts: Counts, max_vertices: int, memory: int) -> None:
+    """Refuse a file whose counts are above the limits, or cannot be true.
+
+    Raises
+    ------
+    LimitError
+        For more vertices, or more memory, than allowed.
+    FormatError
+        For none or more faces, or more of anything else, than the bytes of a section can hold.
+    """
+    n, m = container.vertices, container.faces
+    if n > max_vertices:
+        raise LimitError(f"{n} vertices are more than the limit of {max_vertices}")
+    section, used = container.sections["CONN"], counts.points - counts.isolated
+    if m == 0:
+        raise FormatError("a file without faces", section.offset)
+    if counts.faces > _most(section) or not used <= counts.vertices <= 3 * counts.faces:
+        raise FormatError(f"{n} vertices and {m} faces do not fit into this file", section.offset)
+    method = container.parameters.method
+    geometry = {"cartesian": "CART", "lossless": "EXAC"}.get(method, "ANCH")
+    bits = 3 if method == "lossless" else 1  # a coordinate has one or more
+    _check_held(container, geometry, counts.isolated, "isolated vertices", bits)
+    _check_held(container, "STCH", m - counts.faces, "faces beside the manifold")
+    _check_held(container, "COPY", n - counts.points, "copies of vertices")
+    _check_memory(_memory_of_counts(container), memory)
+    _check_memory(memory_needed(container), memory)
+
+
+def _check_memory(needed: int, memory: int) -> None:
+    if needed > memory:
+        raise LimitError(f"decoding takes about {needed} bytes, more than the limit of {memory}")
+
+
+def _check_held(container: Container, name: str, count: int, what: str, bits: int = 1) -> None:
+    if count and bits * count > _most(container.sections[name]):
+        offset = container.sections[name].offset
+        raise FormatError(f"{count} {what} do not fit into this file", offset)
+
+
+def _most(section: Section) -> int:
+    """Return how many elements of at least one coded bit a section may hold."""
+    return PER_BYTE * (len(section.payload) + 4)

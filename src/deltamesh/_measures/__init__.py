@@ -1,0 +1,1 @@
+"""Metrics of two meshes with the same connectivity."""

@@ -1,0 +1,301 @@
+"""How far two meshes are apart: every metric, defined once.
+
+All compare a mesh with another of the same connectivity and vertex order, `reference` first.
+Lengths are in the unit of the vertices, angles in degrees. The sources are in each function.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh._graph.adjacency import edges
+from deltamesh._measures.hausdorff import squared_hausdorff
+from deltamesh._mesh import Mesh
+
+_Floats = NDArray[np.float64]
+_Ints = NDArray[np.int64]
+
+# Of Mq in the visual error (Sorkine, Cohen-Or and Toledo 2003, section 5).
+VISUAL_WEIGHT = 0.15
+
+
+@dataclass(frozen=True)
+class VertexErrors:
+    """The errors that an encoder checks: see the functions of the same names.
+
+    Attributes
+    ----------
+    rms, max : float
+        Vertex distances, in the unit of the vertices.
+    normal_deviation, dihedral : float
+        Degrees.
+    """
+
+    rms: float
+    max: float
+    normal_deviation: float
+    dihedral: float
+
+
+@dataclass(frozen=True)
+class Errors(VertexErrors):
+    """All errors.
+
+    Attributes
+    ----------
+    hausdorff, visual : float
+        In the unit of the vertices.
+    diagonal : float
+        Of the reference's bounding box, to make lengths relative.
+    """
+
+    hausdorff: float
+    visual: float
+    diagonal: float
+
+
+def compare(reference: Mesh, other: Mesh) -> Errors:
+    """Return all errors of another mesh with the same faces.
+
+    Raises
+    ------
+    ValueError
+        If the meshes differ in faces or in the number of vertices; `correspondence.match` may help.
+    """
+    cheap = vertex_errors(reference.vertices, other.vertices, reference.faces)
+    if not np.array_equal(reference.faces, other.faces):
+        raise ValueError("the meshes must have the same faces, in the same order")
+    V, W, F = reference.vertices, other.vertices, reference.faces
+    return Errors(
+        **vars(cheap),
+        hausdorff=hausdorff(reference, other),
+        visual=visual_error(V, W, F),
+        diagonal=diagonal(V),
+    )
+
+
+def vertex_errors(V: _Floats, W: _Floats, F: _Ints) -> VertexErrors:
+    """Return the errors that cost little (bunny, 70k faces: 0.1 s).
+
+    Parameters
+    ----------
+    V, W : float64 (n, 3)
+        Reference and other positions.
+    F : int64 (m, 3)
+
+    Raises
+    ------
+    ValueError
+        If the shapes of V and W differ.
+    """
+    return errors_from(V, F)(W)
+
+
+def errors_from(V: _Floats, F: _Ints) -> Callable[[_Floats], VertexErrors]:
+    """Return `vertex_errors` of one reference: half of the work is done once."""
+    centre, unit = _frame(V)
+    V = (V - centre) / unit
+    m = _face_normals(V, F)
+    pairs = _interior_edges(F, len(V))
+    angles = _dihedral_angles(V, m, *pairs)
+
+    def errors(W: _Floats) -> VertexErrors:
+        if V.shape != W.shape:
+            raise ValueError(f"{len(V)} and {len(W)} vertices cannot be compared one by one")
+        W = (W - centre) / unit
+        distance, k = _norm(W - V), _face_normals(W, F)
+        return VertexErrors(
+            rms=unit * _rms(distance),
+            max=unit * float(distance.max(initial=0.0)),
+            normal_deviation=_normal_deviation(m, k),
+            dihedral=_mean_change(angles, _dihedral_angles(W, k, *pairs)),
+        )
+
+    return errors
+
+
+def diagonal(V: _Floats) -> float:
+    """Return the length of the bounding box's diagonal, 0 without vertices."""
+    return math.hypot(*np.ptp(V, axis=0)) if len(V) else 0.0
+
+
+def mean_edge(V: _Floats, F: _Ints) -> float:
+    """Return the mean length of the edges, those of two faces counted twice; 0 without faces."""
+    lengths = [_norm(V[F[:, i]] - V[F[:, i - 1]]) for i in range(3)]
+    return float(np.mean(lengths)) if len(F) else 0.0
+
+
+def normal_deviation(V: _Floats, W: _Floats, F: _Ints) -> float:
+    """Return the mean angle between corresponding face normals, weighted by the area in V, degrees.
+
+    A face without area in V has no weight; one that lost its area in W counts 90 degrees.
+    """
+    return vertex_errors(V, W, F).normal_deviation
+
+
+def dihedral(V: _Floats, W: _Floats, F: _Ints) -> float:
+    """Return the mean |change of the dihedral angle| over the interior edges, in degrees.
+
+    The unweighted form of L. Vasa, J. Rus, "Dihedral Angle Mesh Error", Comput. Graph. Forum 31(5),
+    2012: angles are oriented, convex and concave differ in sign, and a change is at most 180. An
+    interior edge is one of exactly two faces. A face without area continues its neighbour flat.
+    """
+    return vertex_errors(V, W, F).dihedral
+
+
+def visual_error(V: _Floats, W: _Floats, F: _Ints) -> float:
+    """Return 0.15 Mq + 0.85 Sq of O. Sorkine, D. Cohen-Or, S. Toledo, SGP 2003, section 5.
+
+    Mq is the RMS of the vertex distances, Sq that of the differences of geometric Laplacians.
+    """
+    V, W, unit = _normalized(V, W)
+    pairs = edges(F, len(V))
+    mq = _rms(_norm(W - V))
+    sq = _rms(_norm(geometric_laplacian(W, pairs) - geometric_laplacian(V, pairs)))
+    return unit * (VISUAL_WEIGHT * mq + (1 - VISUAL_WEIGHT) * sq)
+
+
+def geometric_laplacian(V: _Floats, pairs: _Ints) -> _Floats:
+    """Return GL(v_i) = v_i - sum_j v_j / l_ij / sum_j 1 / l_ij, l_ij the length of edge ij.
+
+    Z. Karni, C. Gotsman, "Spectral compression of mesh geometry", SIGGRAPH 2000, section 6.
+
+    Parameters
+    ----------
+    V : float64 (n, 3)
+        With a bounding box of about unit size.
+    pairs : int64 (e, 2)
+        Undirected edges, each once.
+
+    Returns
+    -------
+    float64 (n, 3)
+        Zero for a vertex without edges, and in the limit for one that coincides with a neighbour.
+    """
+    i, j = pairs[:, 0], pairs[:, 1]
+    difference = V[i] - V[j]
+    weight = 1.0 / np.maximum(_norm(difference), 1e-30)
+    total = np.bincount(i, weight, len(V)) + np.bincount(j, weight, len(V))
+    weighted = difference * weight[:, None]
+    laplacian = np.stack(
+        [np.bincount(i, w, len(V)) - np.bincount(j, w, len(V)) for w in weighted.T], axis=1
+    )
+    return laplacian / np.where(total > 0, total, 1.0)[:, None]
+
+
+def hausdorff(reference: Mesh, other: Mesh) -> float:
+    """Return the symmetric Hausdorff distance of the two surfaces, by samples.
+
+    The samples of each surface are the vertices of its faces and points spread over it in
+    proportion to area; the distance from each to the other surface is exact (not to its samples),
+    so the result is a lower bound, and less than the distance of neighbouring samples below the
+    truth. Connectivity may differ. P. Cignoni, C. Rocchini, R. Scopigno, "Metro: measuring error
+    on simplified surfaces", Comput. Graph. Forum 17(2), 1998.
+
+    Raises
+    ------
+    ValueError
+        If just one of the meshes has faces.
+    """
+    if (len(reference.faces) == 0) != (len(other.faces) == 0):
+        raise ValueError("a mesh without faces has no distance to one with faces")
+    if len(reference.faces) == 0:
+        return 0.0
+    V, W, unit = _normalized(reference.vertices, other.vertices)
+    squared = squared_hausdorff(V[reference.faces], W[other.faces])
+    return unit * float(np.sqrt(squared))
+
+
+def _normalized(V: _Floats, W: _Floats) -> tuple[_Floats, _Floats, float]:
+    """Return both meshes moved and scaled by the reference's box, and the length of the unit."""
+    centre, unit = _frame(V)
+    return (V - centre) / unit, (W - centre) / unit, unit
+
+
+def _frame(V: _Floats) -> tuple[_Floats, float]:
+    """Return the centre and the unit of the reference.
+
+    Squares and cubes of lengths then neither overflow nor vanish, far from the origin or not.
+    """
+    centre: _Floats = V.mean(axis=0) if len(V) else np.zeros(3)
+    return centre, diagonal(V) or 1.0
+
+
+def _norm(x: _Floats) -> _Floats:
+    return np.sqrt(x[:, 0] * x[:, 0] + x[:, 1] * x[:, 1] + x[:, 2] * x[:, 2])
+
+
+def _rms(x: _Floats) -> float:
+    return float(np.sqrt(np.mean(x * x))) if len(x) else 0.0
+
+
+def _cross(a: _Floats, b: _Floats) -> _Floats:
+    """Return the rows' cross products; np.cross takes three times as long."""
+    x = a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1]
+    y = a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2]
+    z = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return np.stack((x, y, z), axis=1)
+
+
+def _face_normals(V: _Floats, F: _Ints) -> _Floats:
+    """Return the faces' normals (m, 3), as long as twice the area."""
+    a, b, c = V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
+    return _cross(b - a, c - a)
+
+
+def _angle(m: _Floats, k: _Floats) -> _Floats:
+    """Return the angles between vectors of any length in degrees, 0 for zero vectors."""
+    dot = m[:, 0] * k[:, 0] + m[:, 1] * k[:, 1] + m[:, 2] * k[:, 2]
+    return np.degrees(np.arctan2(_norm(_cross(m, k)), dot))
+
+
+def _normal_deviation(m: _Floats, k: _Floats) -> float:
+    area, lost = _norm(m), ~k.any(axis=1)
+    angle = np.where(lost, 90.0, _angle(m, k))
+    total = float(area.sum())
+    return float(area @ angle) / total if total > 0 else 0.0
+
+
+def _mean_change(angles: _Floats, others: _Floats) -> float:
+    change = np.abs(angles - others)
+    return float(np.minimum(change, 360 - change).mean()) if len(change) else 0.0
+
+
+def _dihedral_angles(
+    V: _Floats, m: _Floats, pairs: _Ints, left: _Ints, right: _Ints, same: NDArray[np.bool_]
+) -> _Floats:
+    """Return the angles (e,) from the left faces' normals to the right ones', convex: positive."""
+    a, b = m[left], np.where(same[:, None], -m[right], m[right])
+    turn = _cross(a, b)
+    along = V[pairs[:, 1]] - V[pairs[:, 0]]
+    side = turn[:, 0] * along[:, 0] + turn[:, 1] * along[:, 1] + turn[:, 2] * along[:, 2]
+    return np.where(side < 0, -1.0, 1.0) * _angle(a, b)
+
+
+def _interior_edges(F: _Ints, n: int) -> tuple[_Ints, _Ints, _Ints, NDArray[np.bool_]]:
+    """Return the edges of exactly two faces.
+
+    Returns
+    -------
+    edges : int64 (e, 2)
+        As the first face runs through them.
+    left, right : int64 (e,)
+        The faces; the first has the lower index.
+    same : bool (e,)
+        Whether both run through it in the same direction: then one of them is turned over.
+    """
+    a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    keys = np.minimum(a, b) * n + np.maximum(a, b)
+    order = np.argsort(keys, kind="stable")
+    keys = keys[order]
+    starts = np.flatnonzero(np.concatenate(([True], keys[1:] != keys[:-1]))) if len(keys) else keys
+    pair = starts[np.diff(np.append(starts, len(keys))) == 2]
+    h, g = order[pair], order[pair + 1]
+    pairs = np.stack((a[h], b[h]), axis=1)
+    two = (h // 3 != g // 3) & (pairs[:, 0] != pairs[:, 1])
+    return pairs[two], h[two] // 3, g[two] // 3, (a[h] == a[g])[two]

@@ -1,0 +1,1 @@
+"""The order of vertices and polygons: a mesh in another order, and section ORDR."""

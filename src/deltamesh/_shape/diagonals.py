@@ -1,0 +1,63 @@
+"""How the polygons of a mesh are cut into triangles to be coded.
+
+A decoder joins the triangles again, so that any diagonals will do. Where quads meet in a grid,
+diagonals that all run in parallel give every vertex a valence of 6, which costs nearly nothing:
+of two quads that share an edge, the diagonals should end at different ends of it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh._graph.halfedges import weld
+from deltamesh._kernels.mesh import diagonals as kernels
+from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.polymesh.triangles import Triangles, fans, folds, middles
+
+_Ints = NDArray[np.int64]
+
+
+def cut_polygons(mesh: PolyMesh) -> Triangles:
+    """Cut polygons into fans."""
+    if (mesh.sizes == 3).all():
+        return mesh.triangles()
+    around = middles(mesh.vertices, mesh.corners, mesh.offsets)
+    quads = np.flatnonzero(mesh.sizes == 4)
+    around[quads] = _parallel(mesh, quads, around[quads])
+    return fans(mesh.corners, mesh.offsets, around)
+
+
+def _parallel(mesh: PolyMesh, quads: _Ints, around: _Ints) -> _Ints:
+    """Return the corner, 0 or 1, at which the diagonal of each quad ends.
+
+    `around` are those to take where one of the two diagonals folds the quad.
+    """
+    corners = mesh.corners[mesh.offsets[quads, None] + np.arange(4)]
+    points = mesh.vertices[corners]
+    given = np.where(folds(points, 0) | folds(points, 1), around % 2, -1)
+    first, second, same_way = _shared_edges(weld(mesh.vertices)[1][corners])
+    # Corners of even index are ends of diagonal 0, those of odd index of diagonal 1.
+    unlike = ((first ^ second) & 1) ^ same_way
+    quad, other = np.concatenate([first, second]) // 4, np.concatenate([second, first]) // 4
+    order = np.argsort(quad, kind="stable")
+    start = np.zeros(len(quads) + 1, dtype=np.int64)
+    np.cumsum(np.bincount(quad, minlength=len(quads)), out=start[1:])
+    kernels.choose(start, other[order], np.tile(unlike, 2)[order], given)
+    return given
+
+
+def _shared_edges(quads: _Ints) -> tuple[_Ints, _Ints, _Ints]:
+    """Return the edges of just two quads, (q, 4), as two half-edges, 4 * quad + corner.
+
+    The third array is 1 where these run the same way, else 0.
+    """
+    start, end = quads.ravel(), np.roll(quads, -1, axis=1).ravel()
+    key = np.minimum(start, end) * (int(quads.max(initial=0)) + 1) + np.maximum(start, end)
+    order = np.argsort(key, kind="stable")
+    key = key[order]
+    new = np.concatenate(([True], key[1:] != key[:-1], [True]))[: len(key) + 1]
+    bounds = np.flatnonzero(new)
+    two = bounds[:-1][np.diff(bounds) == 2]
+    first, second = order[two], order[two + 1]
+    return first, second, (start[first] == start[second]).astype(np.int64)

@@ -1,0 +1,91 @@
+"""Setting up the entropy coder; its arithmetic is in `deltamesh._kernels.coding.coder`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh._kernels.coding.coder import (
+    MASK32,
+    MAX_INPUTS,
+    MIXER_INPUTS,
+    MIXER_LIMIT,
+    MIXER_SIZE,
+    MIXER_YOUTH,
+    MIXERS,
+    POSITION,
+    RANGE,
+    STATE_SIZE,
+    UNKNOWN,
+    YOUTH,
+    Coder,
+    finish_encoding,
+    is_finished,
+    start_decoding,
+)
+from deltamesh_formats.errors import FormatError
+
+# Small files learn faster from a mixer that starts a little above the mean of its inputs, which
+# are all too careful at first, than from one that starts at zero.
+INITIAL_WEIGHT_SUM = 1.2
+
+# What each mixer of a model is: number of inputs, bound of the counts.
+Mixers = Sequence[tuple[int, int]]
+
+# No element takes more: three numbers of 31 + 31 + 1 bits, each of at most log2(65536 / P_MIN)
+# = 11.5. What is reserved and not written costs no memory.
+ELEMENT_BYTES = 280
+
+
+def _coder(data: NDArray[np.uint8], slots: int, mixers: Mixers) -> Coder:
+    state = np.zeros(STATE_SIZE, dtype=np.int64)
+    state[RANGE] = MASK32
+    state[MIXERS] = slots
+    memory = np.full(slots + len(mixers) * MIXER_SIZE, UNKNOWN, dtype=np.int64)
+    table = memory[slots:].reshape(-1, MIXER_SIZE)
+    inputs, limits = np.array(mixers, dtype=np.int64).T
+    total = np.where(inputs == 1, 1.0, INITIAL_WEIGHT_SUM)
+    table[:, :MAX_INPUTS] = np.rint(65536 * total / inputs)[:, None]
+    table[:, MIXER_INPUTS], table[:, MIXER_LIMIT] = inputs, limits
+    table[:, MIXER_YOUTH] = YOUTH
+    return Coder(state, memory, data)
+
+
+def encoder(elements: int, slots: int, mixers: Mixers) -> Coder:
+    """Return a coder for that many vertices, faces or points; each mixer is (inputs, limit)."""
+    coder = _coder(np.zeros(1024 + ELEMENT_BYTES * elements, dtype=np.uint8), slots, mixers)
+    coder.state[POSITION] = -1  # the first byte that leaves LOW is always zero: not stored
+    return coder
+
+
+def decoder(payload: bytes | memoryview, slots: int, mixers: Mixers) -> Coder:
+    """Return a coder that reads `payload`."""
+    # A copy: a read-only array would be another type, and every kernel compiled for it again.
+    coder = _coder(np.frombuffer(payload, dtype=np.uint8).copy(), slots, mixers)
+    start_decoding(coder)
+    return coder
+
+
+def finish(coder: Coder) -> bytes:
+    """Flush an encoder and return what it has written."""
+    length = finish_encoding(coder)
+    return coder.data[:length].tobytes()
+
+
+def check_end(coder: Coder, offset: int) -> None:
+    """Refuse a stream that does not end where its decoder has come to.
+
+    Raises
+    ------
+    FormatError
+        With the place; `offset` is where the stream begins.
+    """
+    size, position = len(coder.data), int(coder.state[POSITION])
+    if size and coder.data[-1] == 0:
+        raise FormatError("a zero byte at the end of a stream", offset + size - 1)
+    if position < size or not is_finished(coder):
+        raise FormatError(
+            "a stream that does not end where it should", offset + min(position, size)
+        )

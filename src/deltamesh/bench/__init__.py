@@ -1,0 +1,1 @@
+"""Benchmarks of codecs: measurements, other codecs, and tables of rates."""

@@ -1,1 +1,0 @@
-"""The hot loops: numba kernels on flat arrays. They trust their arguments; callers check."""

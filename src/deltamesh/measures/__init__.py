@@ -1,1 +1,0 @@
-"""How far meshes are apart, and what they take, ours and those of other codecs."""
