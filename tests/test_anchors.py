@@ -4,12 +4,12 @@ import meshes
 import numpy as np
 import oracle
 import pytest
+from graphs import components_of, laplacian_of
 
 from deltamesh._geometry import anchors
 from deltamesh._geometry.solve import factorization
 from deltamesh._graph import adjacency as laplacian
-from deltamesh._graph.adjacency import adjacency, component_labels
-from deltamesh._graph.laplacian import graph_laplacian
+from deltamesh._graph.adjacency import adjacency
 from deltamesh._kernels.mesh import distance
 
 MESHES = meshes.every()
@@ -19,7 +19,7 @@ MESHES = meshes.every()
 @pytest.mark.parametrize("name", MESHES)
 def test_farthest_equals_its_oracle(name: str, k: int) -> None:
     V, F = MESHES[name]
-    labels = component_labels(F, len(V))
+    labels = components_of(F, len(V))
     chosen = anchors.farthest(*adjacency(F, len(V)), labels, k)
     assert chosen.dtype == np.int64
     assert chosen.tolist() == oracle.farthest(oracle.laplacian(F, len(V)), k)
@@ -27,18 +27,18 @@ def test_farthest_equals_its_oracle(name: str, k: int) -> None:
 
 def test_every_vertex_can_be_an_anchor() -> None:
     V, F = meshes.with_isolated()
-    labels = component_labels(F, len(V))
+    labels = components_of(F, len(V))
     for k in (len(V), 10 * len(V)):
         assert sorted(anchors.farthest(*adjacency(F, len(V)), labels, k)) == list(range(len(V)))
         assert sorted(anchors.random(labels, k, 3)) == list(range(len(V)))
-        L = graph_laplacian(F, len(V))
+        L = laplacian_of(F, len(V))
         assert sorted(anchors.greedy(L, V, L @ V, k)) == list(range(len(V)))
 
 
 @pytest.mark.parametrize("seed", [0, 1, 0x123456789ABCDEF, 2**64 - 1])
 def test_random_follows_its_definition(seed: int) -> None:
     V, F = meshes.two_components()
-    labels = component_labels(F, len(V))
+    labels = components_of(F, len(V))
     keys = oracle.splitmix64(seed, len(V))
     order = sorted(range(len(V)), key=lambda i: (keys[i], i))
     first = [next(i for i in order if labels[i] == c) for c in (0, 1)]
@@ -55,7 +55,7 @@ def test_splitmix64_is_the_published_one() -> None:
 @pytest.mark.parametrize("k", [1, 6, 40])
 def test_one_anchor_for_each_component_at_least(k: int) -> None:
     V, F = meshes.with_isolated()
-    labels, L = component_labels(F, len(V)), graph_laplacian(F, len(V))
+    labels, L = components_of(F, len(V)), laplacian_of(F, len(V))
     for chosen in (
         anchors.farthest(*adjacency(F, len(V)), labels, k),
         anchors.random(labels, k, 99),
@@ -69,11 +69,11 @@ def test_one_anchor_for_each_component_at_least(k: int) -> None:
 @pytest.mark.parametrize("name", ["torus", "grid", "two_components"])
 def test_greedy_takes_vertices_of_nearly_the_largest_error(name: str, step: float | None) -> None:
     V, F = MESHES[name]
-    L = graph_laplacian(F, len(V))
+    L = laplacian_of(F, len(V))
     delta = np.round(L @ V / step) * step if step else np.zeros_like(V)
     positions = np.round(V, 1)
     chosen = anchors.greedy(L, V, delta, 30, positions).tolist()
-    components = component_labels(F, len(V)).max() + 1
+    components = components_of(F, len(V)).max() + 1
     for count in range(components, 30):
         errors = oracle.greedy_errors(L.toarray(), V, delta, chosen[:count], positions)
         share = 1 if count == components else anchors.SHARE
@@ -82,7 +82,7 @@ def test_greedy_takes_vertices_of_nearly_the_largest_error(name: str, step: floa
 
 def test_greedy_across_refactoring(monkeypatch: pytest.MonkeyPatch) -> None:
     V, F = meshes.torus(12, 10)
-    L = graph_laplacian(F, len(V))
+    L = laplacian_of(F, len(V))
     once = anchors.greedy(L, V, 0 * V, 30)
     monkeypatch.setattr(anchors, "MAX_UPDATES", 7)
     often = anchors.greedy(L, V, 0 * V, 30)
@@ -93,7 +93,7 @@ def test_greedy_across_refactoring(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_greedy_is_the_same_for_any_number_of_threads() -> None:
     V, F = meshes.icosphere(4)
-    L = graph_laplacian(F, len(V))
+    L = laplacian_of(F, len(V))
     factors = [factorization(L, threads=threads) for threads in (1, 2)]
     one, two = (anchors.greedy(L, V, 0 * V, 200, factor=factor) for factor in factors)
     np.testing.assert_array_equal(one, two)

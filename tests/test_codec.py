@@ -10,11 +10,11 @@ import numpy as np
 import oracle
 import pytest
 import strategies
+from graphs import FREE_SOLVERS as SOLVERS
 from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh._codec import decode, encode
-from deltamesh._geometry import solve
 from deltamesh._geometry.quantize import from_grid
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh._measures.metrics import diagonal, vertex_errors
@@ -25,7 +25,6 @@ from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import DeltameshError, MeshError, OptionError
 
 MANIFOLDS = {name: mesh for name, mesh in meshes.every().items() if name != "three_pages"}
-SOLVERS = [name for name in ("rslab", "scipy") if name in solve.available_solvers()]
 
 # The tolerance that is promised for positions, in diagonals.
 TOLERANCE = 1e-9

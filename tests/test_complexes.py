@@ -48,7 +48,7 @@ def test_a_manifold_stays_as_it_is(name):
     assert len(manifold.points) == len(np.unique(F))
     assert not manifold.turned.any()
     assert (manifold.sources == np.arange(len(F))).all()
-    assert (manifold.opposite == pair_halfedges(F, len(V))).all()
+    assert (manifold.opposite == pair_halfedges(F)).all()
 
 
 def assert_cut(F, n):
@@ -58,7 +58,7 @@ def assert_cut(F, n):
     assert len({v for face in faces for v in face}) == len(manifold.points)
     assert not faces or strategies.is_manifold(faces)
     # No two edges between the same two vertices.
-    assert (pair_halfedges(manifold.faces, len(manifold.points)) == manifold.opposite).all()
+    assert (pair_halfedges(manifold.faces) == manifold.opposite).all()
     back = manifold.points[manifold.faces]
     back = np.where(manifold.turned[:, None], back[:, TURN], back)
     assert (back == F[manifold.sources]).all()
@@ -245,7 +245,7 @@ def test_time_does_not_grow_with_the_square():
 def test_classes_of_corners_come_back(mesh, count, seed):
     used, F = np.unique(mesh[1], return_inverse=True)
     F = F.reshape(-1, 3)
-    opposite = pair_halfedges(F, len(used))
+    opposite = pair_halfedges(F)
     corners = corners_of(F, opposite, trivial(len(used), len(F)), len(used))
     assert sorted(corners.ring.tolist()) == list(range(F.size))
     given_classes = np.random.default_rng(seed).integers(0, count, F.size)

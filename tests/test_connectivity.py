@@ -22,7 +22,7 @@ MANIFOLDS = {name: mesh for name, mesh in meshes.every().items() if name != "thr
 
 
 def topology_of(F, n):
-    return build_topology(F, pair_halfedges(F, n), n)
+    return build_topology(F, pair_halfedges(F), n)
 
 
 def assert_round_trip(F, n):

@@ -5,6 +5,7 @@ import numpy as np
 import oracle
 import pytest
 import strategies
+from graphs import laplacian_of
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -21,11 +22,10 @@ from deltamesh._geometry.quantize import (
 )
 from deltamesh._graph.adjacency import adjacency
 from deltamesh._graph.halfedges import pair_halfedges
-from deltamesh._graph.laplacian import graph_laplacian
+from deltamesh._graph.parallelograms import NO_QUADS, parallelograms
 from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import delta as delta_kernels
 from deltamesh._kernels.coding import numbers, parallelogram, points, residual
-from deltamesh._shape import topology
 from deltamesh._shape.connectivity import encode_connectivity
 from deltamesh._shape.surface import surface_of
 from deltamesh._shape.topology import build_topology
@@ -180,7 +180,7 @@ def test_parallelograms_equal_their_oracle() -> None:
     for V, F in MESHES.values():
         if F is MESHES["three_pages"][1]:
             continue
-        first, corners, _ = topology.parallelograms(F, len(V))
+        first, corners, _ = parallelograms(F, len(V))
         expected = oracle.parallelograms(F)
         for i in range(len(V)):
             rows = corners[first[i] : first[i + 1]].tolist()
@@ -192,25 +192,25 @@ def some_quads(rng, n):
     return rng.integers(0, n, (n // 2 if rng.random() < 0.5 else 0, 4))
 
 
-def corners_of(F, n, quads=topology.NO_QUADS):
+def corners_of(F, n, quads=NO_QUADS):
     """The parallelograms of each vertex as lists, in their order."""
-    first, corners, _ = topology.parallelograms(F, n, quads)
+    first, corners, _ = parallelograms(F, n, quads)
     rows = [corners[first[i] : first[i + 1]].tolist() for i in range(n)]
     return {i: row for i, row in enumerate(rows) if row}
 
 
-def positions_of(data, F, n, quads=topology.NO_QUADS):
+def positions_of(data, F, n, quads=NO_QUADS):
     """What the decoder makes of any bytes, and its state."""
     values, graph = np.zeros((n, 3), dtype=np.int64), adjacency(F, n)
     decoder = entropy.decoder(data, parallelogram.SLOTS, parallelogram.MIXERS)
-    parallelogram.code_positions(decoder, *graph, *topology.parallelograms(F, n, quads), values)
+    parallelogram.code_positions(decoder, *graph, *parallelograms(F, n, quads), values)
     return values, decoder
 
 
-def assert_positions_of_the_oracle(data, F, n, quads=topology.NO_QUADS):
+def assert_positions_of_the_oracle(data, F, n, quads=NO_QUADS):
     values, decoder = positions_of(data, F, n, quads)
     twin = twin_of(data, parallelogram.MIXERS)
-    within = dict(enumerate(topology.parallelograms(F, n, quads)[2].tolist()))
+    within = dict(enumerate(parallelograms(F, n, quads)[2].tolist()))
     found = oracle.code_positions(
         twin, neighbours_of(F, n), corners_of(F, n, quads), lambda *_: 0, within
     )
@@ -227,7 +227,7 @@ def test_prediction_equals_its_oracle(mesh: meshes.Arrays, seed: int, most: int)
     n, graph = len(V), adjacency(F, len(V))
     rng = np.random.default_rng(seed)
     quads = some_quads(rng, n)
-    first, corners, within = topology.parallelograms(F, n, quads)
+    first, corners, within = parallelograms(F, n, quads)
     values = rng.integers(0, most, (n, 3))
     around, rows = neighbours_of(F, n), corners_of(F, n, quads)
     known = np.zeros(residual.KNOWN, dtype=np.int64)
@@ -290,7 +290,7 @@ EXTREME = 2**31 - 1
 
 
 def in_coding_order(F, n):
-    return encode_connectivity(build_topology(F, pair_halfedges(F, n), n))[1].faces
+    return encode_connectivity(build_topology(F, pair_halfedges(F), n))[1].faces
 
 
 @pytest.mark.parametrize("pattern", ["away", "there and back", "random"])
@@ -366,7 +366,7 @@ def test_without_shares_the_component_along_a_normal_is_rounded(
     mesh: meshes.Arrays, step: float
 ) -> None:
     V, F = mesh
-    delta, N = graph_laplacian(F, len(V)) @ V, vertex_normals(V, F, 0.1)
+    delta, N = laplacian_of(F, len(V)) @ V, vertex_normals(V, F, 0.1)
     graph = adjacency(F, len(V))
     values = quantize_delta(delta, graph, step, PLAIN, normals=N, zone=0.2, along=True)
     parts = (delta * N).sum(axis=1, keepdims=True) / step
@@ -420,7 +420,7 @@ def test_isolated_vertices_are_rounded_alone() -> None:
 @given(strategies.surfaces(), st.floats(1e-3, 10))
 def test_rounding_without_diffusion(mesh: meshes.Arrays, step: float) -> None:
     V, F = mesh
-    delta = graph_laplacian(F, len(V)) @ V
+    delta = laplacian_of(F, len(V)) @ V
     values = quantize_delta(delta, adjacency(F, len(V)), step, PLAIN)
     assert values.dtype == np.int64
     assert (np.abs(values * step - delta) <= step / 2 * (1 + 1e-9)).all()
@@ -429,7 +429,7 @@ def test_rounding_without_diffusion(mesh: meshes.Arrays, step: float) -> None:
 def test_diffusion_takes_the_low_frequencies_out_of_the_error() -> None:
     """What it is for: in coding order, the sum of the errors over any half nearly vanishes."""
     V, F = meshes.icosphere(3)
-    _, coded = encode_connectivity(build_topology(F, pair_halfedges(F, len(V)), len(V)))
+    _, coded = encode_connectivity(build_topology(F, pair_halfedges(F), len(V)))
     V, graph = V[coded.order], adjacency(coded.faces, len(V))
     rng = np.random.default_rng(9)
     delta = rng.normal(size=V.shape)

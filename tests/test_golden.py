@@ -7,9 +7,9 @@ from pathlib import Path
 import golden_polymeshes
 import numpy as np
 import pytest
+from graphs import FREE_SOLVERS as SOLVERS
 
 from deltamesh import decode, info, verify
-from deltamesh._geometry import solve
 from deltamesh._measures.metrics import diagonal
 from deltamesh_formats import errors
 from deltamesh_formats.container.attribute_table import entries_of
@@ -17,7 +17,6 @@ from deltamesh_formats.container.reader import read_container
 
 GOLDEN, REFUSED = (Path(__file__).parent / name for name in ("golden", "refused"))
 TABLE = (REFUSED / "expected.tsv").read_text(encoding="utf-8").splitlines()[1:]
-SOLVERS = [name for name in ("rslab", "scipy") if name in solve.available_solvers()]
 
 
 def names(folder):

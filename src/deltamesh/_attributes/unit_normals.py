@@ -79,7 +79,7 @@ def smallest(
     around : element_normals.Surroundings
     elements : Elements
     bits : int
-        Of a coordinate, LEAST_BITS to MOST_BITS; `largest_error` says what they are good for.
+        Of a coordinate, LEAST_BITS to MOST_BITS.
     tolerance : float
         How far apart the positions of two decoders may be, in the unit of V.
     """

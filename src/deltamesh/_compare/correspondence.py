@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from deltamesh._graph.adjacency import adjacency
+from deltamesh._graph.halfedges import by_edge, edges_of_two, ends
 from deltamesh._kernels.mesh import correspondence as kernels
 from deltamesh._mesh import Mesh, triangulated
 from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -124,19 +125,15 @@ def _colours(F: _Ints, n: int) -> _Ints:
     return colour.view(np.int64)
 
 
-def _twins(F: _Ints, n: int) -> _Ints:
-    """Return the half-edge (3 m,) opposite to each, -1 unless its edge has just these two."""
-    a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
-    keys = np.minimum(a, b) * n + np.maximum(a, b)
-    order = np.argsort(keys, kind="stable")
-    keys = keys[order]
-    starts = np.flatnonzero(np.concatenate(([True], keys[1:] != keys[:-1])))
-    pair = starts[np.diff(np.append(starts, len(keys))) == 2]
-    h, g = order[pair], order[pair + 1]
-    h, g = h[a[h] == b[g]], g[a[h] == b[g]]
-    twins = np.full(len(a), -1, dtype=np.int64)
-    twins[h], twins[g] = g, h
-    return twins
+def _opposite(F: _Ints) -> _Ints:
+    """Return the opposite of each half-edge, (3 m,), -1 unless just these two are on the edge."""
+    a, b = ends(F)
+    h, g = edges_of_two(*by_edge(a, b))
+    agree = a[h] == b[g]
+    h, g = h[agree], g[agree]
+    opposite = np.full(len(a), -1, dtype=np.int64)
+    opposite[h], opposite[g] = g, h
+    return opposite
 
 
 def _match_faces(
@@ -145,8 +142,8 @@ def _match_faces(
     """Map every vertex that has a face, patch by patch; None when one does not fit anywhere."""
     n, m = len(reference.vertices), len(reference.faces)
     F = reference.faces.ravel()
-    left = (F, _twins(reference.faces, n), colours)
-    right = (other.faces.ravel(), _twins(other.faces, n), other_colours)
+    left = (F, _opposite(reference.faces), colours)
+    right = (other.faces.ravel(), _opposite(other.faces), other_colours)
     mapping, inverse = np.full(n, -1), np.full(n, -1)
     half_edges, inverse_half_edges = np.full(m, -1), np.full(m, -1)
     state = (mapping, inverse, half_edges, inverse_half_edges, np.empty(n, int), np.empty(m, int))

@@ -20,7 +20,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from deltamesh._geometry.solve import Factor, LeastSquares, factorization
-from deltamesh._graph.adjacency import adjacency_labels
+from deltamesh._graph.adjacency import components
 from deltamesh._kernels.mesh import distance
 
 # 0.1 % of the vertices: with the quantization error diffused, more of them buy little.
@@ -179,7 +179,7 @@ def greedy(
     positions = vertices if positions is None else positions
     factor = factor or factorization(L)
     graph = _off_diagonal(L)
-    labels = adjacency_labels(*graph)
+    labels = components(*graph)
     k = _clipped(k, labels)
     anchors = _lowest(labels)
     while len(anchors) < k:

@@ -128,18 +128,6 @@ class LeastSquares:
             raise SolveError(f"the linear solver failed: {error}") from error
 
 
-def least_squares(
-    L: sparse.csr_array,
-    anchors: NDArray[np.int64],
-    delta: NDArray[np.float64],
-    positions: NDArray[np.float64],
-    solver: str = "auto",
-    threads: int | None = None,
-) -> NDArray[np.float64]:
-    """Return `LeastSquares(L, anchors, solver, threads).solve(delta, positions)`."""
-    return LeastSquares(L, anchors, solver, threads).solve(delta, positions)
-
-
 def factorization(L: sparse.csr_array, solver: str = "auto", threads: int | None = None) -> Factor:
     """Return a function of the anchors that makes a `LeastSquares`.
 
@@ -152,11 +140,6 @@ def factorization(L: sparse.csr_array, solver: str = "auto", threads: int | None
         return LeastSquares(L, np.frombuffer(anchors, dtype=np.int64), solver, threads)
 
     return lambda anchors: remembered(anchors.tobytes())
-
-
-def available_solvers() -> tuple[str, ...]:
-    """Return the names of the solvers that are installed, the preferred one first."""
-    return tuple(name for name, (module, _, _) in _SOLVERS.items() if _installed(module))
 
 
 def solver_name(name: str) -> str:

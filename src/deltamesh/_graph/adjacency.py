@@ -1,7 +1,6 @@
-"""The graph of a mesh: neighbours, components, and the combinatorial Laplacian.
+"""The graph of a mesh: edges, neighbours and connected components.
 
-Source: O. Sorkine, D. Cohen-Or, S. Toledo, "High-Pass Quantization for Mesh Encoding", SGP 2003,
-section 3. Everything here follows from the faces alone: encoder and decoder get the same integers.
+Everything here follows from the faces alone: encoder and decoder get the same integers.
 """
 
 from __future__ import annotations
@@ -10,6 +9,9 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 from scipy.sparse import csgraph
+
+from deltamesh._graph.halfedges import ends
+from deltamesh._graph.permutations import numbered
 
 
 def edges(faces: NDArray[np.int64], n: int) -> NDArray[np.int64]:
@@ -27,7 +29,7 @@ def edges(faces: NDArray[np.int64], n: int) -> NDArray[np.int64]:
     int64 (e, 2)
         Pairs (i, j), i < j, in lexicographic order.
     """
-    return edges_between(faces.ravel(), np.roll(faces, -1, axis=1).ravel(), n)
+    return edges_between(*ends(faces), n)
 
 
 def edges_between(a: NDArray[np.int64], b: NDArray[np.int64], n: int) -> NDArray[np.int64]:
@@ -76,13 +78,13 @@ def adjacency_of_edges(
     return A.indptr.astype(np.int64), A.indices.astype(np.int64)
 
 
-def component_labels(faces: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+def components(indptr: NDArray[np.int64], indices: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the connected component of every vertex.
 
     Parameters
     ----------
-    faces : int64 (m, 3)
-    n : int
+    indptr, indices : int64 (n + 1,), (2 e,)
+        Neighbour lists, from `adjacency`.
 
     Returns
     -------
@@ -90,17 +92,8 @@ def component_labels(faces: NDArray[np.int64], n: int) -> NDArray[np.int64]:
         Labels 0, 1, ... in the order of each component's lowest vertex. An isolated vertex is a
         component of its own.
     """
-    indptr, indices = adjacency(faces, n)
-    return adjacency_labels(indptr, indices)
-
-
-def adjacency_labels(indptr: NDArray[np.int64], indices: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return `component_labels` of a graph whose neighbour lists exist already."""
     n = len(indptr) - 1
     A = sparse.csr_array((np.ones(len(indices), dtype=np.int8), indices, indptr), shape=(n, n))
     _, labels = csgraph.connected_components(A, directed=False)
     # scipy does not promise an order of its labels, and the anchors of a file depend on it.
-    _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    return rank[inverse]
+    return numbered(labels)[0]

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._graph.adjacency import adjacency
+from deltamesh._graph.halfedges import ends
 from deltamesh._graph.parallelograms import parallelograms
 
 _Ints = NDArray[np.int64]
@@ -61,7 +62,7 @@ def of_polygons(faces: _Ints, offsets: _Ints, of_corners: _Ints) -> Elements:
     """
     count = len(offsets) - 1
     polygon = np.repeat(np.arange(count), np.diff(offsets))[of_corners]
-    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    start, end = ends(faces)
     low, high = np.minimum(start, end), np.maximum(start, end)
     key = low * (int(faces.max(initial=0)) + 1) + high
     # However many faces there are on an edge, each is linked to the next: as many links as faces.

@@ -1,6 +1,7 @@
 """Half-edges of triangles, and the welding of vertices at one position.
 
-Half-edge 3 f + i runs from corner i of face f to the next corner.
+Half-edge 3 f + i runs from corner i of face f to the next corner; of polygons with k corners, k
+takes the place of 3.
 """
 
 from __future__ import annotations
@@ -8,10 +9,56 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+_Ints = NDArray[np.int64]
 
-def weld(
-    vertices: NDArray[np.float64], *, exact: bool = False
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+
+def ends(faces: _Ints) -> tuple[_Ints, _Ints]:
+    """Return the vertices at which the half-edges of faces (m, k) start and end, int64 (k m,)."""
+    return faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+
+
+def by_edge(start: _Ints, end: _Ints) -> tuple[_Ints, _Ints]:
+    """Group half-edges by the undirected edge that they run along.
+
+    Parameters
+    ----------
+    start, end : int64 (h,)
+        Vertices, from 0.
+
+    Returns
+    -------
+    order : int64 (h,)
+        The half-edges, edge after edge in lexicographic order, ascending within an edge.
+    bounds : int64 (e + 1,)
+        Where each edge begins in that order, and the end of the last.
+    """
+    n = max(int(start.max(initial=-1)), int(end.max(initial=-1))) + 1
+    key = np.minimum(start, end) * n + np.maximum(start, end)
+    order = np.argsort(key, kind="stable")
+    key = key[order]
+    new = np.flatnonzero(key[1:] != key[:-1]) + 1
+    return order, np.concatenate(([0], new, np.full(min(len(key), 1), len(key))))
+
+
+def edges_of_two(order: _Ints, bounds: _Ints) -> tuple[_Ints, _Ints]:
+    """Return the half-edges of the edges that have exactly two, as `by_edge` groups them."""
+    two = bounds[:-1][np.diff(bounds) == 2]
+    return order[two], order[two + 1]
+
+
+def pair_halfedges(faces: _Ints) -> _Ints:
+    """Return the opposite of each half-edge, int64 (3 m,), -1 where it has none.
+
+    Of an edge with more than two half-edges, the first two in the order of the faces are a pair.
+    """
+    order, bounds = by_edge(*ends(faces))
+    first = bounds[:-1][np.diff(bounds) >= 2]
+    opposite = np.full(faces.size, -1, dtype=np.int64)
+    opposite[order[first]], opposite[order[first + 1]] = order[first + 1], order[first]
+    return opposite
+
+
+def weld(vertices: NDArray[np.float64], *, exact: bool = False) -> tuple[_Ints, _Ints]:
     """Find the vertices at exactly equal positions.
 
     Parameters
@@ -39,18 +86,3 @@ def weld(
     welded = np.empty(len(vertices), dtype=np.int64)
     welded[order] = rank[group]
     return np.sort(first), welded
-
-
-def pair_halfedges(faces: NDArray[np.int64], n: int) -> NDArray[np.int64]:
-    """Return the opposite of each half-edge, int64 (3 m,), -1 where it has none.
-
-    Of an edge with more than two half-edges, the first two in the order of the faces are a pair.
-    """
-    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    key = np.minimum(start, end) * n + np.maximum(start, end)
-    order = np.argsort(key, kind="stable")
-    same = key[order[1:]] == key[order[:-1]]
-    first = np.flatnonzero(same & ~np.concatenate(([False], same[:-1])))
-    opposite = np.full(3 * len(faces), -1, dtype=np.int64)
-    opposite[order[first]], opposite[order[first + 1]] = order[first + 1], order[first]
-    return opposite

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._graph.halfedges import pair_halfedges
+from deltamesh._graph.halfedges import ends, pair_halfedges
 
 NO_QUADS: Final = np.zeros((0, 4), dtype=np.int64)
 
@@ -33,12 +33,8 @@ def parallelograms(
     within : int64 (n,)
         How many of those of each vertex are quads.
     """
-    opposite = pair_halfedges(faces, n)
-    a, b, apex = (
-        faces.ravel(),
-        np.roll(faces, -1, axis=1).ravel(),
-        np.roll(faces, -2, axis=1).ravel(),
-    )
+    opposite = pair_halfedges(faces)
+    (a, b), apex = ends(faces), np.roll(faces, -2, axis=1).ravel()
     across = np.where(opposite >= 0, apex[opposite], n)
     sides = [np.roll(quads, -turn, axis=1).ravel() for turn in (3, 1, 2, 0)]
     a, b, across, apex = (

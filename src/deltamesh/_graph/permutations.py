@@ -13,3 +13,24 @@ def inverse(permutation: _Ints) -> _Ints:
     result = np.empty_like(permutation)
     result[permutation] = np.arange(len(permutation))
     return result
+
+
+def numbered(values: _Ints) -> tuple[_Ints, _Ints]:
+    """Return values as numbers, in the order in which they first appear.
+
+    Parameters
+    ----------
+    values : int64 (count,)
+
+    Returns
+    -------
+    labels : int64 (count,)
+        0 for the first value, 1 for the first other one, and so on: what `encode_labels` takes.
+    order : int64 (k,)
+        The value of each label.
+    """
+    distinct, first, inverse = np.unique(values, return_index=True, return_inverse=True)
+    by = np.argsort(first)
+    rank = np.empty(len(by), dtype=np.int64)
+    rank[by] = np.arange(len(by))
+    return rank[inverse.ravel()], distinct[by]

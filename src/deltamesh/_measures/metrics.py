@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._graph.adjacency import edges
+from deltamesh._graph.halfedges import by_edge, edges_of_two, ends
 from deltamesh._measures.hausdorff import squared_hausdorff
 from deltamesh._mesh import Mesh
 
@@ -101,7 +102,7 @@ def errors_from(V: _Floats, F: _Ints) -> Callable[[_Floats], VertexErrors]:
     centre, unit = _frame(V)
     V = (V - centre) / unit
     m = _face_normals(V, F)
-    pairs = _interior_edges(F, len(V))
+    pairs = _interior_edges(F)
     angles = _dihedral_angles(V, m, *pairs)
 
     def errors(W: _Floats) -> VertexErrors:
@@ -277,7 +278,7 @@ def _dihedral_angles(
     return np.where(side < 0, -1.0, 1.0) * _angle(a, b)
 
 
-def _interior_edges(F: _Ints, n: int) -> tuple[_Ints, _Ints, _Ints, NDArray[np.bool_]]:
+def _interior_edges(F: _Ints) -> tuple[_Ints, _Ints, _Ints, NDArray[np.bool_]]:
     """Return the edges of exactly two faces.
 
     Returns
@@ -289,13 +290,8 @@ def _interior_edges(F: _Ints, n: int) -> tuple[_Ints, _Ints, _Ints, NDArray[np.b
     same : bool (e,)
         Whether both run through it in the same direction: then one of them is turned over.
     """
-    a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
-    keys = np.minimum(a, b) * n + np.maximum(a, b)
-    order = np.argsort(keys, kind="stable")
-    keys = keys[order]
-    starts = np.flatnonzero(np.concatenate(([True], keys[1:] != keys[:-1]))) if len(keys) else keys
-    pair = starts[np.diff(np.append(starts, len(keys))) == 2]
-    h, g = order[pair], order[pair + 1]
+    a, b = ends(F)
+    h, g = edges_of_two(*by_edge(a, b))
     pairs = np.stack((a[h], b[h]), axis=1)
     two = (h // 3 != g // 3) & (pairs[:, 0] != pairs[:, 1])
     return pairs[two], h[two] // 3, g[two] // 3, (a[h] == a[g])[two]

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh._graph.halfedges import by_edge, edges_of_two, ends
 from deltamesh._kernels.mesh import cutting
 
 _Ints = NDArray[np.int64]
@@ -66,7 +67,7 @@ def cut(faces: _Ints, n: int) -> Cut:
     collapsed = _collapsed(faces)
     degenerate, sources = np.flatnonzero(collapsed), np.flatnonzero(~collapsed)
     kept = faces[sources] if len(degenerate) else faces
-    order, bounds = _edges(kept, n)
+    order, bounds = by_edge(*ends(kept))
     clean = _is_clean(kept, order, bounds)
     repeats, repeated, against = sources[:0], sources[:0], collapsed[:0]
     turned = np.zeros(len(kept), dtype=bool)
@@ -74,13 +75,13 @@ def cut(faces: _Ints, n: int) -> Cut:
         first, repeats, repeated, against = _repeats(kept)
         repeats, sources = sources[repeats], sources[first]
         kept = kept[first]
-        order, bounds = _edges(kept, n)
+        order, bounds = by_edge(*ends(kept))
     opposite = np.full(3 * len(kept), -1, dtype=np.int64)
     if not clean:
         kept, turned = _pair(kept, order, bounds, opposite)
     else:
-        two = bounds[:-1][np.diff(bounds) == 2]
-        opposite[order[two]], opposite[order[two + 1]] = order[two + 1], order[two]
+        first, second = edges_of_two(order, bounds)
+        opposite[first], opposite[second] = second, first
     label = np.empty(3 * len(kept), dtype=np.int64)
     count = cutting.label_fans(opposite, label)
     if not clean:
@@ -115,22 +116,11 @@ def _collapsed(faces: _Ints) -> _Bools:
     return np.asarray((a == b) | (b == c) | (c == a))
 
 
-def _edges(faces: _Ints, n: int) -> tuple[_Ints, _Ints]:
-    """Return the half-edges by edge, and where each edge begins, with the end of the last."""
-    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    key = np.minimum(start, end) * n + np.maximum(start, end)
-    order = np.argsort(key, kind="stable")
-    key = key[order]
-    new = np.flatnonzero(key[1:] != key[:-1]) + 1
-    return order, np.concatenate(([0], new, np.full(min(len(key), 1), len(key))))
-
-
 def _is_clean(faces: _Ints, order: _Ints, bounds: _Ints) -> bool:
     """Tell whether all edges have one face, or two that agree in winding."""
-    size = np.diff(bounds)
-    two = bounds[:-1][size == 2]
+    first, second = edges_of_two(order, bounds)
     start = faces.ravel()
-    return size.max(initial=0) <= 2 and bool((start[order[two]] != start[order[two + 1]]).all())
+    return np.diff(bounds).max(initial=0) <= 2 and bool((start[first] != start[second]).all())
 
 
 def _repeats(faces: _Ints) -> tuple[_Ints, _Ints, _Ints, _Bools]:
@@ -156,8 +146,7 @@ def _repeats(faces: _Ints) -> tuple[_Ints, _Ints, _Ints, _Bools]:
 def _pair(faces: _Ints, order: _Ints, bounds: _Ints, opposite: _Ints) -> tuple[_Ints, _Bools]:
     """Fill in the opposites of the half-edges; return the faces, turned, and which were."""
     size = np.diff(bounds)
-    two = bounds[:-1][size == 2]
-    first, second = order[two], order[two + 1]
+    first, second = edges_of_two(order, bounds)
     start = faces.ravel()
     component = np.arange(len(faces))
     turned = np.zeros(len(faces), dtype=bool)
@@ -167,7 +156,7 @@ def _pair(faces: _Ints, order: _Ints, bounds: _Ints, opposite: _Ints) -> tuple[_
     h = np.arange(3 * len(faces))
     place = np.where(turned[h // 3], 3 * (h // 3) + 2 - h % 3, h)
     first, second, order = place[first], place[second], place[order]
-    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    start, end = ends(faces)
     agree = start[first] != start[second]
     first, second = first[agree], second[agree]
     opposite[first], opposite[second] = second, first
@@ -177,6 +166,6 @@ def _pair(faces: _Ints, order: _Ints, bounds: _Ints, opposite: _Ints) -> tuple[_
         chosen = np.flatnonzero((size > 2)[edge])
         halfedges = order[chosen]
         by = np.lexsort((component[halfedges // 3], edge[chosen]))
-        ends = np.concatenate(([0], np.cumsum(size[many])))
-        cutting.pair_up(halfedges[by], ends, start < end, component, opposite)
+        limits = np.concatenate(([0], np.cumsum(size[many])))
+        cutting.pair_up(halfedges[by], limits, start < end, component, opposite)
     return faces, turned

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh._graph.halfedges import ends
 from deltamesh._kernels.mesh import cutting
 from deltamesh._limits import Counts
 from deltamesh._shape.connectivity import decode_connectivity
@@ -81,7 +82,7 @@ def decode_structure(container: Container, counts: Counts) -> Structure:
 
 def _is_manifold(faces: _Ints, opposite: _Ints, n: int) -> bool:
     """Tell whether faces that meet agree in winding, and each vertex has one fan of faces."""
-    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    start, end = ends(faces)
     inner = np.flatnonzero(opposite >= 0)
     if (start[opposite[inner]] != end[inner]).any() or (end[opposite[inner]] != start[inner]).any():
         return False

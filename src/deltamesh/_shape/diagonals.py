@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._graph.halfedges import weld
+from deltamesh._graph.halfedges import by_edge, edges_of_two, ends, weld
 from deltamesh._kernels.mesh import diagonals as kernels
 from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.polymesh.triangles import Triangles, fans, folds, middles
@@ -52,12 +52,6 @@ def _shared_edges(quads: _Ints) -> tuple[_Ints, _Ints, _Ints]:
 
     The third array is 1 where these run the same way, else 0.
     """
-    start, end = quads.ravel(), np.roll(quads, -1, axis=1).ravel()
-    key = np.minimum(start, end) * (int(quads.max(initial=0)) + 1) + np.maximum(start, end)
-    order = np.argsort(key, kind="stable")
-    key = key[order]
-    new = np.concatenate(([True], key[1:] != key[:-1], [True]))[: len(key) + 1]
-    bounds = np.flatnonzero(new)
-    two = bounds[:-1][np.diff(bounds) == 2]
-    first, second = order[two], order[two + 1]
+    start, end = ends(quads)
+    first, second = edges_of_two(*by_edge(start, end))
     return first, second, (start[first] == start[second]).astype(np.int64)

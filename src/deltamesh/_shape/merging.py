@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh._graph.halfedges import ends
 from deltamesh._kernels.coding import hidden_edges as kernels
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.merged_pairs import code_listed
@@ -57,7 +58,7 @@ def partners(faces: _Ints, opposite: _Ints, turned: _Bools) -> _Ints:
     opposite : int64 (3 k,), of the manifold
     turned : bool (k,)
     """
-    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    start, end = ends(faces)
     partner = np.full(len(start), -1, dtype=np.int64)
     h = np.flatnonzero(opposite >= 0)
     one, other = _of_mesh(h, turned), _of_mesh(opposite[h], turned)
@@ -170,7 +171,7 @@ def _code(
 
 def ways(faces: _Ints) -> tuple[_Ints, _Ints, _Ints, _Ints]:
     """Return half-edges grouped by where they start and end; see `kernels.listed.code_listed`."""
-    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    start, end = ends(faces)
     n = int(faces.max()) + 1
     keys, group = np.unique(start * n + end, return_inverse=True)
     back = keys % n * n + keys // n

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._graph.adjacency import adjacency
+from deltamesh._graph.halfedges import ends
 from deltamesh._kernels.coding import stitching as kernels
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._streams import entropy
@@ -181,7 +182,7 @@ def _code_points(coder: Coder, faces: _Ints, opposite: _Ints, points: _Ints) -> 
     """Code the points of the vertices, filled in when decoding; return how many, -1: corrupt."""
     boundary = np.zeros(len(points), dtype=bool)
     border = opposite < 0
-    boundary[faces.ravel()[border]] = True
-    boundary[np.roll(faces, -1, axis=1).ravel()[border]] = True
+    for end in ends(faces):
+        boundary[end[border]] = True
     graph = adjacency(faces, len(points))
     return int(kernels.code_stitches(coder, *graph, boundary, points))

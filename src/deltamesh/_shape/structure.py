@@ -63,7 +63,7 @@ class Structure:
     @cached_property
     def opposite(self) -> _Ints:
         """Of the half-edges of the manifold, (3 k,), as of `topology.pair_halfedges`."""
-        return pair_halfedges(self.manifold, len(self.stitching.points))
+        return pair_halfedges(self.manifold)
 
     @cached_property
     def corners(self) -> Corners:

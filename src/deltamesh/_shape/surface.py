@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from deltamesh._graph.adjacency import (
     adjacency,
-    adjacency_labels,
     adjacency_of_edges,
+    components,
     edges_between,
 )
-from deltamesh._graph.laplacian import adjacency_laplacian
+from deltamesh._graph.halfedges import ends
+from deltamesh._graph.laplacian import laplacian
 from deltamesh._graph.parallelograms import NO_QUADS, parallelograms
 
 NO_EDGES: Final = np.zeros(0, dtype=bool)
@@ -51,12 +52,12 @@ class Surface:
     @cached_property
     def laplacian(self) -> sparse.csr_array:
         """L = D - A of the graph, float64 (n, n)."""
-        return adjacency_laplacian(*self.graph)
+        return laplacian(*self.graph)
 
     @cached_property
     def labels(self) -> NDArray[np.int64]:
         """The component of each vertex of the faces."""
-        return adjacency_labels(*self.graph)
+        return components(*self.graph)
 
     @cached_property
     def parallelograms(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
@@ -78,6 +79,6 @@ def surface_of(
     """
     if not len(hidden):
         return Surface(faces, adjacency(faces, vertex_count), isolated_count, quads)
-    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    start, end = ends(faces)
     pairs = edges_between(start[~hidden], end[~hidden], vertex_count)
     return Surface(faces, adjacency_of_edges(pairs, vertex_count), isolated_count, quads)

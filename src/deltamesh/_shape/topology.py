@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh._graph.halfedges import ends
+
 
 @dataclass(frozen=True)
 class Topology:
@@ -59,7 +61,7 @@ def build_topology(faces: NDArray[np.int64], opposite: NDArray[np.int64], n: int
         Number of vertices.
     """
     border = np.flatnonzero(opposite < 0)
-    start, end = faces.ravel()[border], np.roll(faces, -1, axis=1).ravel()[border]
+    start, end = (vertices[border] for vertices in ends(faces))
     successor = np.full(n, -1, dtype=np.int64)
     successor[start] = end
     loop = _loop_labels(successor, start)

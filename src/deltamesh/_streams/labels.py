@@ -13,27 +13,6 @@ from deltamesh_formats.errors import FormatError
 _Ints = NDArray[np.int64]
 
 
-def numbered(values: _Ints) -> tuple[_Ints, _Ints]:
-    """Return values as numbers, in the order in which they first appear.
-
-    Parameters
-    ----------
-    values : int64 (count,)
-
-    Returns
-    -------
-    labels : int64 (count,)
-        0 for the first value, 1 for the first other one, and so on: what `encode_labels` takes.
-    order : int64 (k,)
-        The value of each label.
-    """
-    distinct, first, inverse = np.unique(values, return_index=True, return_inverse=True)
-    by = np.argsort(first)
-    rank = np.empty(len(by), dtype=np.int64)
-    rank[by] = np.arange(len(by))
-    return rank[inverse.ravel()], distinct[by]
-
-
 def encode_labels(elements: Elements, labels: _Ints) -> bytes:
     """Return the stream of labels that are `numbered`; it is empty if there is one label only.
 

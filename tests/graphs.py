@@ -1,0 +1,38 @@
+"""The graph of faces, by the functions that the codec calls one after the other."""
+
+from __future__ import annotations
+
+import importlib.util
+
+import numpy as np
+import scipy.sparse as sparse
+from numpy.typing import NDArray
+
+from deltamesh._geometry.solve import LeastSquares
+from deltamesh._graph.adjacency import adjacency, components
+from deltamesh._graph.laplacian import laplacian
+
+Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+# Those that an installation has without extras.
+FREE_SOLVERS = tuple(name for name in ("rslab", "scipy") if importlib.util.find_spec(name))
+
+
+def laplacian_of(faces: Ints, n: int) -> sparse.csr_array:
+    return laplacian(*adjacency(faces, n))
+
+
+def components_of(faces: Ints, n: int) -> Ints:
+    return components(*adjacency(faces, n))
+
+
+def least_squares(
+    L: sparse.csr_array,
+    anchors: Ints,
+    delta: Floats,
+    positions: Floats,
+    solver: str = "auto",
+    threads: int | None = None,
+) -> Floats:
+    return LeastSquares(L, anchors, solver, threads).solve(delta, positions)
