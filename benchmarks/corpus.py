@@ -16,7 +16,7 @@ from typing import Any
 import click
 
 from deltamesh._compare.welding import welded, without_isolated
-from deltamesh._mesh import Mesh, checked_mesh
+from deltamesh._mesh import TriangleMesh, checked_mesh
 from deltamesh_formats.meshfiles.files import FORMATS, read_mesh
 
 GENERATED = "torus"
@@ -86,17 +86,17 @@ def files() -> list[Path]:
 
 
 @lru_cache(maxsize=1)
-def load(name: str) -> Mesh:
+def load(name: str) -> TriangleMesh:
     """Read a mesh; the last one is kept."""
     return read(path(name))
 
 
-def bare(name: str) -> Mesh:
+def bare(name: str) -> TriangleMesh:
     """Read a mesh, each position once and without isolated vertices, which not all codecs keep."""
     return without_isolated(welded(load(name)))
 
 
-def read(file: Path) -> Mesh:
+def read(file: Path) -> TriangleMesh:
     """Read a mesh file.
 
     Raises
@@ -104,7 +104,7 @@ def read(file: Path) -> Mesh:
     MeshError
     """
     data = read_mesh(file)
-    return checked_mesh(data.vertices, data.faces)
+    return checked_mesh(data.vertices, data.triangles)
 
 
 def selection(command: Callable[..., Any]) -> Callable[..., Any]:

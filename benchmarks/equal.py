@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from deltamesh._measures.metrics import diagonal, vertex_errors
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh._options import DEFAULT_HIGHPASS_STEP
 from deltamesh.bench.measure import codec_of
 
@@ -41,7 +41,7 @@ class Point(NamedTuple):
 Curve = Callable[[float], Point]
 
 
-def point(label: str, mesh: Mesh) -> Point:
+def point(label: str, mesh: TriangleMesh) -> Point:
     """Code a mesh, decode the file, and compare.
 
     Raises
@@ -63,7 +63,7 @@ def knob(label: str) -> str:
 class Coder:
     """A codec and a mesh as a curve; each point is coded once."""
 
-    def __init__(self, label: str, mesh: Mesh) -> None:
+    def __init__(self, label: str, mesh: TriangleMesh) -> None:
         self.label, self.mesh = label, mesh
         self.points: dict[float, Point] = {}
         scale = DEFAULT_HIGHPASS_STEP * diagonal(mesh.vertices)

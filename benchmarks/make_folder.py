@@ -18,7 +18,7 @@ from scipy.sparse import coo_array, csgraph
 
 from deltamesh._graph.halfedges import weld
 from deltamesh._measures.metrics import diagonal
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh_formats.meshfiles.files import write_mesh
 from deltamesh_formats.polymesh.mesh import from_triangles
 
@@ -65,16 +65,18 @@ def command(
     click.echo(f"{folder}: {wanted} meshes, of {len(parts)} parts")
 
 
-def copies(parts: list[Mesh], seed: int) -> Iterator[Mesh]:
+def copies(parts: list[TriangleMesh], seed: int) -> Iterator[TriangleMesh]:
     """Yield the parts, and then copies with noise, without end."""
     rng = np.random.default_rng(seed)
     for turn in count():
         for part in parts:
             scale = _NOISE * diagonal(part.vertices) * (turn > 0)
-            yield Mesh(part.vertices + scale * rng.standard_normal(part.vertices.shape), part.faces)
+            yield TriangleMesh(
+                part.vertices + scale * rng.standard_normal(part.vertices.shape), part.faces
+            )
 
 
-def pieces(mesh: Mesh, most: int, least: int) -> Iterator[Mesh]:
+def pieces(mesh: TriangleMesh, most: int, least: int) -> Iterator[TriangleMesh]:
     """Yield the components of the pieces of a mesh that have `least` to `most` faces."""
     keep, welded = weld(mesh.vertices)
     V, F = mesh.vertices[keep], welded[mesh.faces]
@@ -82,7 +84,7 @@ def pieces(mesh: Mesh, most: int, least: int) -> Iterator[Mesh]:
         for component in components(piece):
             if len(component) >= least:
                 used, faces = np.unique(component, return_inverse=True)
-                yield Mesh(V[used], faces.reshape(component.shape))
+                yield TriangleMesh(V[used], faces.reshape(component.shape))
 
 
 def halved(V: NDArray[np.float64], F: NDArray[np.int64], most: int) -> Iterator[NDArray[np.int64]]:

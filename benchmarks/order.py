@@ -14,7 +14,7 @@ import click
 import corpus
 
 from deltamesh import MeshError
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
 from deltamesh.bench.peers import draco_file
@@ -66,7 +66,7 @@ def compared(file: Path, bits: int) -> tuple[str, ...]:
     bound = any_order(n, m)
     ours = len(free.data), len(kept.data)
     # Draco writes the same vertices and faces: welded, in the order of the file.
-    same = Mesh(mesh.vertices[kept.order], kept.mesh.faces)
+    same = TriangleMesh(mesh.vertices[kept.order], kept.mesh.triangles)
     draco = [len(draco_file(same, bits, order)) for order in (False, True)]
     return (
         *(

@@ -14,7 +14,7 @@ import numpy as np
 from scenes import Look, Panel, Scale, draw, save
 
 from deltamesh._measures.metrics import diagonal, vertex_errors
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh.bench.measure import codec_of
 from deltamesh.bench.peers import Coded, draco_file, missing
 
@@ -49,12 +49,12 @@ LOOKS: Mapping[str, tuple[Look, Look]] = {
 _SPHERE = Look((0.7, 0.45, 0.9), focus=(0.5, 0.42, 0.5), height=0.76)
 
 
-def icosphere(levels: int) -> Mesh:
+def icosphere(levels: int) -> TriangleMesh:
     """Return a unit sphere of 10 * 4^levels + 2 vertices."""
     from trimesh.creation import icosphere as make
 
     made = make(subdivisions=levels)
-    return Mesh(np.asarray(made.vertices, np.float64), np.asarray(made.faces, np.int64))
+    return TriangleMesh(np.asarray(made.vertices, np.float64), np.asarray(made.faces, np.int64))
 
 
 def nearest_bits(sizes: Mapping[int, int], budget: float) -> int:
@@ -115,7 +115,7 @@ def caption(title: str, coded: Coded) -> str:
     return f"{title}\n{size}\nnormals {errors.normal_deviation:.2f}°, rms {rms:.1e}"
 
 
-def original(mesh: Mesh, look: Look) -> Panel:
+def original(mesh: TriangleMesh, look: Look) -> Panel:
     """Return the panel of what went in."""
     return Panel(mesh, mesh, look, f"original\n{len(mesh.vertices):,} vertices\n")
 
@@ -137,7 +137,7 @@ def sphere() -> list[list[Panel]]:
     return rows
 
 
-def model(mesh: Mesh, look: Look) -> list[list[Panel]]:
+def model(mesh: TriangleMesh, look: Look) -> list[list[Panel]]:
     """Return a mesh at few bits high-pass and at many Cartesian, and where the errors are."""
     row = []
     for title, label in (
@@ -153,7 +153,7 @@ def model(mesh: Mesh, look: Look) -> list[list[Panel]]:
     return [row]
 
 
-def equal_bytes(mesh: Mesh, looks: tuple[Look, Look], bpv: float) -> list[list[Panel]]:
+def equal_bytes(mesh: TriangleMesh, looks: tuple[Look, Look], bpv: float) -> list[list[Panel]]:
     """Return the original, ours and Draco's in as many bytes; below them a part of each.
 
     Draco's file is the nearest to `bpv` bits a vertex, ours the largest found that is no larger.

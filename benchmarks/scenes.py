@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._measures.metrics import diagonal
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -58,8 +58,8 @@ class Panel:
 
     Attributes
     ----------
-    mesh : Mesh
-    frame : Mesh
+    mesh : TriangleMesh
+    frame : TriangleMesh
         Whose bounding box the look is measured in: the original, so that cameras do not move.
     look : Look
     text : str
@@ -68,8 +68,8 @@ class Panel:
         At the vertices, shown as colours on a logarithmic scale.
     """
 
-    mesh: Mesh
-    frame: Mesh
+    mesh: TriangleMesh
+    frame: TriangleMesh
     look: Look
     text: str = ""
     values: NDArray[np.float64] | None = None

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from deltamesh._geometry import cartesian, highpass
 from deltamesh._geometry.quantize import grid_step
 from deltamesh._geometry.solve import factorization
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Settings
 from deltamesh._shape.encoding import encode_structure
 from deltamesh._shape.surface import Surface, surface_of
@@ -36,7 +36,7 @@ def smooth_attributes(
     mesh: PolyMesh,
 ) -> dict[str, tuple[NDArray[np.int64], NDArray[np.float64]]]:
     """Return triangles, and values (n, 3) at what these are over, of each attribute by name."""
-    cut = mesh.triangles()
+    cut = mesh.triangulation()
     uv = mesh.attribute("uv", "corner")
     if uv is not None:
         rows = uv.rows()[cut.corners]
@@ -62,7 +62,9 @@ def in_order(
     """Return both in the order of the connectivity coder."""
     # Positions of no meaning, all different: nothing is welded.
     places = np.stack([np.arange(len(values)) * 1.0] * 3, axis=1)
-    _, structure, origin = encode_structure(Mesh(places, faces), False, False, print_nothing)
+    _, structure, origin = encode_structure(
+        TriangleMesh(places, faces), False, False, print_nothing
+    )
     surface = structure.surface
     return surface, values[origin.points]
 

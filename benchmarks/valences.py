@@ -63,7 +63,7 @@ def compared(file: Path) -> tuple[str, ...]:
 
 
 def _valences(encoded: Encoded) -> NDArray[np.int64]:
-    return np.diff(adjacency(encoded.mesh.faces, len(encoded.order))[0])
+    return np.diff(adjacency(encoded.mesh.triangles, len(encoded.order))[0])
 
 
 def entropy(symbols: NDArray[np.int64]) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from deltamesh._mesh import Mesh, checked_mesh
+from deltamesh._mesh import TriangleMesh, checked_mesh
 from deltamesh_formats.meshfiles.files import FORMATS, read_mesh
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
@@ -243,7 +243,7 @@ def every() -> dict[str, Arrays]:
 
 def shuffled(
     V: NDArray[np.float64], F: NDArray[np.int64], seed: int
-) -> tuple[Mesh, NDArray[np.int64]]:
+) -> tuple[TriangleMesh, NDArray[np.int64]]:
     """The same mesh with vertices and faces in another order and faces rotated; the map to it."""
     rng = np.random.default_rng(seed)
     to = rng.permutation(len(V))
@@ -251,7 +251,7 @@ def shuffled(
     faces = np.take_along_axis(to[F], turns, axis=1)[rng.permutation(len(F))]
     vertices = np.empty_like(V)
     vertices[to] = V
-    return Mesh(vertices, faces), to
+    return TriangleMesh(vertices, faces), to
 
 
 def folder() -> Path:
@@ -268,7 +268,7 @@ def names(most_bytes: int) -> list[str]:
     ]
 
 
-def real(name: str) -> Mesh:
+def real(name: str) -> TriangleMesh:
     """A mesh of the folder; the test that asks is skipped where it is not there."""
     data = real_whole(name)
     return checked_mesh(data.vertices, data.faces)

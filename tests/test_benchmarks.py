@@ -18,7 +18,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from deltamesh import MeshError
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh.bench import measure as bench
 from deltamesh.bench import rates
 
@@ -122,7 +122,7 @@ def test_rows_of_other_meshes_stay(call: Any, rows: Rows, tmp_path: Path) -> Non
 
 @pytest.fixture(scope="module")
 def coder() -> Any:
-    return equal.Coder("highpass", Mesh(*meshes.torus(40, 30)))
+    return equal.Coder("highpass", TriangleMesh(*meshes.torus(40, 30)))
 
 
 @pytest.mark.parametrize("error", headline.ERRORS)
@@ -138,7 +138,7 @@ def test_a_file_at_an_error_is_found(coder: Any, error: str, setting: float) -> 
 
 
 def test_an_error_out_of_reach_is_no_size() -> None:
-    coder = equal.Coder("refined", Mesh(*meshes.torus(8, 6)))
+    coder = equal.Coder("refined", TriangleMesh(*meshes.torus(8, 6)))
     for find in (equal.coded_at, equal.interpolated_at):
         with pytest.raises(MeshError, match="too small for this mesh"):
             find(coder, "normals", 1e-40)
@@ -155,7 +155,7 @@ class Law(equal.Coder):
 
 def test_a_curve_of_a_power_law_is_met_exactly() -> None:
     for error, of_setting in (("rms", 9), ("normals", 1 / 3)):
-        coder = Law("highpass", Mesh(*meshes.tetrahedron()))
+        coder = Law("highpass", TriangleMesh(*meshes.tetrahedron()))
         size = equal.interpolated_at(coder, error, 0.02).size
         assert size == pytest.approx(1e6 * (0.02 * of_setting) ** -0.5, rel=1e-4)
         found = equal.coded_at(coder, error, 0.02)
@@ -163,7 +163,7 @@ def test_a_curve_of_a_power_law_is_met_exactly() -> None:
 
 
 def test_a_curve_that_comes_back_counts_where_it_leaves() -> None:
-    coder = Law("highpass", Mesh(*meshes.tetrahedron()))
+    coder = Law("highpass", TriangleMesh(*meshes.tetrahedron()))
     for setting in (4.0, 1.0):
         assert coder(setting).dihedral <= 0.1  # there already, and not to be taken
     for find in (equal.coded_at, equal.interpolated_at):
@@ -221,7 +221,7 @@ def test_curves_are_a_table_and_a_picture(tmp_path: Path) -> None:
 def test_a_curve_has_a_panel_an_error_and_labelled_axes() -> None:
     pytest.importorskip("matplotlib")
     figures = importlib.import_module("figures")
-    mesh = Mesh(*meshes.torus(9, 7))
+    mesh = TriangleMesh(*meshes.torus(9, 7))
     labels = {"cartesian": ("cartesian bits=7", "cartesian bits=5"), "zstd": ("zstd",)}
     found = {
         family: [bench.measure("torus", mesh, bench.codec_of(one)) for one in of_family]

@@ -17,7 +17,7 @@ import oracle
 import pytest
 
 from deltamesh._measures import metrics
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
 
@@ -25,7 +25,11 @@ from deltamesh._pipeline import encode_mesh
 def coded(mesh, **options):
     """Encode: bytes of the file, the input in its order, what a decoder will make of it."""
     encoded = encode_mesh(mesh, Options(**{"method": "highpass"} | options))
-    return encoded.data, Mesh(mesh.vertices[encoded.order], encoded.mesh.faces), encoded.mesh
+    return (
+        encoded.data,
+        TriangleMesh(mesh.vertices[encoded.order], encoded.mesh.triangles),
+        encoded.mesh,
+    )
 
 
 def errors_of(mesh, **options):
@@ -39,7 +43,7 @@ def errors_of(mesh, **options):
 def bumpy(levels=4):
     """A sphere with bumps, 10 * 4^levels + 2 vertices."""
     V, F = meshes.icosphere(levels)
-    return Mesh(V * (1 + 0.3 * np.sin(4 * V[:, :1]) * np.cos(3 * V[:, 1:2])), F)
+    return TriangleMesh(V * (1 + 0.3 * np.sin(4 * V[:, :1]) * np.cos(3 * V[:, 1:2])), F)
 
 
 @cache
@@ -55,7 +59,7 @@ def from_folder(name):
 def normals_of_spheres(method, diffusion):
     """At 8 bits, for 2.6k, 10k and 41k vertices, in degrees."""
     return [
-        errors_of(Mesh(*meshes.icosphere(k)), method=method, bits=8, diffusion=diffusion)[2]
+        errors_of(TriangleMesh(*meshes.icosphere(k)), method=method, bits=8, diffusion=diffusion)[2]
         for k in (4, 5, 6)
     ]
 
@@ -83,7 +87,10 @@ def test_highpass_normals_do_not(diffusion: bool, change: float) -> None:
 
 # ---- Spectrum of the error (SGP 2003, section 4) -----------------------------------------------
 
-SMALL = {"icosphere": Mesh(*meshes.icosphere(3)), "torus": Mesh(*meshes.torus(30, 20))}
+SMALL = {
+    "icosphere": TriangleMesh(*meshes.icosphere(3)),
+    "torus": TriangleMesh(*meshes.torus(30, 20)),
+}
 
 
 @cache

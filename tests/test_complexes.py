@@ -16,7 +16,7 @@ from deltamesh import decode, encode
 from deltamesh._graph.halfedges import pair_halfedges, weld
 from deltamesh._kernels.coding import wedges as corner_kernels
 from deltamesh._kernels.mesh import cutting
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
 from deltamesh._shape.complexes import cut, distinct_faces
@@ -135,7 +135,7 @@ def test_distinct_faces():
 
 def assert_exact(V, F, **options):
     """Encode and decode; vertices, faces and windings come back, those of equal ones included."""
-    encoded = encode_mesh(Mesh(V.copy(), F.copy()), Options(**options))
+    encoded = encode_mesh(TriangleMesh(V.copy(), F.copy()), Options(**options))
     decoded = decode(encoded.data)
     assert (decoded.faces == encoded.mesh.faces).all()
     corner = (encoded.rotation[:, None] + np.arange(3)) % 3

@@ -7,12 +7,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from deltamesh._compare import correspondence
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 
 MESHES = meshes.every()
 
 
-def corresponds(mapping, reference: Mesh, other: Mesh) -> bool:
+def corresponds(mapping, reference: TriangleMesh, other: TriangleMesh) -> bool:
     """Tell whether the map makes one face set of the other; plain Python sets of rotations."""
 
     def cycles(faces):
@@ -28,7 +28,7 @@ def corresponds(mapping, reference: Mesh, other: Mesh) -> bool:
 def test_shuffled_meshes_match(name: str, seed: int) -> None:
     V, F = MESHES[name]
     other, to = meshes.shuffled(V, F, seed)
-    mapping = correspondence.match(Mesh(V, F), other)
+    mapping = correspondence.match(TriangleMesh(V, F), other)
     assert mapping is not None
     assert mapping.dtype == np.int64
     np.testing.assert_array_equal(mapping, to)
@@ -44,19 +44,19 @@ def test_moved_meshes_match_up_to_symmetry(name: str, seed: int, noise: float) -
     V, F = MESHES[name]
     other, to = meshes.shuffled(V, F, seed)
     moved = other.vertices + noise * np.random.default_rng(seed).normal(size=V.shape)
-    other = Mesh(moved, other.faces)
-    mapping = correspondence.match(Mesh(V, F), other)
+    other = TriangleMesh(moved, other.faces)
+    mapping = correspondence.match(TriangleMesh(V, F), other)
     if name == "three_pages" and mapping is None:
         return  # patches that touch along one edge: documented
     assert mapping is not None
-    assert corresponds(mapping, Mesh(V, F), other)
+    assert corresponds(mapping, TriangleMesh(V, F), other)
     if noise < 0.01:
         np.testing.assert_array_equal(mapping, to)
 
 
 def test_equal_faces_are_the_identity() -> None:
     V, F = meshes.with_isolated()
-    mapping = correspondence.match(Mesh(V, F), Mesh(V + 1, F.copy()))
+    mapping = correspondence.match(TriangleMesh(V, F), TriangleMesh(V + 1, F.copy()))
     np.testing.assert_array_equal(mapping, np.arange(len(V)))
 
 
@@ -65,7 +65,9 @@ def test_irregular_connectivity_needs_no_positions() -> None:
     # Flip an edge, so that nothing is symmetric.
     F[[3, 28]] = [[F[3, 0], F[3, 1], F[28, 2]], [F[3, 1], F[3, 2], F[28, 2]]]
     other, to = meshes.shuffled(V, F, 402)
-    mapping = correspondence.match(Mesh(V, F), Mesh(0 * other.vertices, other.faces))
+    mapping = correspondence.match(
+        TriangleMesh(V, F), TriangleMesh(0 * other.vertices, other.faces)
+    )
     np.testing.assert_array_equal(mapping, to)
 
 
@@ -89,26 +91,26 @@ def one_flipped_edge(F):
 def test_different_connectivity_does_not_match(name: str, change) -> None:
     V, F = MESHES[name]
     other, _ = meshes.shuffled(V, change(F), 5)
-    assert correspondence.match(Mesh(V, F), other) is None
+    assert correspondence.match(TriangleMesh(V, F), other) is None
 
 
 def test_one_face_turned_over_does_not_match() -> None:
     V, F = meshes.icosphere(1)
     turned = F.copy()
     turned[3] = turned[3, ::-1]
-    assert correspondence.match(Mesh(V, F), meshes.shuffled(V, turned, 6)[0]) is None
+    assert correspondence.match(TriangleMesh(V, F), meshes.shuffled(V, turned, 6)[0]) is None
 
 
 def test_numbers_of_vertices_must_agree() -> None:
     V, F = meshes.tetrahedron()
-    assert correspondence.match(Mesh(V, F), Mesh(np.vstack((V, V[:1])), F)) is None
+    assert correspondence.match(TriangleMesh(V, F), TriangleMesh(np.vstack((V, V[:1])), F)) is None
 
 
 def test_many_coincident_isolated_vertices() -> None:
     V, F = meshes.tetrahedron()
     V = np.concatenate((V, np.ones((500, 3))))
     other, _ = meshes.shuffled(V, F, 77)
-    mapping = correspondence.match(Mesh(V, F), other)
+    mapping = correspondence.match(TriangleMesh(V, F), other)
     assert mapping is not None
     np.testing.assert_array_equal(other.vertices[mapping], V)
 
@@ -117,7 +119,7 @@ def test_degenerate_and_duplicate_faces() -> None:
     V = np.random.default_rng(3).normal(size=(5, 3))
     F = np.array([[0, 0, 1], [1, 0, 1], [0, 1, 2], [0, 1, 2], [2, 1, 0], [3, 3, 3], [2, 3, 4]])
     other, to = meshes.shuffled(V, F, 8)
-    np.testing.assert_array_equal(correspondence.match(Mesh(V, F), other), to)
+    np.testing.assert_array_equal(correspondence.match(TriangleMesh(V, F), other), to)
 
 
 def test_same_faces() -> None:

@@ -16,7 +16,7 @@ from deltamesh._graph.elements import Elements
 from deltamesh._graph.permutations import numbered
 from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import labels as kernels
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh._pipeline import silent
 from deltamesh._shape.encoding import encode_structure
 from deltamesh._shape.polygons import Polygons, plain
@@ -198,7 +198,7 @@ def test_what_goes_on_costs_next_to_nothing() -> None:
 
 def test_patches_cost_about_a_bit_an_element_on_their_boundaries() -> None:
     V, F = meshes.torus(100, 100)
-    _, structure, origin = encode_structure(Mesh(V, F), False, False, silent)
+    _, structure, origin = encode_structure(TriangleMesh(V, F), False, False, silent)
     these = of_faces(structure.faces)
     # Two sides of a slanted plane, across which the faces do not alternate evenly.
     middles = V[origin.vertices][structure.faces].mean(axis=1)

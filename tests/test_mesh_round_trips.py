@@ -140,7 +140,7 @@ def faces_of(mesh):
         rows = [*(row.tobytes() for row in np.ascontiguousarray(a.values)), None]
         key = (a.name, a.role, a.normalized, a.values.dtype.str, a.width)
         columns.append((key, [rows[i] for i in a.rows().tolist()]))
-    triangles = mesh.triangles()
+    triangles = mesh.triangulation()
     for face, polygon in zip(triangles.faces.tolist(), triangles.polygon.tolist(), strict=True):
         # A triangle has what all its corners have: glTF has attributes of whole primitives.
         common = [c for c in columns if all(c[1][v] is not None for v in face)]

@@ -9,7 +9,7 @@ from deltamesh._graph.adjacency import edges
 from deltamesh._kernels.mesh import closest
 from deltamesh._measures import metrics
 from deltamesh._measures.hausdorff import _surface_samples
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 
 MESHES = meshes.every()
 TRIANGLE = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
@@ -26,7 +26,7 @@ def hinge(degrees):
 @pytest.mark.parametrize("name", MESHES)
 def test_equal_meshes_have_no_error(name: str) -> None:
     V, F = MESHES[name]
-    errors = metrics.compare(Mesh(V, F), Mesh(V.copy(), F))
+    errors = metrics.compare(TriangleMesh(V, F), TriangleMesh(V.copy(), F))
     for field in ("rms", "max", "normal_deviation", "dihedral", "hausdorff", "visual"):
         assert getattr(errors, field) == 0, field
     assert errors.diagonal == pytest.approx(np.linalg.norm(V.max(axis=0) - V.min(axis=0)))
@@ -101,8 +101,8 @@ def test_visual_error_weighs_distance_and_laplacian() -> None:
 def test_errors_scale_with_the_unit_and_ignore_the_origin(unit: float) -> None:
     V, F = meshes.torus(9, 7)
     W = V + 0.01 * np.random.default_rng(8).normal(size=V.shape)
-    one = vars(metrics.compare(Mesh(V, F), Mesh(W, F)))
-    other = vars(metrics.compare(Mesh(unit * (V + 7), F), Mesh(unit * (W + 7), F)))
+    one = vars(metrics.compare(TriangleMesh(V, F), TriangleMesh(W, F)))
+    other = vars(metrics.compare(TriangleMesh(unit * (V + 7), F), TriangleMesh(unit * (W + 7), F)))
     for name, value in one.items():
         angle = name in ("normal_deviation", "dihedral")
         assert other[name] == pytest.approx(value if angle else unit * value, rel=1e-6, abs=0), name
@@ -114,26 +114,26 @@ def test_faces_without_area() -> None:
     F = np.array([[0, 1, 2], [3, 3, 4], [0, 1, 3], [1, 4, 3]])
     W = V.copy()
     W[4] = V[3]
-    errors = metrics.compare(Mesh(V, F), Mesh(W, F))
+    errors = metrics.compare(TriangleMesh(V, F), TriangleMesh(W, F))
     assert errors.normal_deviation == pytest.approx(45)  # half of the area counts 90 degrees
     assert np.isfinite(list(vars(errors).values())).all()
 
 
 def test_a_mesh_without_area_faces_or_vertices() -> None:
-    point = Mesh(np.ones((3, 3)), np.array([[0, 1, 2]]))
+    point = TriangleMesh(np.ones((3, 3)), np.array([[0, 1, 2]]))
     assert set(vars(metrics.compare(point, point)).values()) == {0.0}
-    nothing = Mesh(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
+    nothing = TriangleMesh(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
     assert set(vars(metrics.compare(nothing, nothing)).values()) == {0.0}
 
 
 def test_meshes_that_do_not_correspond_are_refused() -> None:
     V, F = meshes.icosphere(1)
     with pytest.raises(ValueError, match="same faces"):
-        metrics.compare(Mesh(V, F), Mesh(V, F[::-1]))
+        metrics.compare(TriangleMesh(V, F), TriangleMesh(V, F[::-1]))
     with pytest.raises(ValueError, match="one by one"):
-        metrics.compare(Mesh(V, F), Mesh(V[:-1], F))
+        metrics.compare(TriangleMesh(V, F), TriangleMesh(V[:-1], F))
     with pytest.raises(ValueError, match="without faces"):
-        metrics.hausdorff(Mesh(V, F), Mesh(V, F[:0]))
+        metrics.hausdorff(TriangleMesh(V, F), TriangleMesh(V, F[:0]))
 
 
 def test_point_to_triangle_equals_its_oracle() -> None:
@@ -167,7 +167,9 @@ def test_hausdorff_of_vertices_equals_brute_force(name: str, monkeypatch) -> Non
     for other in (F, F[:-1]):  # with corresponding faces, and without
         both = [(V[F].reshape(-1, 3), W[other]), (W[other].reshape(-1, 3), V[F])]
         expected = max(oracle.largest_squared_distance(p, t) for p, t in both) ** 0.5
-        assert metrics.hausdorff(Mesh(V, F), Mesh(W, other)) == pytest.approx(expected, rel=1e-9)
+        assert metrics.hausdorff(TriangleMesh(V, F), TriangleMesh(W, other)) == pytest.approx(
+            expected, rel=1e-9
+        )
 
 
 def test_hausdorff_by_hand() -> None:
@@ -175,11 +177,11 @@ def test_hausdorff_by_hand() -> None:
     V[:, 2] = 0
     spike = V.copy()
     spike[14, 2] = 0.7
-    assert metrics.hausdorff(Mesh(V, F), Mesh(spike, F)) == pytest.approx(0.7)
+    assert metrics.hausdorff(TriangleMesh(V, F), TriangleMesh(spike, F)) == pytest.approx(0.7)
     # A triangle that covers half of a square: the other corner is sqrt(1/2) from it.
     corners = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    square = Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]]))
-    half = Mesh(square.vertices, square.faces[:1])
+    square = TriangleMesh(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    half = TriangleMesh(square.vertices, square.faces[:1])
     assert metrics.hausdorff(square, half) == pytest.approx(0.5**0.5)
     assert metrics.hausdorff(half, square) == pytest.approx(0.5**0.5)
 
@@ -188,8 +190,8 @@ def test_hausdorff_sees_between_the_vertices() -> None:
     # The faces of a regular tetrahedron of height 2 / sqrt(3), two and two: the middle of the edge
     # between two of them is half a height from the others.
     V = np.array([[0.0, 0, 0], [1, 0, 1], [1, 1, 0], [0, 1, 1]])
-    one = Mesh(V, np.array([[0, 1, 2], [0, 2, 3]]))
-    other = Mesh(V, np.array([[0, 1, 3], [1, 2, 3]]))
+    one = TriangleMesh(V, np.array([[0, 1, 2], [0, 2, 3]]))
+    other = TriangleMesh(V, np.array([[0, 1, 3], [1, 2, 3]]))
     assert metrics.hausdorff(one, other) == pytest.approx(3**-0.5, rel=0.02)
 
 

@@ -486,7 +486,7 @@ def test_real_normals_are_those_of_the_surface(name, weights, bits_each):
         keys, elements = np.unique(rows, return_inverse=True)
         values, count = values[keys % len(values)], len(keys)
     around = Surroundings(mesh.corners, mesh.offsets, elements, count)
-    faces = elements[mesh.triangles().corners]
+    faces = elements[mesh.triangulation().corners]
     tolerance = 1e-12 * diagonal(mesh.vertices)
     elements = of_vertices(faces, count)
     normals, payload = smallest(

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from deltamesh import decode, encode, info
 from deltamesh._kernels.coding import remaining
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
 from deltamesh._order.coding import decode_order, encode_order
 from deltamesh._order.reordering import Order, arrays, order_of, reordered
@@ -73,7 +73,7 @@ def test_any_mesh_comes_back_in_its_order(
 ) -> None:
     V, F = mesh
     options = Options(method=method, keep_order=True, drop_isolated=drop_isolated)
-    encoded = encode_mesh(Mesh(V, F), options)
+    encoded = encode_mesh(TriangleMesh(V, F), options)
     decoded = decode(encoded.data)
     used = np.unique(F) if drop_isolated else np.arange(len(V))
     np.testing.assert_array_equal(encoded.order, used)
@@ -94,7 +94,7 @@ def test_the_positions_are_those_of_the_file_without_an_order() -> None:
 def test_vertices_at_one_position_keep_their_places() -> None:
     V, F = meshes.icosphere(1)
     corners = F[np.random.default_rng(1).permutation(len(F))].ravel()
-    soup = Mesh(V[corners], np.arange(len(corners)).reshape(-1, 3))
+    soup = TriangleMesh(V[corners], np.arange(len(corners)).reshape(-1, 3))
     encoded = encode_mesh(soup, Options(method="cartesian", keep_order=True))
     np.testing.assert_array_equal(encoded.order, np.arange(len(corners)))
     np.testing.assert_array_equal(decode(encoded.data).faces, soup.faces)

@@ -22,7 +22,7 @@ from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import hidden_edges as kernels
 from deltamesh._kernels.coding.merged_pairs import code_listed
 from deltamesh._kernels.mesh import diagonals
-from deltamesh._mesh import Mesh, triangulated
+from deltamesh._mesh import TriangleMesh, triangulated
 from deltamesh._options import Options
 from deltamesh._order.coding import decode_order, encode_order
 from deltamesh._order.reordering import Order, rows_of
@@ -334,7 +334,7 @@ def glued_of(mesh):
     """Faces in coding order, their partners, what is glued."""
     cut = cut_polygons(mesh)
     _, structure, origin = encode_structure(
-        Mesh(mesh.vertices, cut.faces), False, False, lambda _: None
+        TriangleMesh(mesh.vertices, cut.faces), False, False, lambda _: None
     )
     return structure, glued_halfedges(cut, origin.corners)
 

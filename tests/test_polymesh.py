@@ -72,7 +72,7 @@ def test_triangles_are_the_slow_ones(data, seed):
     vertices = rng.integers(-4, 5, size=(12, 3)).astype(float)
     offsets = np.concatenate(([0], np.cumsum(sizes)))
     mesh = PolyMesh(vertices, rng.integers(0, 12, size=sum(sizes)), offsets)
-    cut = mesh.triangles()
+    cut = mesh.triangulation()
     assert list(map(tuple, cut.faces.tolist())) == slow_triangles(mesh)
     np.testing.assert_array_equal(mesh.corners[cut.corners], cut.faces)
     np.testing.assert_array_equal(
@@ -108,7 +108,7 @@ def test_corners_in_line_make_no_sliver_where_that_can_be():
 @pytest.mark.parametrize("scale", [1e-200, 1e200, np.nan])
 def test_any_numbers_make_triangles(scale):
     mesh = polygon((0, 0), (2, -1), (0.5, 0), (2, 1))
-    cut = replace(mesh, vertices=mesh.vertices * scale).triangles()
+    cut = replace(mesh, vertices=mesh.vertices * scale).triangulation()
     assert sorted(cut.faces.ravel().tolist()) in ([0, 0, 1, 2, 2, 3], [0, 1, 1, 2, 3, 3])
 
 

@@ -14,7 +14,7 @@ import deltamesh
 from deltamesh._compare.correspondence import match
 from deltamesh._compare.welding import welded, without_isolated
 from deltamesh._measures import metrics
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
 from deltamesh.bench import measure as bench
 from deltamesh.bench import peers, rates
@@ -24,7 +24,7 @@ from deltamesh.bench import peers, rates
 def torus():
     """A torus of 600 vertices, in double precision that float32 does not have."""
     V, F = meshes.torus(30, 20)
-    return Mesh(V + np.random.default_rng(1).normal(0, 0.01, V.shape), F)
+    return TriangleMesh(V + np.random.default_rng(1).normal(0, 0.01, V.shape), F)
 
 
 def rows(*measurements):
@@ -44,7 +44,7 @@ def test_a_measurement_is_what_encode_decode_and_compare_say(torus, method, rate
     data = deltamesh.encode(torus.vertices, torus.faces, method=method, **rate)
     decoded = deltamesh.decode(data)
     order = match(torus, decoded)
-    errors = metrics.compare(torus, Mesh(decoded.vertices[order], torus.faces))
+    errors = metrics.compare(torus, TriangleMesh(decoded.vertices[order], torus.faces))
     assert (measured.mesh, measured.codec, measured.bytes) == (
         "torus",
         codec.label,
@@ -128,7 +128,7 @@ def triangles(mesh):
 def test_draco_puts_vertices_where_its_decoder_does(torus, bits, scale):
     draco = pytest.importorskip("DracoPy")
     V = scale * (torus.vertices + np.array([0.1, 20, -0.7]))
-    coded = peers.draco(Mesh(V, torus.faces), bits)
+    coded = peers.draco(TriangleMesh(V, torus.faces), bits)
     data = draco.encode(
         V.astype(np.float32),
         torus.faces.astype(np.uint32),
@@ -147,7 +147,7 @@ def test_draco_puts_vertices_where_its_decoder_does(torus, bits, scale):
 def test_what_draco_refuses_is_a_mesh_error():
     pytest.importorskip("DracoPy")
     with pytest.raises(deltamesh.MeshError, match="Draco refuses"):
-        peers.draco(Mesh(np.zeros((3, 3)), np.array([[0, 0, 1]])), 11)
+        peers.draco(TriangleMesh(np.zeros((3, 3)), np.array([[0, 0, 1]])), 11)
 
 
 @pytest.mark.parametrize("bits", [6, 12, 16])
@@ -180,9 +180,9 @@ def test_missing_packages_are_named(monkeypatch):
 
 def test_a_welded_mesh_has_each_position_and_no_isolated_vertex():
     V, F = meshes.with_isolated()
-    soup = Mesh(V[F].reshape(-1, 3), np.arange(3 * len(F)).reshape(-1, 3))
+    soup = TriangleMesh(V[F].reshape(-1, 3), np.arange(3 * len(F)).reshape(-1, 3))
     sphere = meshes.icosphere(1)[0]
-    for mesh in (soup, Mesh(V, F)):
+    for mesh in (soup, TriangleMesh(V, F)):
         bare = without_isolated(welded(mesh))
         assert np.array_equal(sorted_rows(bare.vertices), sorted_rows(sphere))
         assert np.array_equal(bare.vertices[bare.faces], V[F])

@@ -21,7 +21,7 @@ from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import delta as kernels
 from deltamesh._kernels.coding import residual
 from deltamesh._measures.metrics import diagonal
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options, Settings
 from deltamesh._pipeline import encode_mesh, read_content
 from deltamesh._shape.surface import surface_of
@@ -32,7 +32,7 @@ SPHERE, TORUS = meshes.icosphere(3), meshes.torus(12, 9)
 
 
 def refined(mesh, **options):
-    return encode_mesh(Mesh(*mesh), Options(method="refined", **options))
+    return encode_mesh(TriangleMesh(*mesh), Options(method="refined", **options))
 
 
 @pytest.mark.parametrize("name", sorted(meshes.every()))

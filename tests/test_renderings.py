@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh.bench import measure as bench
 
 sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
@@ -57,7 +57,7 @@ def test_the_nearest_bits() -> None:
 
 
 def test_a_caption_tells_bytes_and_errors() -> None:
-    mesh = Mesh(*meshes.torus(20, 12))
+    mesh = TriangleMesh(*meshes.torus(20, 12))
     measured = bench.measure("torus", mesh, bench.codec_of("cartesian bits=7"))
     text = renderings.caption("Cartesian, 7 bits", bench.codec_of("cartesian bits=7").code(mesh))
     title, size, errors = text.splitlines()
@@ -76,7 +76,7 @@ def test_an_icosphere_is_a_closed_unit_sphere(levels: int) -> None:
 
 
 def test_a_model_has_a_surface_and_its_errors_for_each_method() -> None:
-    mesh = Mesh(*meshes.torus(20, 12))
+    mesh = TriangleMesh(*meshes.torus(20, 12))
     (row,) = renderings.model(mesh, renderings.LOOKS["bunny"][0])
     assert [panel.values is None for panel in row] == [True, False, True, False]
     for panel in row[1::2]:
@@ -88,7 +88,7 @@ def test_a_model_has_a_surface_and_its_errors_for_each_method() -> None:
 
 def test_ours_is_as_large_as_draco_and_never_larger() -> None:
     pytest.importorskip("DracoPy")
-    mesh = Mesh(*meshes.torus(60, 40))
+    mesh = TriangleMesh(*meshes.torus(60, 40))
     rows = renderings.equal_bytes(mesh, renderings.LOOKS["bunny"], 8.0)
     (first, ours, draco), parts = rows
     assert first.mesh is mesh

@@ -16,7 +16,7 @@ import strategies
 from deltamesh import decode, encode, info
 from deltamesh._graph.elements import of_vertices
 from deltamesh._measures.metrics import diagonal
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh._order import coding as order
 from deltamesh._order.reordering import Order
 from deltamesh._shape.polygons import plain
@@ -180,7 +180,7 @@ def test_lattice(size: int) -> None:
 @pytest.mark.parametrize("name", KEPT)
 def test_kept_order(name: str, seed: int | None) -> None:
     V, F = KEPT[name]
-    mesh = Mesh(V, F) if seed is None else meshes.shuffled(V, F, seed)[0]
+    mesh = TriangleMesh(V, F) if seed is None else meshes.shuffled(V, F, seed)[0]
     data = encode(mesh.vertices, mesh.faces, method="cartesian", keep_order=True)
     assert_same(data)
     np.testing.assert_array_equal(spec_decoder.decode(data)[1], mesh.faces)

@@ -11,7 +11,7 @@ import pytest
 from deltamesh import MeshError, OptionError, TargetError, decode, encode, info
 from deltamesh._geometry.bounds import Bounds, bounds_of
 from deltamesh._measures.metrics import VertexErrors, diagonal
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
 
@@ -67,7 +67,7 @@ def test_no_vertex_is_beyond_the_bound(method, relative):
     V, F = BUMPY
     scale = diagonal(V)
     asked = {"max_error_rel": 1e-3} if relative else {"max_error": 1e-3 * scale}
-    one = encode_mesh(Mesh(V, F), Options(method=method, **asked))
+    one = encode_mesh(TriangleMesh(V, F), Options(method=method, **asked))
     for solver in ("rslab", "scipy"):
         W = decode(one.data, solver=solver).vertices
         assert np.linalg.norm(W - V[one.order], axis=1).max() <= 1e-3 * scale

@@ -146,4 +146,4 @@ def prepare(job: Job) -> None:
 
     mesh, method = read_mesh(io.BytesIO(_TETRAHEDRON), "off"), job.parameters.get("method")
     for one in [method] if method in METHODS else METHODS:
-        deltamesh.decode(deltamesh.encode(mesh.vertices, mesh.faces, method=one, threads=1))
+        deltamesh.decode(deltamesh.encode(mesh.vertices, mesh.triangles, method=one, threads=1))

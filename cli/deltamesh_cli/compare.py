@@ -112,7 +112,7 @@ def command(
 def _measured(a: Loaded, b: Loaded, stage: Stage) -> _Found:
     from deltamesh._compare import likeness
     from deltamesh._measures import metrics
-    from deltamesh._mesh import Mesh, triangulated
+    from deltamesh._mesh import TriangleMesh, triangulated
     from deltamesh._shape.complexes import distinct_faces
 
     stage("matching vertices")
@@ -127,9 +127,9 @@ def _measured(a: Loaded, b: Loaded, stage: Stage) -> _Found:
         unknown = dict.fromkeys([*_LENGTHS, *_ANGLES])
         return _Found({**unknown, **surfaces, "diagonal": diagonal})
     stage("measuring")
-    faces = distinct_faces(found.a.mesh.faces)
-    reference = Mesh(found.a.mesh.vertices, faces)
-    paired = Mesh(found.b.mesh.vertices[found.sites], faces)
+    faces = distinct_faces(found.a.mesh.triangles)
+    reference = TriangleMesh(found.a.mesh.vertices, faces)
+    paired = TriangleMesh(found.b.mesh.vertices[found.sites], faces)
     errors = vars(metrics.compare(reference, paired))
     pairs = likeness.matched_corners(a.mesh, b.mesh, found)
     if pairs is None:

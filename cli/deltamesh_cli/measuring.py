@@ -20,7 +20,7 @@ from deltamesh_cli.progress import Stage
 from deltamesh_cli.signals import interruptible
 
 if TYPE_CHECKING:
-    from deltamesh._mesh import Mesh
+    from deltamesh._mesh import TriangleMesh
     from deltamesh.bench.measure import Codec, Measurement
     from deltamesh.bench.rates import Change, Row
 
@@ -69,7 +69,7 @@ def _below(source: str, recursive: bool) -> list[str]:
         return find([source], chosen)
 
 
-def read(path: str, stage: Stage, *, bare: bool) -> Mesh:
+def read(path: str, stage: Stage, *, bare: bool) -> TriangleMesh:
     """Read a mesh file; a bare mesh is welded and has no isolated vertices.
 
     Raises
@@ -85,11 +85,11 @@ def read(path: str, stage: Stage, *, bare: bool) -> Mesh:
         from deltamesh._compare.welding import welded, without_isolated
         from deltamesh._mesh import checked_mesh
 
-        mesh = checked_mesh(found.vertices, found.faces)
+        mesh = checked_mesh(found.vertices, found.triangles)
         return without_isolated(welded(mesh)) if bare else mesh
 
 
-def measured(name: str, path: str, mesh: Mesh, codec: Codec, stage: Stage) -> Measurement:
+def measured(name: str, path: str, mesh: TriangleMesh, codec: Codec, stage: Stage) -> Measurement:
     """Measure a mesh under a codec.
 
     Raises

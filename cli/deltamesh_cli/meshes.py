@@ -126,5 +126,5 @@ def load_any(name: str, file_format: str | None, stage: Stage, **parameters: Any
         return Loaded(decoded(name, data, stage, **parameters), len(data), container)
     found = parsed(name, data, file_format, stage)
     with attempt(name, "cannot read"):
-        checked_mesh(found.vertices, found.faces)
+        checked_mesh(found.vertices, found.triangles)
     return Loaded(found, len(data), None)

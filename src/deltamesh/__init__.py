@@ -25,7 +25,6 @@ from deltamesh_formats.errors import (
 if TYPE_CHECKING:
     from deltamesh._codec import decode, encode
     from deltamesh._files import info, load, save, verify
-    from deltamesh._mesh import Mesh
     from deltamesh_formats.meshfiles.files import read_mesh, write_mesh
     from deltamesh_formats.polymesh.arrays import from_arrays
     from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
@@ -37,7 +36,6 @@ _HOME = {
     "load": "deltamesh._files",
     "save": "deltamesh._files",
     "verify": "deltamesh._files",
-    "Mesh": "deltamesh._mesh",
     "from_arrays": "deltamesh_formats.polymesh.arrays",
     "read_mesh": "deltamesh_formats.meshfiles.files",
     "write_mesh": "deltamesh_formats.meshfiles.files",
@@ -51,7 +49,6 @@ __all__ = [
     "DeltameshError",
     "FormatError",
     "LimitError",
-    "Mesh",
     "MeshError",
     "OptionError",
     "Parts",

@@ -16,7 +16,7 @@ LARGEST = 1e150
 
 
 @dataclass(frozen=True)
-class Mesh:
+class TriangleMesh:
     """A triangle mesh.
 
     Attributes
@@ -31,12 +31,12 @@ class Mesh:
     faces: NDArray[np.int64]
 
 
-def triangulated(mesh: PolyMesh) -> Mesh:
+def triangulated(mesh: PolyMesh) -> TriangleMesh:
     """Return the triangles of a mesh of polygons."""
-    return Mesh(mesh.vertices, mesh.faces)
+    return TriangleMesh(mesh.vertices, mesh.triangles)
 
 
-def checked_mesh(vertices: ArrayLike, faces: ArrayLike) -> Mesh:
+def checked_mesh(vertices: ArrayLike, faces: ArrayLike) -> TriangleMesh:
     """Check arrays from outside and return them as a `Mesh`; the arguments stay as they are.
 
     Parameters
@@ -63,7 +63,7 @@ def checked_mesh(vertices: ArrayLike, faces: ArrayLike) -> Mesh:
     _check_finite(V)
     _check_extent(V)
     _check_indices(F, len(V))
-    return Mesh(V, np.ascontiguousarray(F, dtype=np.int64))
+    return TriangleMesh(V, np.ascontiguousarray(F, dtype=np.int64))
 
 
 def _as_array(value: ArrayLike, name: str) -> NDArray[Any]:

@@ -26,7 +26,7 @@ from deltamesh._geometry.search import Trial, smallest
 from deltamesh._geometry.solve import factorization
 from deltamesh._limits import check_limits
 from deltamesh._measures.metrics import VertexErrors, diagonal, errors_from, mean_edge
-from deltamesh._mesh import LARGEST, Mesh
+from deltamesh._mesh import LARGEST, TriangleMesh
 from deltamesh._options import Options, Settings
 from deltamesh._order.coding import decode_order, encode_order
 from deltamesh._order.reordering import order_of
@@ -86,15 +86,17 @@ class Encoded:
     mesh: PolyMesh
 
 
-def encode_mesh(mesh: PolyMesh | Mesh, options: Options, progress: Progress = silent) -> Encoded:
+def encode_mesh(
+    mesh: PolyMesh | TriangleMesh, options: Options, progress: Progress = silent
+) -> Encoded:
     """Compress a checked mesh; see `codec.encode`."""
-    if isinstance(mesh, Mesh):
+    if isinstance(mesh, TriangleMesh):
         mesh = from_triangles(mesh.vertices, mesh.faces)
     mesh = without(mesh, options.drop)
     cut = cut_polygons(mesh)
     if len(cut.faces) == 0:
         raise MeshError("the mesh has no faces")
-    exact, triangles = options.method == "lossless", Mesh(mesh.vertices, cut.faces)
+    exact, triangles = options.method == "lossless", TriangleMesh(mesh.vertices, cut.faces)
     payloads, structure, origin = encode_structure(
         triangles, options.drop_isolated, exact, progress
     )
@@ -272,7 +274,7 @@ def _measured(mesh: PolyMesh, structure: Structure, origin: Origin) -> NDArray[n
         return structure.point_faces
     point = np.full(len(mesh.vertices), -1)
     point[origin.vertices] = structure.points
-    return distinct_faces(point[mesh.faces])
+    return distinct_faces(point[mesh.triangles])
 
 
 def _meta(errors: VertexErrors, scale: float, source_format: str) -> Meta:

@@ -67,7 +67,7 @@ def test_polygons_are_cut_and_carry_their_attributes() -> None:
         V, [[0, 1, 2, 3], [4, 5, 6]], face={"R": [7, 8]}, corner={"c": np.arange(7)}
     )
     made = to_trimesh(mesh)
-    cut = mesh.triangles()
+    cut = mesh.triangulation()
     np.testing.assert_array_equal(made.faces, cut.faces)
     assert made.face_attributes["R"].tolist() == [7, 7, 8]
     assert made.face_attributes["corner_c"].tolist() == cut.corners.tolist()

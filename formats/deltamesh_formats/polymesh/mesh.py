@@ -136,11 +136,6 @@ class PolyMesh:
         return np.diff(self.offsets)
 
     @property
-    def faces(self) -> NDArray[np.int64]:
-        """The triangles alone, int64 (t, 3)."""
-        return self.triangles().faces
-
-    @property
     def vertex_data(self) -> dict[str, NDArray[Any]]:
         """The attributes of the vertices by name; `arrays.to_arrays` says how."""
         return _arrays(self, "vertex")
@@ -166,7 +161,20 @@ class PolyMesh:
 
         return mesh_html(self)
 
-    def triangles(self) -> Triangles:
+    @property
+    def faces(self) -> NDArray[np.int64] | list[NDArray[np.int64]]:
+        """The polygons as `from_arrays` takes them: an array (p, k) if all have k corners."""
+        sizes = self.sizes
+        if len(sizes) and (sizes == sizes[0]).all():
+            return self.corners.reshape(len(sizes), -1)
+        return np.split(self.corners, self.offsets[1:-1])
+
+    @property
+    def triangles(self) -> NDArray[np.int64]:
+        """The vertices of the triangles that the polygons are cut into, int64 (t, 3)."""
+        return self.triangulation().faces
+
+    def triangulation(self) -> Triangles:
         """Cut the polygons into triangles; `deltamesh_formats.polymesh.triangles` says how."""
         return triangulate(self.vertices, self.corners, self.offsets)
 

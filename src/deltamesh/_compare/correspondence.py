@@ -18,7 +18,7 @@ from scipy.spatial import cKDTree
 from deltamesh._graph.adjacency import adjacency
 from deltamesh._graph.halfedges import by_edge, edges_of_two, ends
 from deltamesh._kernels.mesh import correspondence as kernels
-from deltamesh._mesh import Mesh, triangulated
+from deltamesh._mesh import TriangleMesh, triangulated
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
 _Floats = NDArray[np.float64]
@@ -34,12 +34,12 @@ _SCAN = 256
 _ISOLATED_ROUNDS = 16
 
 
-def match(reference: Mesh, other: Mesh) -> _Ints | None:
+def match(reference: TriangleMesh, other: TriangleMesh) -> _Ints | None:
     """Return a map such that `other.vertices[map]` and `reference.faces` are the other mesh again.
 
     Parameters
     ----------
-    reference, other : Mesh
+    reference, other : TriangleMesh
         In the same frame. Positions may differ; they serve to choose among the symmetries of the
         connectivity, and to pair isolated vertices.
 
@@ -79,7 +79,7 @@ def match_polygons(reference: PolyMesh, other: PolyMesh) -> _Ints | None:
     return mapping[:n]
 
 
-def _starred(mesh: PolyMesh) -> Mesh:
+def _starred(mesh: PolyMesh) -> TriangleMesh:
     """Return triangles from each edge of a polygon to a vertex in the middle of it."""
     corners, offsets, sizes = mesh.corners, mesh.offsets, mesh.sizes
     polygon = np.repeat(np.arange(len(sizes)), sizes)
@@ -91,7 +91,7 @@ def _starred(mesh: PolyMesh) -> Mesh:
     chosen = many[polygon]
     fans = np.stack([number[polygon], corners, corners[after]], axis=1)[chosen]
     faces = np.concatenate([corners[~chosen].reshape(-1, 3), fans])
-    return Mesh(np.concatenate([mesh.vertices, middles[many]]), faces)
+    return TriangleMesh(np.concatenate([mesh.vertices, middles[many]]), faces)
 
 
 def same_faces(faces: _Ints, others: _Ints) -> bool:
@@ -137,7 +137,7 @@ def _opposite(F: _Ints) -> _Ints:
 
 
 def _match_faces(
-    reference: Mesh, other: Mesh, colours: _Ints, other_colours: _Ints
+    reference: TriangleMesh, other: TriangleMesh, colours: _Ints, other_colours: _Ints
 ) -> _Ints | None:
     """Map every vertex that has a face, patch by patch; None when one does not fit anywhere."""
     n, m = len(reference.vertices), len(reference.faces)
@@ -173,7 +173,7 @@ def _seeds(F: _Ints, colours: _Ints) -> Iterator[int]:
 class _Candidates:
     """The half-edges of a mesh, by position and colour of the vertices they start from."""
 
-    def __init__(self, mesh: Mesh, colours: _Ints) -> None:
+    def __init__(self, mesh: TriangleMesh, colours: _Ints) -> None:
         self._vertices, self._corners, self._colours = mesh.vertices, mesh.faces.ravel(), colours
         self._by_vertex = np.argsort(self._corners, kind="stable")
         self._first = np.searchsorted(self._corners[self._by_vertex], np.arange(len(colours) + 1))

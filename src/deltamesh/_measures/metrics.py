@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from deltamesh._graph.adjacency import edges
 from deltamesh._graph.halfedges import by_edge, edges_of_two, ends
 from deltamesh._measures.hausdorff import squared_hausdorff
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 
 _Floats = NDArray[np.float64]
 _Ints = NDArray[np.int64]
@@ -60,7 +60,7 @@ class Errors(VertexErrors):
     diagonal: float
 
 
-def compare(reference: Mesh, other: Mesh) -> Errors:
+def compare(reference: TriangleMesh, other: TriangleMesh) -> Errors:
     """Return all errors of another mesh with the same faces.
 
     Raises
@@ -189,7 +189,7 @@ def geometric_laplacian(V: _Floats, pairs: _Ints) -> _Floats:
     return laplacian / np.where(total > 0, total, 1.0)[:, None]
 
 
-def hausdorff(reference: Mesh, other: Mesh) -> float:
+def hausdorff(reference: TriangleMesh, other: TriangleMesh) -> float:
     """Return the symmetric Hausdorff distance of the two surfaces, by samples.
 
     The samples of each surface are the vertices of its faces and points spread over it in

@@ -21,7 +21,7 @@ _Ints = NDArray[np.int64]
 def cut_polygons(mesh: PolyMesh) -> Triangles:
     """Cut polygons into fans."""
     if (mesh.sizes == 3).all():
-        return mesh.triangles()
+        return mesh.triangulation()
     around = middles(mesh.vertices, mesh.corners, mesh.offsets)
     quads = np.flatnonzero(mesh.sizes == 4)
     around[quads] = _parallel(mesh, quads, around[quads])

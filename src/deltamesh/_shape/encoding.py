@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._graph.halfedges import weld
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh._shape.complexes import Cut, cut
 from deltamesh._shape.connectivity import Connectivity, encode_connectivity
 from deltamesh._shape.corners import copies_of, encode_copies
@@ -45,13 +45,13 @@ class Origin:
 
 
 def encode_structure(
-    mesh: Mesh, drop_isolated: bool, exact: bool, progress: Callable[[str], None]
+    mesh: TriangleMesh, drop_isolated: bool, exact: bool, progress: Callable[[str], None]
 ) -> tuple[dict[str, bytes], Structure, Origin]:
     """Code all but the positions.
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : TriangleMesh
     drop_isolated : bool
         Leave out the vertices that are in no face.
     exact : bool

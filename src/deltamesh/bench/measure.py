@@ -20,7 +20,7 @@ import numpy as np
 
 from deltamesh._codec import decode
 from deltamesh._measures.metrics import compare
-from deltamesh._mesh import Mesh, triangulated
+from deltamesh._mesh import TriangleMesh, triangulated
 from deltamesh._options import METHODS, Options
 from deltamesh._pipeline import encode_mesh
 from deltamesh.bench.peers import PEERS, Coded, settings_of
@@ -44,7 +44,7 @@ class Codec:
     """
 
     label: str
-    code: Callable[[Mesh], Coded]
+    code: Callable[[TriangleMesh], Coded]
 
 
 @dataclass(frozen=True)
@@ -89,14 +89,14 @@ class Measurement:
         return 8 * self.bytes / max(self.vertices, 1)
 
 
-def measure(name: str, mesh: Mesh, codec: Codec) -> Measurement:
+def measure(name: str, mesh: TriangleMesh, codec: Codec) -> Measurement:
     """Encode a mesh, decode the file, and compare.
 
     Parameters
     ----------
     name : str
         What the mesh is called in the result.
-    mesh : Mesh
+    mesh : TriangleMesh
     codec : Codec
         From `deltamesh_codec` or `codec_of`.
 
@@ -126,7 +126,7 @@ def measure(name: str, mesh: Mesh, codec: Codec) -> Measurement:
     )
 
 
-def code(options: Options, mesh: Mesh) -> Coded:
+def code(options: Options, mesh: TriangleMesh) -> Coded:
     """Encode a mesh with `options` and decode the file, which names no source format."""
     options = dataclasses.replace(options, source_format="")
     start = time.perf_counter()
@@ -140,7 +140,7 @@ def code(options: Options, mesh: Mesh) -> Coded:
     sections = read_container(encoded.data).sections.values()
     return Coded(
         size=len(encoded.data),
-        reference=Mesh(mesh.vertices[encoded.order], encoded.mesh.faces),
+        reference=TriangleMesh(mesh.vertices[encoded.order], encoded.mesh.triangles),
         decoded=triangulated(decoded),
         encode_seconds=middle - start,
         decode_seconds=end - middle,
@@ -189,7 +189,7 @@ def codec_of(text: str, **more: Any) -> Codec:
         raise OptionError(f"{text!r} has an option that is unknown or makes no sense") from error
 
 
-def _peer(name: str, settings: Mapping[str, Any], mesh: Mesh) -> Coded:
+def _peer(name: str, settings: Mapping[str, Any], mesh: TriangleMesh) -> Coded:
     return PEERS[name].code(mesh, **settings)
 
 
@@ -209,6 +209,6 @@ def warm_up(codec: Codec) -> None:
     faces = np.array([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
     vertices = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
     try:
-        measure("", Mesh(vertices, faces), codec)
+        measure("", TriangleMesh(vertices, faces), codec)
     except DeltameshError:
         return  # a target that a tetrahedron cannot meet; what matters has been loaded

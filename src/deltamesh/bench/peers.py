@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._mesh import Mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh_formats.errors import MeshError, OptionError
 
 # What each is at its smallest with.
@@ -35,7 +35,7 @@ class Coded:
     ----------
     size : int
         Bytes of the whole file.
-    reference, decoded : Mesh
+    reference, decoded : TriangleMesh
         What went in and what comes out, with the same faces in the same order.
     encode_seconds, decode_seconds : float
     sections : mapping of str to int
@@ -43,14 +43,14 @@ class Coded:
     """
 
     size: int
-    reference: Mesh
-    decoded: Mesh
+    reference: TriangleMesh
+    decoded: TriangleMesh
     encode_seconds: float
     decode_seconds: float
     sections: Mapping[str, int] = field(default_factory=dict)
 
 
-def draco(mesh: Mesh, bits: int) -> Coded:
+def draco(mesh: TriangleMesh, bits: int) -> Coded:
     """Code with Draco (github.com/google/draco) on a grid of 2^bits points on the longest side.
 
     Draco keeps no order. The decoded positions are those of its own formula, in its own precision
@@ -68,11 +68,11 @@ def draco(mesh: Mesh, bits: int) -> Coded:
     middle = time.perf_counter()
     DracoPy.decode(data)
     end = time.perf_counter()
-    decoded = Mesh(draco_positions(mesh.vertices, bits), mesh.faces)
+    decoded = TriangleMesh(draco_positions(mesh.vertices, bits), mesh.faces)
     return Coded(len(data), mesh, decoded, middle - start, end - middle)
 
 
-def draco_file(mesh: Mesh, bits: int, keep_order: bool = False) -> bytes:
+def draco_file(mesh: TriangleMesh, bits: int, keep_order: bool = False) -> bytes:
     """Return what Draco makes of a mesh; of 0 bits, without quantization.
 
     Raises
@@ -120,7 +120,7 @@ def draco_positions(vertices: NDArray[np.float64], bits: int) -> NDArray[np.floa
     return np.asarray(steps * (extent / most) + low, dtype=np.float64)
 
 
-def meshopt(mesh: Mesh, bits: int) -> Coded:
+def meshopt(mesh: TriangleMesh, bits: int) -> Coded:
     """Code with meshoptimizer (github.com/zeux/meshoptimizer), then zstd over both streams.
 
     As gltfpack does: triangles in an order for strips, vertices in the order of their first use,
@@ -149,8 +149,10 @@ def meshopt(mesh: Mesh, bits: int) -> Coded:
     faces = meshoptimizer.decode_index_buffer(corners, 4, plain[cut:])
     decoding = time.perf_counter() - start
     F = faces.reshape(-1, 3).astype(np.int64)
-    decoded = Mesh(low + step * grid.reshape(n, 4)[:, :3].astype(np.float64), F)
-    return Coded(len(data), Mesh(mesh.vertices[np.argsort(remap)], F), decoded, encoding, decoding)
+    decoded = TriangleMesh(low + step * grid.reshape(n, 4)[:, :3].astype(np.float64), F)
+    return Coded(
+        len(data), TriangleMesh(mesh.vertices[np.argsort(remap)], F), decoded, encoding, decoding
+    )
 
 
 def _ordered_for_strips(
@@ -165,7 +167,7 @@ def _ordered_for_strips(
     return remap[ordered], remap
 
 
-def zstd(mesh: Mesh) -> Coded:
+def zstd(mesh: TriangleMesh) -> Coded:
     """Code float32 positions and int32 faces, as they are, with zstd (RFC 8878)."""
     start = time.perf_counter()
     arrays = mesh.vertices.astype("<f4"), mesh.faces.astype("<i4")
@@ -174,7 +176,7 @@ def zstd(mesh: Mesh) -> Coded:
     plain = zstd_plain(data)
     end = time.perf_counter()
     decoded = np.frombuffer(plain, "<f4", arrays[0].size).reshape(-1, 3).astype(np.float64)
-    return Coded(len(data), mesh, Mesh(decoded, mesh.faces), middle - start, end - middle)
+    return Coded(len(data), mesh, TriangleMesh(decoded, mesh.faces), middle - start, end - middle)
 
 
 def zstd_bytes(data: bytes) -> bytes:

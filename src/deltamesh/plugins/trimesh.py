@@ -133,7 +133,7 @@ def _arguments(mesh: PolyMesh, split_seams: bool) -> dict[str, Any]:
     uv = mesh.attribute("uv", "corner")
     if split_seams and uv is not None:
         mesh = split(mesh, uv)
-    cut = mesh.triangles()
+    cut = mesh.triangulation()
     found, shown = _visual(mesh, cut)
     normal = mesh.attribute("normal", "vertex")
     if normal is not None and np.isfinite(N := normal.dense()).all():

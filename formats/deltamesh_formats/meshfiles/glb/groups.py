@@ -57,7 +57,7 @@ def grouped(mesh: PolyMesh, attributes: list[Attribute], objects: Indices) -> Gr
     objects : int64 (p,)
         Of each face, -1 for none.
     """
-    cut = mesh.triangles()
+    cut = mesh.triangulation()
     simple = len(np.unique(objects)) == 1
     if simple and all(a.domain == "vertex" and a.index is None for a in attributes):
         every = np.arange(len(mesh.vertices), dtype=np.int64)

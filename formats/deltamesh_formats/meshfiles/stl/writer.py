@@ -57,7 +57,7 @@ def _normals(triangles: NDArray[np.float64]) -> NDArray[np.float32]:
 
 
 def _binary(mesh: PolyMesh, positions: NDArray[np.float32]) -> tuple[bytes, list[Attribute]]:
-    cut = mesh.triangles()
+    cut = mesh.triangulation()
     facets = np.zeros(len(cut.faces), dtype=FACET)
     facets["vertices"] = positions[cut.faces]
     facets["normal"] = _normals(mesh.vertices[cut.faces])
@@ -74,7 +74,7 @@ def _binary(mesh: PolyMesh, positions: NDArray[np.float32]) -> tuple[bytes, list
 
 def _solids(mesh: PolyMesh, objects: Parts) -> Iterator[str]:
     """Yield a solid for each object, and one for the faces that belong to none."""
-    cut = mesh.triangles()
+    cut = mesh.triangulation()
     rows = numbers_out.texts(numbers_out.positions(mesh))
     points = np.array(rows, dtype=object).reshape(-1, 3)[cut.faces].reshape(-1, 9)
     normals = numbers_out.texts(_normals(mesh.vertices[cut.faces]))
