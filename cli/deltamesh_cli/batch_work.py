@@ -10,7 +10,7 @@ import warnings
 from dataclasses import dataclass
 from typing import Any, Final
 
-from deltamesh._options import METHODS
+from deltamesh._options import CHOICES
 from deltamesh._version import __version__
 from deltamesh.batch.manifest import DONE, FAILED, Record, state_of
 from deltamesh.batch.plan import Task
@@ -145,5 +145,5 @@ def prepare(job: Job) -> None:
     from deltamesh_formats.meshfiles.files import read_mesh
 
     mesh, method = read_mesh(io.BytesIO(_TETRAHEDRON), "off"), job.parameters.get("method")
-    for one in [method] if method in METHODS else METHODS:
+    for one in [method] if method in CHOICES else CHOICES:
         deltamesh.decode(deltamesh.encode(mesh.vertices, mesh.triangles, method=one, threads=1))

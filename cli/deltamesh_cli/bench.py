@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 from click.core import ParameterSource
 
-from deltamesh._options import BOUNDS, RATES, Options
+from deltamesh._methods import BOUNDS, RATES
+from deltamesh._options import Options
 from deltamesh_cli import files, measuring, options
 from deltamesh_cli.encode import command as encode
 from deltamesh_cli.failures import DONE, tried
