@@ -171,7 +171,7 @@ def command(
         if as_csv:
             measuring.print_csv(new)
         if save:
-            over([save], lambda path: measuring.save(path, new))
+            over([save], lambda path: measuring.save(path, new, force=force))
         if check:
             folders = any(map(os.path.isdir, sources))
             kept = [row for row in old if folders or row["mesh"] in found]
