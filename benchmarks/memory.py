@@ -7,10 +7,11 @@ from pathlib import Path
 
 import click
 import corpus
+import numpy as np
 from processes import deltamesh
 
 from deltamesh._limits import memory_needed
-from deltamesh._mesh import checked_mesh
+from deltamesh._mesh import TriangleMesh
 from deltamesh._methods import METHODS
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
@@ -61,7 +62,7 @@ def command(names: tuple[str, ...], quick: bool, solver: str) -> None:
 def _base(folder: Path, method: str, solver: str) -> int:
     """Return the peak of decoding a single triangle, in bytes."""
     file = folder / "triangle.dmesh"
-    mesh = checked_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    mesh = TriangleMesh(np.eye(3), np.array([[0, 1, 2]]))
     file.write_bytes(encode_mesh(mesh, Options(method=method)).data)
     return _peak(file, solver)
 

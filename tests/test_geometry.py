@@ -13,7 +13,7 @@ from deltamesh._geometry import cartesian, highpass
 from deltamesh._geometry.integers import NO_POINTS, NONE, Integers
 from deltamesh._geometry.normals import vertex_normals
 from deltamesh._geometry.quantize import (
-    LARGEST,
+    MOST_STEPS,
     delta_step,
     from_grid,
     grid_step,
@@ -168,12 +168,12 @@ def test_positions_round_trip(mesh: meshes.Arrays, seed: int, bits: int) -> None
 def test_positions_at_the_corners_of_the_grid(name: str, corners: list[bool]) -> None:
     """The predictions that lie farthest outside."""
     V, F = MESHES[name]
-    positions_round_trip(F, np.resize(np.array(corners) * (LARGEST - 1), (len(V), 3)))
+    positions_round_trip(F, np.resize(np.array(corners) * (MOST_STEPS - 1), (len(V), 3)))
 
 
 @pytest.mark.parametrize("n", [0, 1, 2, 7])
 def test_positions_without_faces(n: int) -> None:
-    positions_round_trip(NO_FACES, integers_of(n, 3) & (LARGEST - 1))
+    positions_round_trip(NO_FACES, integers_of(n, 3) & (MOST_STEPS - 1))
 
 
 def test_parallelograms_equal_their_oracle() -> None:
@@ -221,7 +221,7 @@ def assert_positions_of_the_oracle(data, F, n, quads=NO_QUADS):
 
 
 @strategies.SOME
-@given(strategies.surfaces(), strategies.SMALL, st.sampled_from([2, 300, LARGEST - 1]))
+@given(strategies.surfaces(), strategies.SMALL, st.sampled_from([2, 300, MOST_STEPS - 1]))
 def test_prediction_equals_its_oracle(mesh: meshes.Arrays, seed: int, most: int) -> None:
     V, F = mesh
     n, graph = len(V), adjacency(F, len(V))
@@ -478,9 +478,9 @@ def test_step_of_the_papers(rows: list[tuple[float, ...]], bits: int) -> None:
 def test_a_step_that_is_too_small_is_refused(carry: tuple[float, float]) -> None:
     delta = np.array([[0.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
     graph = adjacency(NO_FACES, 2)
-    fits = quantize_delta(delta, graph, 1.001 / LARGEST, carry)
-    assert fits.min() > -LARGEST
-    for step in (1 / LARGEST, 1e-300):
+    fits = quantize_delta(delta, graph, 1.001 / MOST_STEPS, carry)
+    assert fits.min() > -MOST_STEPS
+    for step in (1 / MOST_STEPS, 1e-300):
         with pytest.raises(MeshError, match="too small"):
             quantize_delta(delta, graph, step, carry)
         with pytest.raises(MeshError, match="too small"):

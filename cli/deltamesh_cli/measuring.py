@@ -83,9 +83,10 @@ def read(path: str, stage: Stage, *, bare: bool) -> TriangleMesh:
     found = parsed(path, files.read_input(path), None, stage)
     with attempt(path, "cannot read"):
         from deltamesh._compare.welding import welded, without_isolated
-        from deltamesh._mesh import checked_mesh
+        from deltamesh._mesh import LARGEST, triangulated
+        from deltamesh_formats.polymesh.validation import checked
 
-        mesh = checked_mesh(found.vertices, found.triangles)
+        mesh = triangulated(checked(found, LARGEST))
         return without_isolated(welded(mesh)) if bare else mesh
 
 

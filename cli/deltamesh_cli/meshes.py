@@ -122,7 +122,8 @@ def load_any(name: str, file_format: str | None, stage: Stage, **parameters: Any
     Failure
         It is neither, or needs more than the limits.
     """
-    from deltamesh._mesh import checked_mesh
+    from deltamesh._mesh import LARGEST
+    from deltamesh_formats.polymesh.validation import checked
 
     data = files.read_input(name)
     if data[: len(MAGIC)] == MAGIC:
@@ -130,5 +131,4 @@ def load_any(name: str, file_format: str | None, stage: Stage, **parameters: Any
         return Loaded(decoded(name, data, stage, **parameters), len(data), container)
     found = parsed(name, data, file_format, stage)
     with attempt(name, "cannot read"):
-        checked_mesh(found.vertices, found.triangles)
-    return Loaded(found, len(data), None)
+        return Loaded(checked(found, LARGEST), len(data), None)

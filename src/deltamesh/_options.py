@@ -1,11 +1,12 @@
-"""The options of the encoder, checked in one place."""
+"""Options of the encoder, and the one place where they are checked."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from numbers import Integral
+from typing import TypedDict
 
 from deltamesh._methods import AUTO, BOUNDS, METHOD_OPTIONS, METHODS, RATES
 from deltamesh_formats.container.layout import MethodLayout
@@ -34,9 +35,38 @@ MAX_THREADS = 1024
 MAX_NAME = 255
 
 
+class EncodeOptions(TypedDict, total=False):
+    """Keywords of `deltamesh.encode`, which documents them, for functions that hand them on."""
+
+    method: str
+    bits: int | None
+    step: float | None
+    quality: int | None
+    normal_error: float | None
+    dihedral_error: float | None
+    max_error: float | None
+    max_error_rel: float | None
+    effort: int
+    diffusion: bool
+    anchors: int | float | None
+    anchor_method: str
+    seed: int
+    coarse: float | None
+    solver: str
+    threads: int | None
+    drop_isolated: bool
+    keep_order: bool
+    drop: str | Iterable[str]
+    bits_uv: int
+    bits_normal: int
+    lossless_attributes: bool
+    source_format: str
+    progress: Callable[[str], None] | None
+
+
 @dataclass(frozen=True)
 class Options:
-    """What to encode how; `deltamesh.encode` documents each.
+    """Options of the encoder, checked; `deltamesh.encode` documents each.
 
     Raises
     ------
@@ -140,7 +170,7 @@ def check_together(method: str, given: Collection[str], shown: Callable[[str], s
 
 @dataclass(frozen=True)
 class Settings:
-    """What a method is told to do: options without anything left to search for.
+    """Options of one method, without anything left to search for.
 
     Attributes
     ----------
@@ -154,7 +184,7 @@ class Settings:
     anchors, anchor_method, seed
         As in `Options`.
     largest : float
-        Correct the vertices that would be further from where they were than that.
+        Correct the vertices that would be further than that from their input positions.
     """
 
     method: str

@@ -26,8 +26,9 @@ from deltamesh_formats.meshfiles.ply import writer as ply_out
 from deltamesh_formats.meshfiles.stl import reader as stl_in
 from deltamesh_formats.meshfiles.stl import writer as stl_out
 from deltamesh_formats.meshfiles.written import Written
-from deltamesh_formats.polymesh.mesh import PolyMesh, checked
+from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.polymesh.texture_origin import with_origin
+from deltamesh_formats.polymesh.validation import checked
 
 __all__ = ["FORMATS", "mesh_bytes", "mesh_format", "read_mesh", "write_mesh", "written"]
 
