@@ -16,8 +16,9 @@ from deltamesh._compare.welding import welded, without_isolated
 from deltamesh._measures import metrics
 from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
-from deltamesh.bench import measure as bench
-from deltamesh.bench import peers, rates
+from deltamesh.bench import _measure as bench
+from deltamesh.bench import _peers as peers
+from deltamesh.bench import _rates as rates
 
 
 @pytest.fixture(scope="module")

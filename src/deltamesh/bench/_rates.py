@@ -13,8 +13,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from deltamesh.bench.measure import Measurement
+from deltamesh._geometry.bounds import POSITION_TOLERANCE
+from deltamesh.bench._measure import Measurement
 from deltamesh_formats.errors import DeltameshError
+from deltamesh_formats.printing import number
 
 Row = dict[str, str]
 
@@ -29,7 +31,10 @@ TOLERANCE: Final = 0.005
 ERROR_TOLERANCE: Final = 0.01
 # Errors that are as good as none: what decoding may differ by, in diagonals; and for angles, what
 # that makes of an edge of a 1e-4th of the diagonal, in degrees.
-_NOTHING: Final = {**dict.fromkeys(ERRORS[:4], 1e-9), **dict.fromkeys(ERRORS[4:], 1e-3)}
+_NOTHING: Final = {
+    **dict.fromkeys(ERRORS[:4], POSITION_TOLERANCE),
+    **dict.fromkeys(ERRORS[4:], 1e-3),
+}
 
 
 @dataclass(frozen=True)
@@ -61,11 +66,6 @@ class Change:
     def worse(self) -> bool:
         """Whether a gate should close: more bytes or errors, another mesh, or a row less."""
         return self.verdict in ("grew", "changed", "gone")
-
-
-def number(value: float) -> str:
-    """Return four significant digits."""
-    return f"{value:.4g}"
 
 
 def row_of(measurement: Measurement) -> Row:
