@@ -59,7 +59,7 @@ class Bounds:
         name = max(shares, key=lambda name: shares[name])
         bound, had = getattr(self, name), getattr(errors, name)
         text = name.replace("_", " ")
-        return TargetError(f"{text} {bound:g} cannot be met: {had:g} is the least there was")
+        return TargetError(f"{text} {bound:g} cannot be met: the least found is {had:g}")
 
 
 def _share(error: float, bound: float) -> float:

@@ -154,7 +154,7 @@ def deltamesh_codec(options: Options) -> Codec:
 
 
 def label(options: Options) -> str:
-    """Return the method and what is not at its default, as `codec_of` reads it."""
+    """Return the method and the options that are not at their defaults, as `codec_of` reads it."""
     fields = [one for one in dataclasses.fields(options) if one.name not in ("method", *_SILENT)]
     values = [(one.name, getattr(options, one.name), one.default) for one in fields]
     words = [f"{name}={value}" for name, value, default in values if value != default]
@@ -194,7 +194,7 @@ def _peer(name: str, settings: Mapping[str, Any], mesh: TriangleMesh) -> Coded:
 
 
 def _setting(word: str) -> tuple[str, Any]:
-    """Return the name and the value of `name=value`; what is no Python literal is a string."""
+    """Return the name and the value of `name=value`; text beside literals stays text."""
     name, equals, text = word.partition("=")
     if not (name and equals):
         raise OptionError(f"{word!r} is not an option, such as bits=6")
@@ -211,4 +211,4 @@ def warm_up(codec: Codec) -> None:
     try:
         measure("", TriangleMesh(vertices, faces), codec)
     except DeltameshError:
-        return  # a target that a tetrahedron cannot meet; what matters has been loaded
+        return  # a target that a tetrahedron cannot meet; the kernels have been loaded
