@@ -118,7 +118,7 @@ class Options:
         _require(fits, "source_format must be printable, and at most 255 bytes")
 
     def _check_rate(self) -> None:
-        # The options of the anchors have defaults, and no method minds those.
+        # Options with defaults may be left as they are with any method.
         names = (*RATES, *BOUNDS, "coarse")
         check_together(self.method, [n for n in names if getattr(self, n) is not None])
         for name in ("step", *BOUNDS[1:]):
