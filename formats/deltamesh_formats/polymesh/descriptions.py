@@ -20,7 +20,7 @@ _DOMAINS: Final[dict[Domain, str]] = {"vertex": "vertices", "corner": "corners",
 _METADATA: Final = {"mtllib": "material libraries", "copyright": "copyright"}
 
 
-def unkept(
+def losses_of(
     mesh: PolyMesh,
     *,
     attributes: Collection[Attribute] = (),
@@ -48,7 +48,7 @@ def unkept(
         words["polygons of more than three corners"] = None
     for attribute in mesh.attributes:
         if not any(attribute is kept for kept in attributes):
-            words[attribute_words(attribute)] = None
+            words[describe_attribute(attribute)] = None
     for group in mesh.parts:
         if group.kind not in parts:
             words[KIND_WORDS[group.kind]] = None
@@ -57,7 +57,7 @@ def unkept(
     return (*words, *_metadata_words(mesh, metadata))
 
 
-def unused(mesh: PolyMesh) -> Iterator[str]:
+def unreferenced_rows(mesh: PolyMesh) -> Iterator[str]:
     """Yield words for rows of attributes that no element has: they go when a mesh is encoded."""
     for attribute in mesh.attributes:
         if attribute.index is None:
@@ -65,10 +65,10 @@ def unused(mesh: PolyMesh) -> Iterator[str]:
         used = np.bincount(attribute.index[attribute.index >= 0], minlength=len(attribute.values))
         if not used.all():
             whose = "vertex" if attribute.domain == "vertex" else "face"
-            yield f"{attribute_words(attribute)} that no {whose} refers to"
+            yield f"{describe_attribute(attribute)} that no {whose} refers to"
 
 
-def attribute_words(attribute: Attribute) -> str:
+def describe_attribute(attribute: Attribute) -> str:
     """Return what to call an attribute: "normals", "colours of faces", "quality of vertices"."""
     what = _ROLES.get(attribute.role, attribute.name)
     if attribute.name[-1:].isdigit() and attribute.role in _ROLES:

@@ -25,7 +25,7 @@ def is_top_left(mesh: PolyMesh) -> bool:
     return mesh.metadata.get(KEY) == TOP_LEFT
 
 
-def told_top_left(mesh: PolyMesh) -> PolyMesh:
+def marked_top_left(mesh: PolyMesh) -> PolyMesh:
     """Return a mesh of which metadata tell that, if it has texture coordinates."""
     if mesh.attribute("uv", "vertex", "corner") is None:
         return mesh
@@ -42,7 +42,7 @@ def with_origin(mesh: PolyMesh, *, top_left: bool) -> PolyMesh:
     metadata = {key: words for key, words in mesh.metadata.items() if key != KEY}
     attributes = tuple(_turned(a) if a.role == "uv" else a for a in mesh.attributes)
     turned = replace(mesh, attributes=attributes, metadata=metadata)
-    return told_top_left(turned) if top_left else turned
+    return marked_top_left(turned) if top_left else turned
 
 
 def _turned(attribute: Attribute) -> Attribute:

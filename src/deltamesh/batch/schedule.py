@@ -6,31 +6,32 @@ import math
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from typing import Final, TypeVar
+from typing import TypeVar
 
-from deltamesh._limits import BASE, PER_FACE, PER_VERTEX
+from deltamesh._limits import memory_for_counts
 from deltamesh.batch.plan import Task
 from deltamesh_formats.errors import OptionError
+from deltamesh_formats.meshfiles.formats import FORMATS, format_of_extension
 
 _Item = TypeVar("_Item")
 
-# The least bytes of a file that a vertex and its two triangles take: 32-bit numbers in PLY, STL
-# and GLB (with 16-bit indices), short decimal numbers in OBJ and OFF.
-_PER_VERTEX: Final = {"ply": 38, "stl": 100, "glb": 24, "obj": 50, "off": 50}
-
-
-def memory_for_counts(vertices: int, faces: int) -> int:
-    """Estimate the memory that encoding or decoding takes, in bytes, by the dearest method."""
-    return max(BASE.values()) + max(PER_VERTEX.values()) * vertices + PER_FACE * faces
-
 
 def memory_for_mesh_file(size: int, file_format: str) -> int:
-    """Estimate the memory that encoding a mesh file takes, in bytes, from its size in bytes.
+    """Estimate the memory that encoding a mesh file takes, in bytes.
 
-    Rather too much than too little: normals, colours and long decimal numbers make a file larger
-    than its mesh.
+    The estimate is too high rather than too low: normals, colours and long decimal numbers make a
+    file larger than its mesh.
+
+    Parameters
+    ----------
+    size : int
+        Of the file, in bytes.
+    file_format : str
+        Name or extension of its format; for an unknown one the most memory is assumed.
     """
-    vertices = size // _PER_VERTEX.get(file_format, min(_PER_VERTEX.values()))
+    known = format_of_extension(file_format)
+    formats = FORMATS.values() if known is None else [known]
+    vertices = size // min(one.bytes_per_vertex for one in formats)
     return memory_for_counts(vertices, 2 * vertices)
 
 

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh.arrays import attribute_of, distinct
+from deltamesh_formats.polymesh.arrays import attribute_of
 from deltamesh_formats.polymesh.kinds import Kind
 from deltamesh_formats.polymesh.mesh import Attribute, Domain, Parts, PolyMesh
+from deltamesh_formats.polymesh.names import distinct_names
 
 KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
 
@@ -22,7 +23,7 @@ Arrays = list[tuple[str, NDArray[Any]]]
 def named(arrays: Arrays) -> dict[str, NDArray[Any]]:
     """Return arrays by name; (rows, 1) becomes (rows,), and a name that is taken gets a number."""
     columns = (A[:, 0] if A.ndim == 2 and A.shape[1] == 1 else A for _, A in arrays)
-    return dict(zip(distinct(name for name, _ in arrays), columns, strict=True))
+    return dict(zip(distinct_names(name for name, _ in arrays), columns, strict=True))
 
 
 def dense(mesh: PolyMesh, domain: Domain, without: Iterable[Attribute] = ()) -> Arrays:

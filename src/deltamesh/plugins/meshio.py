@@ -32,9 +32,9 @@ from deltamesh.plugins.fields import (
     tell,
 )
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh.arrays import distinct
-from deltamesh_formats.polymesh.descriptions import attribute_words
+from deltamesh_formats.polymesh.descriptions import describe_attribute
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh, checked
+from deltamesh_formats.polymesh.names import distinct_names
 from deltamesh_formats.polymesh.seams import at_vertices
 from deltamesh_formats.polymesh.texture_origin import with_origin
 from deltamesh_formats.polymesh.validation import check_shapes
@@ -56,7 +56,7 @@ def to_meshio(mesh: PolyMesh) -> meshio.Mesh:
         if attribute.domain == "corner":
             values = at_vertices(mesh, attribute)
             if values is None:
-                lost.append(f"{attribute_words(attribute)} with seams")
+                lost.append(f"{describe_attribute(attribute)} with seams")
             else:
                 points.append((attribute.name, values))
     tell(lost, "a mesh of meshio")
@@ -163,7 +163,8 @@ def _names(mesh: PolyMesh) -> dict[str, NDArray[np.int64]]:
     names = [f"{parts.kind}:{name}" for parts in mesh.parts for name in parts.names]
     numbers = [number for parts in mesh.parts for number in range(len(parts.names))]
     return {
-        name: np.array([number, 2]) for name, number in zip(distinct(names), numbers, strict=True)
+        name: np.array([number, 2])
+        for name, number in zip(distinct_names(names), numbers, strict=True)
     }
 
 

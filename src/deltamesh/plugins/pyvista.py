@@ -31,7 +31,7 @@ from deltamesh.plugins.fields import (
     tell,
 )
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh.descriptions import attribute_words
+from deltamesh_formats.polymesh.descriptions import describe_attribute
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, Role, checked
 from deltamesh_formats.polymesh.seams import at_vertices
 from deltamesh_formats.polymesh.texture_origin import with_origin
@@ -64,7 +64,7 @@ def to_pyvista(mesh: PolyMesh) -> pyvista.PolyData:
         if attribute.domain == "corner":
             values = at_vertices(mesh, attribute)
             if values is None:
-                lost.append(f"{attribute_words(attribute)} with seams")
+                lost.append(f"{describe_attribute(attribute)} with seams")
             else:
                 points.append((attribute.name, values))
         if attribute.domain != "face":

@@ -33,8 +33,8 @@ from deltamesh.plugins.fields import (
     tell,
 )
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles.numbers import fractions
 from deltamesh_formats.polymesh.arrays import from_arrays, role_of
+from deltamesh_formats.polymesh.colours import as_fractions
 from deltamesh_formats.polymesh.joining import joined
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 from deltamesh_formats.polymesh.seams import at_vertices, split
@@ -178,7 +178,7 @@ def _visual(mesh: PolyMesh, cut: Triangles) -> tuple[dict[str, Any], list[Attrib
 def _rgba(colour: Attribute) -> NDArray[np.uint8]:
     """Return colours as trimesh has them, uint8 (count, 4)."""
     found = np.full((len(colour.rows()), 4), 255, dtype=np.uint8)
-    values = np.nan_to_num(fractions(colour.dense(), colour.normalized))
+    values = np.nan_to_num(as_fractions(colour.dense(), normalized=colour.normalized))
     found[:, : colour.width] = np.rint(255 * np.clip(values, 0, 1))
     return found
 

@@ -17,11 +17,10 @@ from numpy.typing import NDArray
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles.glb import placement
 from deltamesh_formats.meshfiles.glb.chunks import Gltf, Tree, items, read_container
-from deltamesh_formats.meshfiles.glb.names import name_of
 from deltamesh_formats.meshfiles.glb.scene import Placed, placed_meshes, what_is_lost
-from deltamesh_formats.meshfiles.strips import from_strips
+from deltamesh_formats.meshfiles.glb.semantics import name_of
+from deltamesh_formats.meshfiles.triangle_strips import triangles_of_strips
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
-from deltamesh_formats.polymesh.texture_origin import told_top_left
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _MODES: Final = {0: "points", 1: "lines", 2: "lines", 3: "lines"}
@@ -89,7 +88,7 @@ def read(data: bytes) -> PolyMesh:
     asset = gltf.tree.get("asset", {})
     said = str(asset.get("copyright", "")) if isinstance(asset, dict) else ""
     objects, materials = np.repeat(scene.objects, sizes), np.repeat(scene.materials, sizes)
-    mesh = PolyMesh(
+    return PolyMesh(
         np.concatenate([np.empty((0, 3)), *scene.vertices]),
         faces.ravel(),
         3 * np.arange(len(faces) + 1, dtype=np.int64),
@@ -98,9 +97,7 @@ def read(data: bytes) -> PolyMesh:
         {"copyright": (said,)} if said else {},
         tuple(lost),
         "float32",
-        "glb",
     )
-    return told_top_left(mesh)
 
 
 def _primitives(
@@ -142,7 +139,7 @@ def _faces(gltf: Gltf, primitive: Tree, mode: int) -> NDArray[np.int64]:
         count = len(gltf.accessor(primitive["attributes"]["POSITION"]))
         indices = np.arange(count, dtype=np.int64)
     if mode == _STRIP:
-        return from_strips(indices)
+        return triangles_of_strips(indices)
     if mode == _FAN:
         rim = np.stack([indices[1:-1], indices[2:]], axis=1)
         return np.concatenate([np.broadcast_to(indices[:1, None], (len(rim), 1)), rim], axis=1)

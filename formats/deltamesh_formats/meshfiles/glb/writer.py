@@ -1,8 +1,8 @@
-"""A mesh to GLB: the mirror of `glb_in`.
+"""Writer of GLB.
 
-Each object is a node with a mesh; faces without an object are one too. Positions are float32,
+Each object is a node with a mesh, and so are the faces without an object. Positions are float32,
 relative to the node: the transform that a scene had is undone, and where float32 would lose much,
-as far from the origin, a mesh gets a translation.
+as it does far from the origin, the node gets a translation.
 """
 
 from __future__ import annotations
@@ -13,13 +13,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh_formats.meshfiles.glb import placement
+from deltamesh_formats.meshfiles.file_format import Written
+from deltamesh_formats.meshfiles.float32 import bounding_diagonal, rounded_positions
+from deltamesh_formats.meshfiles.glb import GLB, placement
 from deltamesh_formats.meshfiles.glb.chunks import BINARY_CHUNK, COMPONENTS, JSON_CHUNK, MAGIC
-from deltamesh_formats.meshfiles.glb.groups import Groups, grouped
-from deltamesh_formats.meshfiles.glb.names import semantic_of
-from deltamesh_formats.meshfiles.single import diagonal_of, in_float32
-from deltamesh_formats.meshfiles.written import Written
-from deltamesh_formats.polymesh.descriptions import unkept
+from deltamesh_formats.meshfiles.glb.semantics import semantic_of
+from deltamesh_formats.meshfiles.glb.vertex_groups import Groups, grouped
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 
 _CODES: Final = {kind: code for code, kind in COMPONENTS.items()}
@@ -38,14 +37,8 @@ def write(mesh: PolyMesh) -> Written:
     numbers, starts = np.unique(groups.objects[order], return_index=True)
     for number, mine in zip(numbers.tolist(), np.split(order, starts[1:]), strict=True):
         writer.add_object(number, mine)
-    words = unkept(
-        mesh,
-        attributes=[attribute for attribute, _, _ in kept],
-        parts=("object", "mesh", "material"),
-        metadata=("copyright",),
-        transforms=True,
-    )
-    return Written(writer.data(), (*words, *dict.fromkeys(writer.lost)))
+    lost = GLB.losses(mesh, [attribute for attribute, _, _ in kept])
+    return Written(writer.data(), (*lost, *dict.fromkeys(writer.lost)))
 
 
 _Kept = tuple[Attribute, str, NDArray[Any]]
@@ -91,7 +84,7 @@ class _Writer:
 
     def __init__(self, mesh: PolyMesh, groups: Groups, kept: list[_Kept]) -> None:
         self.mesh, self.groups, self.kept = mesh, groups, kept
-        self.diagonal = diagonal_of(mesh.vertices)
+        self.diagonal = bounding_diagonal(mesh.vertices)
         self.mesh_of_object = _meshes_of_objects(mesh)
         self.lost = [*groups.lost]
         self.buffer: list[bytes] = []
@@ -149,7 +142,7 @@ class _Writer:
                 condition = np.linalg.cond(matrix[:3, :3])
             if not condition < 1e12:
                 matrix = np.eye(4)  # it has no inverse: the vertices are where it put them
-        if placement.is_identity(matrix) and in_float32(points, self.diagonal, "GLB")[1]:
+        if placement.is_identity(matrix) and rounded_positions(points, self.diagonal, GLB.title)[1]:
             matrix = np.eye(4)
             # Coarse numbers, so that taking them off rounds little.
             grid = 2.0 ** np.ceil(np.log2(self.diagonal)) if self.diagonal else 1.0
@@ -164,7 +157,7 @@ class _Writer:
         """Add the vertices of a group; return its primitives, one for each material."""
         some = self._slice(group)
         points = placement.moved_back(self.mesh.vertices[self._vertices(group)], matrix)
-        local, rounded = in_float32(points, self.diagonal, "GLB")
+        local, rounded = rounded_positions(points, self.diagonal, GLB.title)
         self.lost += rounded
         bounds = {"min": local.min(axis=0).tolist(), "max": local.max(axis=0).tolist()}
         attributes = {"POSITION": self._add(self._accessor(local, _VERTICES) | bounds)}

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh_formats.meshfiles import text
-from deltamesh_formats.meshfiles.obj.words import KEPT, OFF, OTHERS, PARTS
+from deltamesh_formats.meshfiles.obj.statements import KEPT, OFF, OTHERS, PARTS
 from deltamesh_formats.meshfiles.text import Indices, Lines
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, Role
 
@@ -37,11 +37,11 @@ def read(data: bytes) -> PolyMesh:
     MeshError
         With the line at fault.
     """
-    data = text.normal_ends(data)
+    data = text.with_line_feeds(data)
     # Comments first: a path at the end of one continues nothing.
-    lines = text.split(text.blanked(_CONTINUATION, text.blanked(_COMMENT, data)))
-    words = lines.words()
-    where = {key: words == text.word(key) for key in KEPT}
+    lines = text.split_lines(text.blanked(_CONTINUATION, text.blanked(_COMMENT, data)))
+    words = lines.keywords()
+    where = {key: words == text.keyword(key) for key in KEPT}
     where[b"f"] = where[b"f"] | where.pop(b"fo")
     vertices, colours, weighted = _vertices(lines, where[b"v"])
     tables = {
@@ -59,7 +59,6 @@ def read(data: bytes) -> PolyMesh:
         tuple(_parts(lines, data, where)),
         _metadata(lines, data, where[b"mtllib"]),
         tuple(lost),
-        format="obj",
     )
 
 
@@ -72,9 +71,9 @@ class _Faces(NamedTuple):
 
 def _rows(lines: Lines, chosen: NDArray[np.bool_]) -> tuple[NDArray[np.float64], Indices, Indices]:
     """Return the numbers of some lines, where each line's begin, and how many it has."""
-    cut, tokens = text.cut_out(lines, chosen)
+    cut, tokens = text.without_first_tokens(lines, chosen)
     counts = lines.counts[chosen] - 1
-    return text.numbers(cut, lines, tokens), np.cumsum(counts) - counts, counts
+    return text.read_numbers(cut, lines, tokens), np.cumsum(counts) - counts, counts
 
 
 def _check_counts(
@@ -121,18 +120,18 @@ def _table(
 def _faces(lines: Lines, where: Mapping[bytes, NDArray[np.bool_]], sizes: list[int]) -> _Faces:
     """Return the indices of faces: v, v/vt, v//vn, v/vt/vn, each from 1, or from -1 backwards."""
     chosen = where[b"f"]
-    cut, tokens = text.cut_out(lines, chosen)
+    cut, tokens = text.without_first_tokens(lines, chosen)
     slashes = cut == ord("/")
     plain = np.where(slashes, np.uint8(ord(" ")), cut)
-    at, _ = text.tokens_of(plain)
+    at, _ = text.token_bounds(plain)
     corner, fields = np.arange(len(at)), np.zeros(len(at), dtype=np.int64)
     if slashes.any():
-        begins, _ = text.tokens_of(cut)
+        begins, _ = text.token_bounds(cut)
         corner = np.searchsorted(begins, at, side="right") - 1
         before = np.cumsum(slashes) - slashes
         fields = before[at] - before[begins[corner]]
     _check_fields(lines, tokens, corner, fields)
-    given = text.numbers(plain, lines, tokens[corner], int)
+    given = text.read_numbers(plain, lines, tokens[corner], int)
     face_lines = np.flatnonzero(chosen)
     counts = lines.counts[face_lines] - 1
     line_of_corner = np.repeat(face_lines, counts)
@@ -165,12 +164,12 @@ def _check_fields(lines: Lines, tokens: Indices, corner: Indices, fields: Indice
     bad = fields > 2
     if bad.any():
         token = int(tokens[corner[np.argmax(bad)]])
-        raise lines.error(token, f"{text.shown(lines.token(token))} is no v/vt/vn")
+        raise lines.error(token, f"{text.quoted(lines.token(token))} is no v/vt/vn")
     has = np.zeros(len(tokens), dtype=bool)
     has[corner[fields == 0]] = True
     if not has.all():
         token = int(tokens[np.argmin(has)])
-        raise lines.error(token, f"{text.shown(lines.token(token))} names no vertex")
+        raise lines.error(token, f"{text.quoted(lines.token(token))} names no vertex")
 
 
 def _attributes(
@@ -215,7 +214,7 @@ def _rest(lines: Lines, data: bytes, line: int) -> str:
     """Return what follows the keyword of a line, whatever it is."""
     start = int(lines.token_ends[lines.first[line]])
     end = data.find(b"\n", start)
-    return text.decoded(data[start : end if end >= 0 else None].strip())
+    return text.as_text(data[start : end if end >= 0 else None].strip())
 
 
 def _metadata(
@@ -223,21 +222,21 @@ def _metadata(
 ) -> dict[str, tuple[str, ...]]:
     head = _HEADER.match(data)
     above = [line.strip() for line in (head[0] if head else b"").split(b"\n")]
-    comments = tuple(text.decoded(line[1:]) for line in above if line)
+    comments = tuple(text.as_text(line[1:]) for line in above if line)
     names = tuple(_rest(lines, data, int(line)) for line in np.flatnonzero(libraries))
     return {key: found for key, found in (("comments", comments), ("mtllib", names)) if found}
 
 
 def _others(lines: Lines, words: NDArray[np.uint64]) -> list[str]:
     """Return the words for statements that are not kept."""
-    strange = ~np.isin(words, [text.word(key[:8]) for key in KEPT])
+    strange = ~np.isin(words, [text.keyword(key) for key in KEPT])
     found = []
     for what, keys in OTHERS.items():
-        mine = strange & np.isin(words, [text.word(key[:8]) for key in keys])
+        mine = strange & np.isin(words, [text.keyword(key) for key in keys])
         if mine.any():
             found.append(what)
             strange &= ~mine
     if strange.any():
         token = int(lines.first[np.argmax(strange)])
-        found.append(f"statements unknown to OBJ ({text.shown(lines.token(token))})")
+        found.append(f"statements unknown to OBJ ({text.quoted(lines.token(token))})")
     return found

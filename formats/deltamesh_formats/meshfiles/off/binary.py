@@ -12,9 +12,9 @@ import itertools
 import numpy as np
 
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles.ply.bodies import Binary
+from deltamesh_formats.meshfiles.ply.body import Binary
 from deltamesh_formats.meshfiles.ply.header import Element, Property
-from deltamesh_formats.meshfiles.ply.rows import read_rows
+from deltamesh_formats.meshfiles.ply.records import read_rows
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh, Role
 
 _COUNTS = Element("header", 1, [Property(name, "i4") for name in ("n", "m", "edges")])
@@ -83,5 +83,4 @@ def _read(body: Binary, widths: list[tuple[Role, int]], coloured: bool) -> PolyM
         tuple(attributes),
         lost=tuple(lost),
         precision="float32",
-        format="off",
     )

@@ -52,7 +52,7 @@ def read(data: bytes) -> PolyMesh:
     MeshError
         With the line at fault.
     """
-    data = text.normal_ends(data)
+    data = text.with_line_feeds(data)
     plain = text.blanked(_COMMENT, data)
     keyword = _KEYWORD.match(plain)
     if keyword is None:
@@ -64,26 +64,24 @@ def read(data: bytes) -> PolyMesh:
     binary = _BINARY.match(data, keyword.end())
     if binary:
         return read_binary(data[binary.end() :], columns.widths(4))
-    lines = text.split(plain)
+    lines = text.split_lines(plain)
     n, m, at = _counts(lines)
     first = int(lines.token_starts[at]) if at < len(lines.token_starts) else len(plain)
     tokens = np.arange(at, len(lines.token_starts))
-    values = text.numbers(lines.buffer[first:], lines, tokens)
+    values = text.read_numbers(lines.buffer[first:], lines, tokens)
     body = _Body(lines, values, at)
     found = _by_lines(body, n, m, columns) or _as_one_row(body, n, m, columns)
     if found is None:
         message = "its records do not fit its counts of vertices and faces: is it cut short?"
         raise MeshError(message)
     comments = tuple(
-        text.decoded(line.strip()[1:])
+        text.as_text(line.strip()[1:])
         for line in data[:first].split(b"\n")
         if line.lstrip().startswith(b"#")
     )
     vertices, corners, offsets, attributes, lost = found
     metadata = {"comments": comments} if comments else {}
-    return PolyMesh(
-        vertices, corners, offsets, attributes, metadata=metadata, lost=lost, format="off"
-    )
+    return PolyMesh(vertices, corners, offsets, attributes, metadata=metadata, lost=lost)
 
 
 def _counts(lines: Lines) -> tuple[int, int, int]:
@@ -121,7 +119,7 @@ class _Body:
         bad = indices != found
         if bad.any():
             token = self.at + int(at[np.argmax(bad)])
-            what = text.shown(self.lines.token(token))
+            what = text.quoted(self.lines.token(token))
             raise self.lines.error(token, f"{what} is not a vertex index")
         return indices
 

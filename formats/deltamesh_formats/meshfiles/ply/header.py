@@ -8,7 +8,7 @@ from typing import Final
 
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import text
-from deltamesh_formats.meshfiles.ply.names import FORMATS, TYPES
+from deltamesh_formats.meshfiles.ply.properties import FORMATS, TYPES
 
 _BEGINNING: Final = re.compile(rb"ply[ \t]*(\r\n|\n|\r)")
 # A count with more digits is beyond any file.
@@ -83,7 +83,7 @@ def read_header(data: bytes) -> Header:
         words = line.split()
         if i == 0 or not words:
             continue
-        key, rest = text.decoded(words[0]), [text.decoded(word) for word in words[1:]]
+        key, rest = text.as_text(words[0]), [text.as_text(word) for word in words[1:]]
         try:
             if key == "format":
                 order = FORMATS[rest[0]]
@@ -94,7 +94,7 @@ def read_header(data: bytes) -> Header:
             else:
                 _remark(header, line, key)
         except (LookupError, ValueError):
-            raise MeshError(f"line {i + 1}: not of a PLY header: {text.shown(line)}") from None
+            raise MeshError(f"line {i + 1}: not of a PLY header: {text.quoted(line)}") from None
     if order is None:
         raise MeshError("its header has no format: ascii, binary_little_endian, binary_big_endian")
     return Header(order, header.elements, header.comments, header.obj_info, header.body)
@@ -119,7 +119,7 @@ def _property(words: list[str]) -> Property:
 
 def _remark(header: Header, line: bytes, key: str) -> None:
     """Keep a comment; above the first element also one that has lost its keyword."""
-    said = text.decoded(line.strip())
+    said = text.as_text(line.strip())
     if key in ("comment", "obj_info"):
         kept = header.comments if key == "comment" else header.obj_info
         kept.append(said[len(key) + 1 :])

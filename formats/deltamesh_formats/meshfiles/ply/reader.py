@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import text
-from deltamesh_formats.meshfiles.ply.bodies import Ascii, Binary
+from deltamesh_formats.meshfiles.ply.body import Ascii, Binary
 from deltamesh_formats.meshfiles.ply.header import Element, Header, read_header
-from deltamesh_formats.meshfiles.ply.names import GROUPS, INDICES, POSITION, WEDGE_UV, role_of
-from deltamesh_formats.meshfiles.ply.rows import Column, read_rows
-from deltamesh_formats.meshfiles.strips import from_strips
+from deltamesh_formats.meshfiles.ply.properties import GROUPS, INDICES, POSITION, WEDGE_UV, role_of
+from deltamesh_formats.meshfiles.ply.records import Column, read_rows
+from deltamesh_formats.meshfiles.triangle_strips import triangles_of_strips
 from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh
 
 _KEPT: Final = ("vertex", "face", "tristrips")
@@ -57,7 +57,6 @@ def read(data: bytes) -> PolyMesh:
         metadata={key: said for key, said in metadata.items() if said},
         lost=tuple(lost),
         precision="float32" if single else "float64",
-        format="ply",
     )
 
 
@@ -65,9 +64,9 @@ def _tables(data: bytes, header: Header) -> tuple[dict[str, dict[str, Column]], 
     """Return the columns of each element, and words for those that are not kept."""
     body: Ascii | Binary = Binary(data[header.body :], header.order)
     if not header.order:
-        plain = text.normal_ends(data)
+        plain = text.with_line_feeds(data)
         above = text.blanked(_NO_END, plain[: header.body])
-        body = Ascii(text.split(above + plain[header.body :]))
+        body = Ascii(text.split_lines(above + plain[header.body :]))
     elements = header.elements if header.order else map(_as_written, header.elements)
     tables: dict[str, dict[str, Column]] = {}
     at, lost = 0, []
@@ -107,7 +106,7 @@ def _faces(
         return np.empty(0, dtype=np.int64), np.zeros(1, dtype=np.int64)
     ends = np.cumsum(indices.counts)[:-1]
     # A strip ends where -1 is, and at the end of a list.
-    triangles = from_strips(np.insert(indices.values.astype(np.int64), ends, -1))
+    triangles = triangles_of_strips(np.insert(indices.values.astype(np.int64), ends, -1))
     return triangles.ravel(), np.arange(len(triangles) + 1, dtype=np.int64) * 3
 
 

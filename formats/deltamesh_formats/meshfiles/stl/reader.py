@@ -18,6 +18,7 @@ from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import text
 from deltamesh_formats.meshfiles.text import Lines
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
+from deltamesh_formats.polymesh.permutations import rank_of
 
 _HEADER: Final = 84
 FACET: Final = np.dtype([("normal", "<f4", 3), ("vertices", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -46,7 +47,7 @@ def read(data: bytes) -> PolyMesh:
         return _read_binary(data)
     lower = data.lower()
     if lower.lstrip().startswith(b"solid") and (b"facet" in lower or b"endsolid" in lower):
-        return _read_ascii(text.normal_ends(data))
+        return _read_ascii(text.with_line_feeds(data))
     message = f"neither an ASCII STL nor a binary one, whose header of {facets} facets would mean"
     raise MeshError(f"{message} {expected} bytes: it has {len(data)}")
 
@@ -57,7 +58,7 @@ def _read_binary(data: bytes) -> PolyMesh:
     if facets["attribute"].any():
         raw = facets["attribute"].astype(np.uint16)[:, None]
         attributes = (Attribute(ATTRIBUTE, "face", raw),)
-    header = text.decoded(data[: _HEADER - 4].rstrip(b"\0 "))
+    header = text.as_text(data[: _HEADER - 4].rstrip(b"\0 "))
     vertices, corners = _welded(facets["vertices"].reshape(-1, 3).astype(np.float64))
     return PolyMesh(
         vertices,
@@ -67,24 +68,23 @@ def _read_binary(data: bytes) -> PolyMesh:
         metadata={"header": (header,)} if header else {},
         lost=_other_normals(facets["normal"], facets["vertices"]),
         precision="float32",
-        format="stl",
     )
 
 
 def _read_ascii(data: bytes) -> PolyMesh:
     solids = list(_SOLID.finditer(data))
-    lines = text.split(text.blanked(_SOLID, data))
+    lines = text.split_lines(text.blanked(_SOLID, data))
     facets = _check_facets(lines)
     last = int(lines.token_ends[-1]) if len(lines.token_ends) else 0
     if not (solids[-1][1] and solids[-1].start() > last):
         raise MeshError("its last solid has no end: is it cut short?")
     tokens = np.flatnonzero(~np.tile(_KEYWORDS, facets))
     buffer = lines.buffer.copy()
-    text.blank(buffer, lines, np.flatnonzero(np.tile(_KEYWORDS, facets)))
-    values = text.numbers(buffer, lines, tokens).reshape(-1, 12)
+    text.blank_tokens(buffer, lines, np.flatnonzero(np.tile(_KEYWORDS, facets)))
+    values = text.read_numbers(buffer, lines, tokens).reshape(-1, 12)
     vertices, corners = _welded(values[:, 3:].reshape(-1, 3))
     begun = [found for found in solids if not found[1]]
-    names = [text.decoded(found[2].strip()) for found in begun]
+    names = [text.as_text(found[2].strip()) for found in begun]
     facet_starts = lines.token_starts[:: len(_FACET)]
     of_face = np.searchsorted([found.start() for found in begun], facet_starts) - 1
     return PolyMesh(
@@ -93,7 +93,6 @@ def _read_ascii(data: bytes) -> PolyMesh:
         3 * np.arange(facets + 1, dtype=np.int64),
         parts=_objects(names, of_face),
         lost=_other_normals(values[:, :3], values[:, 3:].reshape(-1, 3, 3)),
-        format="stl",
     )
 
 
@@ -125,16 +124,16 @@ def _objects(names: list[str], of_face: NDArray[np.int64]) -> tuple[Parts, ...]:
 def _check_facets(lines: Lines) -> int:
     """Return how many facets there are; refuse the first token that belongs to none."""
     count = len(lines.token_starts)
-    expected = np.array([text.word(token[:8]) for token in _FACET])
+    expected = np.array([text.keyword(token) for token in _FACET])
     where = np.arange(count) % len(_FACET)
     keywords = np.flatnonzero(_KEYWORDS[where])
     lower = np.where((lines.buffer >= 65) & (lines.buffer <= 90), lines.buffer + 32, lines.buffer)
-    found = text.words(lower, lines.token_starts, lines.token_ends, keywords)
+    found = text.keywords(lower, lines.token_starts, lines.token_ends, keywords)
     bad = found != expected[where[keywords]]
     if bad.any():
         token = int(keywords[np.argmax(bad)])
         wanted = _FACET[where[token]].decode()
-        raise lines.error(token, f"{text.shown(lines.token(token))} where '{wanted}' belongs")
+        raise lines.error(token, f"{text.quoted(lines.token(token))} where '{wanted}' belongs")
     if count % len(_FACET):
         raise MeshError("its last facet has no end: is it cut short?")
     return count // len(_FACET)
@@ -146,8 +145,7 @@ def _welded(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[n
     new = np.ones(len(points), dtype=bool)
     new[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)
     first = order[new]
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
+    by_appearance = np.argsort(first)
     index = np.empty(len(points), dtype=np.int64)
-    index[order] = rank[np.cumsum(new) - 1]
-    return points[np.sort(first)], index
+    index[order] = rank_of(by_appearance)[np.cumsum(new) - 1]
+    return points[first[by_appearance]], index

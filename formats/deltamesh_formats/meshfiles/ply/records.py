@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles.ply.bodies import Ascii, Binary, Indices
+from deltamesh_formats.meshfiles.ply.body import Ascii, Binary, Indices
 from deltamesh_formats.meshfiles.ply.header import Element, Property
 
 

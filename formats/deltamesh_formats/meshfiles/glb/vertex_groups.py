@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
+from deltamesh_formats.polymesh.permutations import rank_of
 
 Indices = NDArray[np.int64]
 
@@ -145,9 +146,7 @@ def _in_order(group: Indices, object_of: Indices, vertex: Indices) -> Indices:
     first, objects = (np.full(int(group.max()) + 1, len(vertex)) for _ in range(2))
     np.minimum.at(first, group, vertex)
     objects[group] = object_of
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.lexsort([first, objects])] = np.arange(len(first))
-    return rank[group]
+    return rank_of(np.lexsort([first, objects]))[group]
 
 
 def _numbered(major: Indices, minor: NDArray[np.int64] | NDArray[np.bool_]) -> Indices:

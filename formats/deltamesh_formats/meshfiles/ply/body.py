@@ -59,7 +59,7 @@ class Ascii:
     def cells(self) -> NDArray[np.float64]:
         """The numbers, float64."""
         tokens = np.arange(len(self.lines.token_starts))
-        found: NDArray[np.float64] = text.numbers(self.lines.buffer, self.lines, tokens)
+        found: NDArray[np.float64] = text.read_numbers(self.lines.buffer, self.lines, tokens)
         return found
 
     def width(self, kind: str) -> int:
@@ -88,7 +88,7 @@ class Ascii:
             i, j = np.unravel_index(np.argmax(bad), bad.shape)
             token = int(at[i]) + int(j)
             name = f"{8 * limits.dtype.itemsize} bits, {'' if kind[0] == 'i' else 'un'}signed"
-            what = text.shown(self.lines.token(token))
+            what = text.quoted(self.lines.token(token))
             raise self.error(token, f"{what} is not a whole number of {name}")
         return block.astype(kind)
 
