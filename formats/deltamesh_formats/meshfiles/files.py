@@ -9,10 +9,10 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import BinaryIO, TypeAlias
 
 import numpy as np
 
+from deltamesh_formats.atomic import PathOrFile, write_file
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles.file_format import FileFormat, Written
 from deltamesh_formats.meshfiles.formats import FORMATS, format_of_extension
@@ -20,8 +20,6 @@ from deltamesh_formats.polymesh.mesh import PolyMesh, checked
 from deltamesh_formats.polymesh.texture_origin import marked_top_left, with_origin
 
 __all__ = ["mesh_bytes", "mesh_format", "read_mesh", "write_mesh", "written"]
-
-PathOrFile: TypeAlias = str | os.PathLike[str] | BinaryIO
 
 
 def mesh_format(target: PathOrFile, file_format: str | None = None) -> FileFormat:
@@ -114,6 +112,9 @@ def write_mesh(
 ) -> tuple[str, ...]:
     """Write a mesh file; all its bytes are made before the first one is written.
 
+    A file at a path appears whole or not at all; one that exists is replaced and keeps its
+    permissions.
+
     Parameters
     ----------
     target : path or binary file object
@@ -135,10 +136,7 @@ def write_mesh(
         When the file cannot be written.
     """
     made = written(mesh, mesh_format(target, file_format).name)
-    if isinstance(target, (str, os.PathLike)):
-        Path(target).write_bytes(made.data)
-    else:
-        target.write(made.data)
+    write_file(target, made.data)
     return made.lost
 
 
