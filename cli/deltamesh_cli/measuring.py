@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
-from deltamesh.batch.finding import Selection, find
+from deltamesh.batch import Selection, find
 from deltamesh_cli import files
 from deltamesh_cli.failures import DONE, MISSED, attempt
 from deltamesh_cli.meshes import parsed

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from works import task
 
 from deltamesh._limits import memory_for_counts, memory_needed
-from deltamesh.batch.schedule import (
-    cores,
+from deltamesh.batch._schedule import (
+    available_cores,
     groups,
     memory_for_mesh_file,
     physical_memory,
@@ -130,6 +130,6 @@ def test_a_rank_beyond_the_world_is_refused() -> None:
 
 
 def test_the_machine() -> None:
-    assert cores() >= 1
+    assert available_cores() >= 1
     memory = physical_memory()
     assert memory is None or memory > 1 << 26

@@ -11,10 +11,19 @@ from typing import Final, TypeAlias
 
 from deltamesh._limits import memory_for_counts
 from deltamesh._version import __version__
-from deltamesh.batch.finding import Selection, find
-from deltamesh.batch.manifest import SKIPPED, Record, is_ours, still_done
-from deltamesh.batch.plan import Task, check_targets, flat, mirrored
-from deltamesh.batch.schedule import memory_for_mesh_file
+from deltamesh.batch import (
+    SKIPPED,
+    Record,
+    Selection,
+    Task,
+    check_targets,
+    find,
+    flat,
+    memory_for_mesh_file,
+    mirrored,
+    still_done,
+    wrote_target,
+)
 from deltamesh_cli import files
 from deltamesh_cli.batch.work import Job, failed
 from deltamesh_cli.commands.decode import destination
@@ -167,7 +176,7 @@ def settled(
     """
     if before is not None and still_done(before, job.options(), __version__):
         return before
-    if before is not None and is_ours(before):
+    if before is not None and wrote_target(before):
         return None
     if skip_existing and os.path.lexists(task.target):
         return {"status": SKIPPED, "source": task.source, "target": task.target}

@@ -1,4 +1,4 @@
-"""Who starts when, and what goes together: pure functions of sizes."""
+"""Scheduling of tasks, pure functions of sizes: starting, grouping, sharing, memory."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contextlib import suppress
 from typing import TypeVar
 
 from deltamesh._limits import memory_for_counts
-from deltamesh.batch.plan import Task
+from deltamesh.batch._plan import Task
 from deltamesh_formats.errors import OptionError
 from deltamesh_formats.meshfiles.formats import FORMATS, format_of_extension
 
@@ -36,7 +36,7 @@ def memory_for_mesh_file(size: int, file_format: str) -> int:
 
 
 def physical_memory() -> int | None:
-    """Return the memory of this machine or container in bytes; None where it is not told."""
+    """Return the memory of this machine or container in bytes; None if unknown."""
     known = []
     with suppress(AttributeError, ValueError, OSError):
         known.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
@@ -46,7 +46,7 @@ def physical_memory() -> int | None:
     return min(known, default=None)
 
 
-def cores() -> int:
+def available_cores() -> int:
     """Return how many cores this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
