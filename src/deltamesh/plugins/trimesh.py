@@ -21,16 +21,16 @@ import trimesh
 from numpy.typing import NDArray
 
 from deltamesh._codec import decode, encode
-from deltamesh.plugins.fields import (
+from deltamesh.plugins._fields import (
     KINDS,
     Arrays,
     attributes_of,
-    dense,
-    in_order,
-    named,
+    by_name,
+    dense_arrays,
+    keeping_order,
     names_key,
     parts_of,
-    tell,
+    warn_of_losses,
 )
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.arrays import from_arrays, role_of
@@ -118,8 +118,8 @@ def export_dmesh(mesh: trimesh.Trimesh, **options: Any) -> bytes:
     The options are those of `deltamesh.encode`, of which `keep_order` is True unless given.
     """
     found = from_trimesh(mesh)
-    tell(found.lost, "a .dmesh")
-    return encode(found, **in_order(options))
+    warn_of_losses(found.lost, "a .dmesh")
+    return encode(found, **keeping_order(options))
 
 
 def register() -> None:
@@ -139,8 +139,8 @@ def _arguments(mesh: PolyMesh, split_seams: bool) -> dict[str, Any]:
     if normal is not None and np.isfinite(N := normal.dense()).all():
         found["vertex_normals"] = N
     face: Arrays = [(parts.kind, parts.of_face[cut.polygon]) for parts in mesh.parts]
-    face += [(name, A[cut.polygon]) for name, A in dense(mesh, "face", shown)]
-    corners = dense(mesh, "corner", shown)
+    face += [(name, A[cut.polygon]) for name, A in dense_arrays(mesh, "face", shown)]
+    corners = dense_arrays(mesh, "corner", shown)
     face += [(_CORNER + name, A[cut.corners].reshape(len(cut.faces), -1)) for name, A in corners]
     names = {names_key(parts.kind): list(parts.names) for parts in mesh.parts}
     words: dict[str, Any] = {key: list(some) for key, some in mesh.metadata.items()}
@@ -149,8 +149,8 @@ def _arguments(mesh: PolyMesh, split_seams: bool) -> dict[str, Any]:
     return {
         "vertices": mesh.vertices,
         "faces": cut.faces,
-        "vertex_attributes": named(dense(mesh, "vertex", shown)),
-        "face_attributes": named(face),
+        "vertex_attributes": by_name(dense_arrays(mesh, "vertex", shown)),
+        "face_attributes": by_name(face),
         "metadata": {**words, **names},
         "process": False,
         **found,
