@@ -35,9 +35,9 @@ from deltamesh.plugins._fields import (
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.arrays import from_arrays, role_of
 from deltamesh_formats.polymesh.colours import as_fractions
-from deltamesh_formats.polymesh.joining import joined
+from deltamesh_formats.polymesh.concatenation import concatenate
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
-from deltamesh_formats.polymesh.seams import at_vertices, split
+from deltamesh_formats.polymesh.seams import at_vertices, split_at_seams
 from deltamesh_formats.polymesh.texture_origin import with_origin
 from deltamesh_formats.polymesh.triangles import Triangles
 
@@ -132,7 +132,7 @@ def _arguments(mesh: PolyMesh, split_seams: bool) -> dict[str, Any]:
     mesh = with_origin(mesh, top_left=False)
     uv = mesh.attribute("uv", "corner")
     if split_seams and uv is not None:
-        mesh = split(mesh, uv)
+        mesh = split_at_seams(mesh, uv)
     cut = mesh.triangulation()
     found, shown = _visual(mesh, cut)
     normal = mesh.attribute("normal", "vertex")
@@ -266,7 +266,7 @@ def _from_scene(scene: trimesh.Scene) -> PolyMesh:
     if not placed:
         raise MeshError("a scene without meshes")
     meshes = [from_trimesh(one) for one in placed]
-    mesh = joined(meshes)
+    mesh = concatenate(meshes)
     if len(placed) == 1 and mesh.parts_of("object") is not None:
         return mesh
     names = tuple(str(one.metadata.get("node", "")) for one in placed)

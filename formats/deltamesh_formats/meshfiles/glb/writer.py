@@ -27,7 +27,7 @@ _VERTICES, _INDICES = 34962, 34963
 
 
 def write(mesh: PolyMesh) -> Written:
-    """Write a GLB; polygons become triangles, corners that differ at a vertex repeat it."""
+    """Write a GLB; polygons become triangles, and vertices whose corners differ are repeated."""
     objects = mesh.parts_of("object")
     of_face = np.full(len(mesh.sizes), -1) if objects is None else objects.of_face
     kept = _kept(mesh)
@@ -45,7 +45,7 @@ _Kept = tuple[Attribute, str, NDArray[Any]]
 
 
 def _kept(mesh: PolyMesh) -> list[_Kept]:
-    """Return the attributes that glTF holds, what it calls them, and their values as it has them.
+    """Return the attributes that glTF holds, with semantics and values in its types.
 
     Two of one name are kept when no vertex has both.
     """
@@ -67,7 +67,7 @@ def _kept(mesh: PolyMesh) -> list[_Kept]:
 
 
 def _single(values: NDArray[Any]) -> NDArray[Any] | None:
-    """Return numbers in a type of glTF; whole ones of more bits as float32 when that is exact."""
+    """Return numbers in a type of glTF, None if there is none that holds these integers exactly."""
     kind = values.dtype.str[1:]
     if kind in _CODES and kind != "u4":
         return values.astype("<" + kind)
@@ -80,7 +80,7 @@ def _single(values: NDArray[Any]) -> NDArray[Any] | None:
 
 
 class _Writer:
-    """The JSON and the buffer as they grow."""
+    """JSON and buffer of a file as they grow."""
 
     def __init__(self, mesh: PolyMesh, groups: Groups, kept: list[_Kept]) -> None:
         self.mesh, self.groups, self.kept = mesh, groups, kept
@@ -231,7 +231,7 @@ class _Writer:
 
 
 def _meshes_of_objects(mesh: PolyMesh) -> NDArray[np.int64]:
-    """Return the one "mesh" that all faces of each object are in, -1 if there is no such one."""
+    """Return the "mesh" part that all faces of each object are in, -1 if there is not just one."""
     objects, meshes = mesh.parts_of("object"), mesh.parts_of("mesh")
     if objects is None or meshes is None:
         return np.empty(0, dtype=np.int64)
@@ -244,5 +244,5 @@ def _meshes_of_objects(mesh: PolyMesh) -> NDArray[np.int64]:
 
 
 def _valid(name: str) -> str:
-    """Return a name without bytes of another encoding than UTF-8."""
+    """Return a name with "?" for bytes that are not UTF-8."""
     return name.encode("utf-8", "surrogateescape").decode("utf-8", "replace")

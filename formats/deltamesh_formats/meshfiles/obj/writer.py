@@ -18,12 +18,12 @@ from deltamesh_formats.polymesh.colours import as_fractions, is_rgb
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 from deltamesh_formats.polymesh.names import distinct_names
 
-# A corner by what it has besides its vertex: nothing, vt, vn, both.
+# Templates of a corner with its vertex alone, and with vt, vn, or both.
 _CORNERS: Final = np.array(["%d", "%d/%d", "%d//%d", "%d/%d/%d"], dtype=object)
 
 
 def write(mesh: PolyMesh) -> Written:
-    """Write an OBJ: names, polygons, one set each of colours, texture coordinates and normals."""
+    """Write an OBJ, with names, polygons, and a set of colours, texture coordinates and normals."""
     colour = next((a for a in mesh.attributes if a.domain == "vertex" and is_rgb(a)), None)
     uv, normal = _table(mesh, "uv", (1, 2, 3)), _table(mesh, "normal", (3,))
     parts = [p for p in mesh.parts if p.kind in PARTS]
@@ -65,7 +65,7 @@ def _of_corners(mesh: PolyMesh, attribute: Attribute | None) -> NDArray[np.int64
 
 
 def _faces(mesh: PolyMesh, tables: list[NDArray[np.int64]], parts: list[Parts]) -> Iterator[str]:
-    """Yield the lines of the faces, and of the names where these change."""
+    """Yield the lines of the faces, and the statements of parts where these change."""
     fields = np.stack([mesh.corners, *tables], axis=1) + 1
     has = fields > 0
     templates = _CORNERS[has[:, 1] + 2 * has[:, 2]]
@@ -86,7 +86,7 @@ def _faces(mesh: PolyMesh, tables: list[NDArray[np.int64]], parts: list[Parts]) 
 
 
 def _statements(parts: Parts) -> list[str]:
-    """Return the line for each part, and last, where -1 finds it, the line for none."""
+    """Return the statement of each part, and last, so that -1 finds it, the one for no part."""
     keyword = PARTS[parts.kind].decode()
     none = OFF[0] if parts.kind == "smoothing" else ""
     reserved = ("", *OFF) if parts.kind == "smoothing" else ("",)

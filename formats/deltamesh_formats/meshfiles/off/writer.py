@@ -17,7 +17,7 @@ from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh
 
 
 def write(mesh: PolyMesh) -> Written:
-    """Write an OFF: polygons; normals, colours, texture coordinates of vertices; face colours."""
+    """Write an OFF, with normals, colours and texture coordinates of vertices, and face colours."""
     normal, uv = _of_vertices(mesh, "normal", 3), _of_vertices(mesh, "uv", 2)
     colour, face_colour = _colour(mesh, "vertex"), _colour(mesh, "face")
     keyword = "".join(("ST" if uv else "", "C" if colour else "", "N" if normal else "", "OFF"))
@@ -46,7 +46,7 @@ def _colour(mesh: PolyMesh, domain: Domain) -> Attribute | None:
 
 
 def _shades(attribute: Attribute, values: NDArray[Any]) -> NDArray[Any]:
-    """Return bytes as they are, which OFF has too, and other whole numbers as fractions."""
+    """Return bytes as they are, since OFF has these too, and other integers as fractions."""
     if values.dtype == np.uint8:
         return values
     return as_fractions(values, normalized=attribute.normalized)

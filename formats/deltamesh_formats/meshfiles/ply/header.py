@@ -1,4 +1,4 @@
-"""The header of a PLY: its format, its elements and their properties, in the order of the file."""
+"""Header of a PLY: its format, its elements and their properties, in the order of the file."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ _COUNT: Final = re.compile(r"\d{1,18}")
 
 @dataclass(frozen=True)
 class Property:
-    """A number of a record, or a list of numbers with their count before them.
+    """Property of a record: a number, or a list of numbers after their count.
 
     Attributes
     ----------
     name : str
     type : str
-        Of the numbers: a type code of numpy without byte order.
+        Type of the numbers: a code of numpy without byte order.
     count_type : str or None
-        Of the count; None for a single number.
+        Type of the count; None for a single number.
     """
 
     name: str
@@ -35,7 +35,7 @@ class Property:
 
 @dataclass(frozen=True)
 class Element:
-    """A table of records."""
+    """Element of a PLY: a table of records."""
 
     name: str
     count: int
@@ -44,14 +44,14 @@ class Element:
 
 @dataclass(frozen=True)
 class Header:
-    """What a header says, and where the body begins.
+    """Header, and where the body begins.
 
     Attributes
     ----------
     order : str
         "<" or ">", the byte order; "" for text.
     body : int
-        In bytes from the beginning of the file.
+        First byte of the body in the file.
     """
 
     order: str
@@ -67,7 +67,7 @@ def read_header(data: bytes) -> Header:
     Raises
     ------
     MeshError
-        With the line at fault.
+        For a header that is not valid; the line is named.
     """
     beginning = _BEGINNING.match(data)
     if beginning is None:
@@ -94,7 +94,9 @@ def read_header(data: bytes) -> Header:
             else:
                 _remark(header, line, key)
         except (LookupError, ValueError):
-            raise MeshError(f"line {i + 1}: not of a PLY header: {text.quoted(line)}") from None
+            raise MeshError(
+                f"line {i + 1}: not a line of a PLY header: {text.quoted(line)}"
+            ) from None
     if order is None:
         raise MeshError("its header has no format: ascii, binary_little_endian, binary_big_endian")
     return Header(order, header.elements, header.comments, header.obj_info, header.body)
@@ -118,7 +120,7 @@ def _property(words: list[str]) -> Property:
 
 
 def _remark(header: Header, line: bytes, key: str) -> None:
-    """Keep a comment; above the first element also one that has lost its keyword."""
+    """Keep a comment; above the first element also one without its keyword."""
     said = text.as_text(line.strip())
     if key in ("comment", "obj_info"):
         kept = header.comments if key == "comment" else header.obj_info

@@ -25,14 +25,14 @@ _METADATA: Final = {"comments": "comment", "obj_info": "obj_info"}
 
 
 class _List(NamedTuple):
-    """A list property of the faces: width numbers for each corner, (c, width)."""
+    """List property of the faces, with as many numbers for each corner: values (c, width)."""
 
     name: str
     values: NDArray[Any]
 
 
 def write(mesh: PolyMesh) -> Written:
-    """Write a PLY: every attribute with its name and type, positions as the source had them."""
+    """Write a PLY: attributes with their names and types, positions as the source had them."""
     kept = []
     for attribute in mesh.attributes:
         values = _known_type(attribute.dense())
@@ -88,7 +88,7 @@ def _property_name(name: str) -> str:
 def _scalars(
     attributes: list[tuple[Attribute, NDArray[Any]]], taken: Any
 ) -> list[tuple[str, NDArray[Any]]]:
-    """Return the properties of some attributes: a name and a value for each element."""
+    """Return names and values of the properties of some attributes."""
     columns = [
         (_property_name(name), values[:, i])
         for attribute, values in attributes
@@ -130,7 +130,7 @@ def _face_bytes(
     counts: list[str],
     columns: list[tuple[str, NDArray[Any]]],
 ) -> bytes:
-    """Return the records of the faces: those of one size are one array."""
+    """Return the bytes of the faces; records of one size are packed as one array."""
     sizes = mesh.sizes
     of_size = {int(k): _face_type(int(k), lists, counts, columns) for k in np.unique(sizes)}
     lengths = np.zeros(len(sizes), dtype=np.int64)

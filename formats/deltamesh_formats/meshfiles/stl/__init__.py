@@ -1,4 +1,4 @@
-"""STL, as text and binary."""
+"""STL (stereolithography), as text and binary."""
 
 from __future__ import annotations
 

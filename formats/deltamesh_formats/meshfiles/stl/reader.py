@@ -1,9 +1,9 @@
-"""STL to a mesh: binary, and text with several solids.
+"""Reader of binary STL, and of text STL with one or several solids.
 
-An STL repeats each corner's position: vertices at one position become one here, numbered as they
-come first. Normals follow from the positions and are not kept; those that do not are named as lost.
-The two bytes of each binary facet, in which some programs put colours, are the attribute
-"attribute_bytes".
+An STL repeats the position of each corner. Vertices at one position become one, in the order in
+which they first appear. Normals are dropped, since they follow from the positions; those that do
+not are named as lost. The two bytes of each binary facet, in which some programs put colours,
+become the attribute "attribute_bytes".
 """
 
 from __future__ import annotations
@@ -23,11 +23,12 @@ from deltamesh_formats.polymesh.permutations import rank_of
 _HEADER: Final = 84
 FACET: Final = np.dtype([("normal", "<f4", 3), ("vertices", "<f4", (3, 3)), ("attribute", "<u2")])
 ATTRIBUTE: Final = "attribute_bytes"
-# What two normals of a facet may differ by, as a cosine, and which facets have one at all.
+# Cosine of the largest angle between two normals of a facet that are taken for the same, and the
+# area of a facet, over its squared sides, up to which it has no normal.
 _ALIKE: Final = 0.9
 _SLIVER: Final = 1e-3
 _SOLID: Final = re.compile(rb"^[ \t]*(end)?solid\b([^\n]*)$", re.MULTILINE | re.IGNORECASE)
-# The tokens of a facet; "#" is a number.
+# Tokens of a facet; "#" stands for a number.
 _FACET: Final = (
     b"facet normal # # # outer loop" + 3 * b" vertex # # #" + b" endloop endfacet"
 ).split()
@@ -35,11 +36,12 @@ _KEYWORDS: Final = np.array([token != b"#" for token in _FACET])
 
 
 def read(data: bytes) -> PolyMesh:
-    """Read an STL; its length tells a binary one from a text, since both may begin with "solid".
+    """Read an STL. A file whose length fits its count of facets is binary, however it begins.
 
     Raises
     ------
     MeshError
+        For a file that is neither, with the line at fault of a text.
     """
     facets = int.from_bytes(data[_HEADER - 4 : _HEADER], "little")
     expected = _HEADER + FACET.itemsize * facets
@@ -97,9 +99,9 @@ def _read_ascii(data: bytes) -> PolyMesh:
 
 
 def _other_normals(normals: NDArray[Any], triangles: NDArray[Any]) -> tuple[str, ...]:
-    """Return the words for normals, (m, 3), that point elsewhere than those of triangles (m, 3, 3).
+    """Describe the loss if normals, (m, 3), differ from those of the triangles, (m, 3, 3).
 
-    Zeros say nothing, and slivers have no normal to speak of.
+    Zero normals and slivers are left out of the comparison.
     """
     with np.errstate(all="ignore"):
         V = triangles.astype(np.float64)
@@ -113,7 +115,7 @@ def _other_normals(normals: NDArray[Any], triangles: NDArray[Any]) -> tuple[str,
 
 
 def _objects(names: list[str], of_face: NDArray[np.int64]) -> tuple[Parts, ...]:
-    """Return the solids that have facets; a single one without a name is none."""
+    """Return the solids that have facets as objects, unless there is but one without a name."""
     used, of_face = np.unique(of_face, return_inverse=True)
     kept = tuple(names[i] for i in used.tolist())
     if kept in ((), ("",)):
@@ -122,7 +124,13 @@ def _objects(names: list[str], of_face: NDArray[np.int64]) -> tuple[Parts, ...]:
 
 
 def _check_facets(lines: Lines) -> int:
-    """Return how many facets there are; refuse the first token that belongs to none."""
+    """Return the number of facets.
+
+    Raises
+    ------
+    MeshError
+        For the first token that is not the one of a facet in its place.
+    """
     count = len(lines.token_starts)
     expected = np.array([text.keyword(token) for token in _FACET])
     where = np.arange(count) % len(_FACET)
@@ -132,15 +140,15 @@ def _check_facets(lines: Lines) -> int:
     bad = found != expected[where[keywords]]
     if bad.any():
         token = int(keywords[np.argmax(bad)])
-        wanted = _FACET[where[token]].decode()
-        raise lines.error(token, f"{text.quoted(lines.token(token))} where '{wanted}' belongs")
+        keyword = _FACET[where[token]].decode()
+        raise lines.error(token, f"{text.quoted(lines.token(token))} where '{keyword}' belongs")
     if count % len(_FACET):
         raise MeshError("its last facet has no end: is it cut short?")
     return count // len(_FACET)
 
 
 def _welded(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return the positions, (n, 3), in the order in which they come first, and each point's."""
+    """Return the distinct positions by first appearance, (n, 3), and the index of each point."""
     order = np.lexsort(points.T)  # stable, and -0.0 is 0.0
     new = np.ones(len(points), dtype=bool)
     new[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)

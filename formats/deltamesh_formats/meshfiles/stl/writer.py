@@ -29,7 +29,7 @@ _FACET: Final = (
 
 
 def write(mesh: PolyMesh) -> Written:
-    """Write an STL; positions are float32 in a binary one."""
+    """Write an STL; a binary one holds float32 positions."""
     objects, extra = _named(mesh), []
     if len(np.unique(mesh.corners)) < len(mesh.vertices):
         extra.append("vertices of no face")
@@ -43,7 +43,7 @@ def write(mesh: PolyMesh) -> Written:
 
 
 def _named(mesh: PolyMesh) -> Parts | None:
-    """Return the objects, None where there is but one and it has no name."""
+    """Return the objects; None if there are none, or but one without a name."""
     objects = mesh.parts_of("object")
     if objects is None or (objects.names == ("",) and (objects.of_face == 0).all()):
         return None
@@ -77,7 +77,7 @@ def _binary(mesh: PolyMesh, positions: NDArray[np.float32]) -> tuple[bytes, list
 
 
 def _solids(mesh: PolyMesh, objects: Parts) -> Iterator[str]:
-    """Yield a solid for each object, and one for the faces that belong to none."""
+    """Yield the text of a solid for the faces without an object, and of one for each object."""
     cut = mesh.triangulation()
     rows = number_texts(source_positions(mesh))
     points = np.array(rows, dtype=object).reshape(-1, 3)[cut.faces].reshape(-1, 9)
