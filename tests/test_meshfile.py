@@ -54,15 +54,19 @@ def test_round_trip(file_format, tmp_path):
     lost = write_mesh(path, MESH)
     assert lost == (("vertices of no face",) if file_format == "stl" else ())
     mesh = read_mesh(path)
-    assert (mesh.format, mesh.vertices.dtype, mesh.faces.dtype) == (file_format, float, np.int64)
+    assert (mesh.format, mesh.vertices.dtype, mesh.triangles.dtype) == (
+        file_format,
+        float,
+        np.int64,
+    )
     assert mesh.vertices.flags.c_contiguous
-    assert mesh.faces.flags.c_contiguous
+    assert mesh.triangles.flags.c_contiguous
     assert mesh.precision == ("float32" if file_format in ("stl", "glb") else "float64")
     if file_format == "stl":
         np.testing.assert_array_equal(mesh.vertices, ROUNDED[[3, 1, 0]])
-        np.testing.assert_array_equal(mesh.faces, [[0, 1, 2], [2, 1, 2], [2, 0, 2]])
+        np.testing.assert_array_equal(mesh.triangles, [[0, 1, 2], [2, 1, 2], [2, 0, 2]])
     else:
-        np.testing.assert_array_equal(mesh.faces, F)
+        np.testing.assert_array_equal(mesh.triangles, F)
         np.testing.assert_array_equal(mesh.vertices, ROUNDED if file_format == "glb" else V)
 
 
@@ -79,7 +83,9 @@ def test_files_and_paths_are_alike(file_format, tmp_path):
 
 # Large offsets: millimetres at the size of the earth.
 
-FAR = from_triangles(np.array(POINTS) * 1e-3 + [4_512_345.678, -5_200_000.123, 0.0], SMALL.faces)
+FAR = from_triangles(
+    np.array(POINTS) * 1e-3 + [4_512_345.678, -5_200_000.123, 0.0], SMALL.triangles
+)
 
 
 @pytest.mark.parametrize("file_format", ["obj", "ply", "off"])
@@ -114,7 +120,7 @@ def test_a_mesh_without_faces_is_not_written(file_format):
 def test_positions_that_are_not_finite_are_refused(file_format, bad):
     vertices = SMALL.vertices.copy()
     vertices[2, 1] = bad
-    data = mesh_bytes(from_triangles(vertices, SMALL.faces), file_format)
+    data = mesh_bytes(from_triangles(vertices, SMALL.triangles), file_format)
     refused(data, file_format, "vertex 2 is not finite")
 
 

@@ -149,7 +149,7 @@ def test_dense_rows():
 def test_small_faces_are_left_out_and_named():
     mesh = PolyMesh(np.eye(3), np.array([0, 1, 0, 1, 2, 2]), np.array([0, 2, 5, 6]))
     found = checked(mesh)
-    assert (found.faces.tolist(), found.sizes.tolist()) == ([[0, 1, 2]], [3])
+    assert (found.triangles.tolist(), found.sizes.tolist()) == ([[0, 1, 2]], [3])
     assert found.lost == ("2 faces of fewer than three corners",)
 
 
