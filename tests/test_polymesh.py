@@ -17,10 +17,10 @@ from deltamesh_formats.polymesh.mesh import (
     Attribute,
     Parts,
     PolyMesh,
-    checked,
     from_triangles,
     keep_faces,
 )
+from deltamesh_formats.polymesh.validation import checked
 
 ANY = polymeshes.polymeshes(
     (
