@@ -14,10 +14,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._attributes.codings import Wanted
-from deltamesh._attributes.decoding import decode_attributes
-from deltamesh._attributes.domains import Places
-from deltamesh._attributes.encoding import encode_attributes
+from deltamesh._attributes.codings import AttributeSettings
+from deltamesh._attributes.domains import Domains
+from deltamesh._attributes.section import decode_attributes, encode_attributes
 from deltamesh._content import Content
 from deltamesh._geometry import cartesian, highpass, lossless, refined
 from deltamesh._geometry.bounds import bounds_of
@@ -152,7 +151,7 @@ def _beside_geometry(
     progress: Progress,
 ) -> tuple[dict[str, bytes], Content]:
     """Code attributes, parts and order; return the payloads, and everything that is in the file."""
-    payloads, places = {}, Places(structure)
+    payloads, places = {}, Domains(structure)
     content = Content(structure, trial.integers)
     if mesh.attributes:
         progress("attributes")
@@ -224,7 +223,7 @@ def read_content(
     structure = decode_structure(container, counts)
     progress("geometry")
     integers = _METHODS[parameters.method].read(structure.surface, parameters, sections)
-    content, places = Content(structure, integers), Places(structure)
+    content, places = Content(structure, integers), Domains(structure)
     if "ATTR" in sections:
         progress("attributes")
         with payload_of(sections["ATTR"]) as payload:
@@ -242,10 +241,10 @@ def read_content(
     return content
 
 
-def _wanted(options: Options, trial: Trial, V: NDArray[np.float64]) -> Wanted:
+def _wanted(options: Options, trial: Trial, V: NDArray[np.float64]) -> AttributeSettings:
     """Return how attributes are coded, at vertices that are decoded to V."""
     exact = trial.parameters.method in ("cartesian", "lossless")
-    return Wanted(
+    return AttributeSettings(
         bits_uv=options.bits_uv,
         bits_normal=options.bits_normal,
         lossless=options.lossless_attributes or options.method == "lossless",
