@@ -88,6 +88,10 @@ def test_a_file_that_takes_parts_gets_them_all() -> None:
     target = Small()
     deltamesh.save(target, MESH, bits=8)
     assert target.taken == DATA
+    parts, whole = Small(), io.BytesIO()
+    for one in (parts, whole):
+        deltamesh.write_mesh(one, MESH, "ply")
+    assert parts.taken == whole.getvalue()
 
 
 def test_save_to_a_path_or_a_file_writes_the_same(tmp_path: Path) -> None:

@@ -171,8 +171,8 @@ def saved(path: str) -> list[Row]:
         return from_text(data.decode(errors="replace"))
 
 
-def save(path: str, measurements: Iterable[Measurement]) -> None:
-    """Write a file of rates.
+def save(path: str, measurements: Iterable[Measurement], *, force: bool) -> None:
+    """Write a file of rates; with `force` one that exists is replaced.
 
     Raises
     ------
@@ -180,8 +180,8 @@ def save(path: str, measurements: Iterable[Measurement]) -> None:
     """
     from deltamesh.bench.rates import as_text, row_of
 
-    with files.open_output(path) as stream:
-        stream.write(as_text(map(row_of, measurements)).encode())
+    text = as_text(map(row_of, measurements))
+    files.write_output(path, text.encode(), force=force)
 
 
 def labels_of(name: str, rows: Iterable[Row]) -> list[str]:

@@ -12,7 +12,7 @@ from typing import Final
 import click
 
 from deltamesh_cli import options
-from deltamesh_cli.failures import DONE, FAILED, SIGNALLED, USAGE, Settings, tell_bug
+from deltamesh_cli.failures import DONE, FAILED, SIGNALLED, USAGE, Settings, tell_unforeseen
 from deltamesh_cli.signals import Stopped
 
 COMMANDS: Final = ("encode", "decode", "batch", "info", "test", "compare", "bench", "completion")
@@ -28,10 +28,12 @@ class LazyGroup(click.Group):
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Return the command `x`, which is `deltamesh_cli.x.command`."""
+        """Return the command `x`, which is `deltamesh_cli.commands.x.command`."""
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = importlib.import_module(f"deltamesh_cli.{cmd_name}").command
+        command: click.Command = importlib.import_module(
+            f"deltamesh_cli.commands.{cmd_name}"
+        ).command
         return command
 
 
@@ -84,7 +86,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         return FAILED  # whoever read our output has seen enough: nothing to tell
     except Exception as error:
-        tell_bug(error, settings)
+        tell_unforeseen(error, settings)
         return FAILED
     return code if isinstance(code, int) else DONE
 

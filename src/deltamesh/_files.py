@@ -5,15 +5,14 @@ from __future__ import annotations
 import io
 import os
 from pathlib import Path
-from typing import Any, BinaryIO, TypeAlias
+from typing import Any
 
 from deltamesh._sources import Source, read_source
+from deltamesh_formats.atomic import PathOrFile, write_file
 from deltamesh_formats.container.layout import Container
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import OptionError
 from deltamesh_formats.polymesh.mesh import PolyMesh
-
-Target: TypeAlias = str | os.PathLike[str] | BinaryIO
 
 
 def info(source: Source) -> Container:
@@ -72,11 +71,12 @@ def load(source: Source, **options: Any) -> PolyMesh:
     return decode(source, **options)
 
 
-def save(target: Target, mesh: PolyMesh, **options: Any) -> None:
+def save(target: PathOrFile, mesh: PolyMesh, **options: Any) -> None:
     """Encode a mesh into a `.dmesh` file, with all its attributes, parts and metadata.
 
-    A file at a path appears whole or not at all; one that exists is replaced. Nothing is written
-    to a file object before all bytes are there.
+    A file at a path appears whole or not at all, whoever else writes it at the same time. One that
+    exists is replaced and keeps its permissions; of a symbolic link, what it names. Pipes and
+    devices are written in place. Nothing is written to a file object before all bytes are there.
 
     Parameters
     ----------
@@ -96,11 +96,7 @@ def save(target: Target, mesh: PolyMesh, **options: Any) -> None:
         _check_extension(target)
     if isinstance(target, io.TextIOBase):
         raise TypeError(f"a file to write to has to be open in binary mode: {target!r}")
-    data = encode(mesh, **options)
-    if isinstance(target, (str, os.PathLike)):
-        _replace(Path(target), data)
-    else:
-        _write(target, data)
+    write_file(target, encode(mesh, **options))
 
 
 def _check_extension(target: str | os.PathLike[str]) -> None:
@@ -111,19 +107,3 @@ def _check_extension(target: str | os.PathLike[str]) -> None:
     if extension in FORMATS:
         what = extension.upper()
         raise OptionError(f"{os.fspath(target)}: save writes .dmesh, write_mesh writes {what}")
-
-
-def _replace(target: Path, data: bytes) -> None:
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
-    try:
-        temporary.write_bytes(data)
-        os.replace(temporary, target)
-    finally:
-        temporary.unlink(missing_ok=True)
-
-
-def _write(target: BinaryIO, data: bytes) -> None:
-    rest = memoryview(data)
-    while rest:  # a file without a buffer, such as a pipe, may take a part
-        taken = target.write(rest)
-        rest = rest[len(rest) if taken is None else taken :]

@@ -13,7 +13,7 @@ from click.core import ParameterSource
 
 from deltamesh._options import BOUNDS, RATES, Options
 from deltamesh_cli import files, measuring, options
-from deltamesh_cli.encode import command as encode
+from deltamesh_cli.commands.encode import command as encode
 from deltamesh_cli.failures import DONE, tried
 from deltamesh_cli.progress import progress
 from deltamesh_formats.errors import OptionError
@@ -171,7 +171,7 @@ def command(
         if as_csv:
             measuring.print_csv(new)
         if save:
-            over([save], lambda path: measuring.save(path, new))
+            over([save], lambda path: measuring.save(path, new, force=force))
         if check:
             folders = any(map(os.path.isdir, sources))
             kept = [row for row in old if folders or row["mesh"] in found]

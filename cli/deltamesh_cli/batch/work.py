@@ -15,8 +15,8 @@ from deltamesh._version import __version__
 from deltamesh.batch.manifest import DONE, FAILED, Record, state_of
 from deltamesh.batch.plan import Task
 from deltamesh_cli import files, options, summary
-from deltamesh_cli.decode import decode_into
-from deltamesh_cli.encode import encode_file
+from deltamesh_cli.commands.decode import decode_into
+from deltamesh_cli.commands.encode import encode_file
 from deltamesh_cli.failures import Failure, as_object, attempt
 from deltamesh_cli.meshes import container_of
 from deltamesh_formats.container.layout import Container
@@ -76,7 +76,7 @@ def work(job: Job, task: Task) -> Record:
     """Encode or decode a file, and return the record of what became of it; nothing is raised."""
     start = time.perf_counter()
     try:
-        # Whether a file that exists may go has been decided before, with all files in view.
+        # A file that exists has been settled before, and after the work task.overwrite decides.
         files.check_output(task.source, task.target, force=True)
         with attempt(task.source, "cannot read"):
             before = state_of(task.source, "source")
@@ -122,7 +122,9 @@ def failed(job: Job, task: Task, failure: Failure, seconds: float | None = None)
 
 def _encode(job: Job, task: Task) -> tuple[Container, tuple[str, ...]]:
     source, target = task.source, task.target
-    _, data, lost = encode_file(source, target, job.file_format, _silent, job.parameters)
+    _, data, lost = encode_file(
+        source, target, job.file_format, _silent, job.parameters, force=task.overwrite
+    )
     return container_of(target, data, job.what), lost
 
 
@@ -130,7 +132,9 @@ def _decode(job: Job, task: Task) -> tuple[Container, tuple[str, ...]]:
     data = files.read_input(task.source)
     container = container_of(task.source, data, job.what)
     file_format = job.file_format or files.extension(task.target)
-    _, lost = decode_into(task.target, file_format, task.source, data, _silent, job.parameters)
+    _, lost = decode_into(
+        task.target, file_format, task.source, data, _silent, job.parameters, force=task.overwrite
+    )
     return container, lost
 
 

@@ -247,7 +247,9 @@ def command(
         files.check_input(source)
         files.check_output(source, target, force=force)
         with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
-            size, data, lost = encode_file(source, target, input_format, stage, parameters)
+            size, data, lost = encode_file(
+                source, target, input_format, stage, parameters, force=force
+            )
         note_not_kept(source, lost, quiet=quiet)
         if as_json or not (quiet or target == files.STDIO):
             _print_summary((source, size), target, data, as_json=as_json)
@@ -273,7 +275,13 @@ def _choose_lossless(parameters: dict[str, Any]) -> None:
 
 
 def encode_file(
-    source: str, target: str, input_format: str | None, stage: Stage, parameters: dict[str, Any]
+    source: str,
+    target: str,
+    input_format: str | None,
+    stage: Stage,
+    parameters: dict[str, Any],
+    *,
+    force: bool,
 ) -> tuple[int, bytes, tuple[str, ...]]:
     """Compress one file into another.
 
@@ -294,8 +302,7 @@ def encode_file(
     mesh = parsed(source, original, input_format, stage)
     with attempt(source, "cannot encode"):
         data = interruptible(lambda: _encoded(mesh, stage, parameters))
-    with files.open_output(target) as stream:
-        stream.write(data)
+    files.write_output(target, data, force=force)
     return len(original), data, _not_kept(data)
 
 
