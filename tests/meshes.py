@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from deltamesh._mesh import TriangleMesh, checked_mesh
-from deltamesh_formats.meshfiles.files import FORMATS, read_mesh
+from deltamesh._mesh import TriangleMesh, triangulated
+from deltamesh_formats.meshfiles.files import read_mesh
+from deltamesh_formats.meshfiles.formats import EXTENSIONS
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
 Arrays = tuple[NDArray[np.float64], NDArray[np.int64]]
@@ -262,7 +263,9 @@ def folder() -> Path:
 
 def names(most_bytes: int) -> list[str]:
     """The mesh files of the folder, but for the largest; none where there is no folder."""
-    files = (path for path in sorted(folder().rglob("*.*")) if path.suffix[1:].lower() in FORMATS)
+    files = (
+        path for path in sorted(folder().rglob("*.*")) if path.suffix[1:].lower() in EXTENSIONS
+    )
     return [
         path.relative_to(folder()).as_posix() for path in files if path.stat().st_size <= most_bytes
     ]
@@ -270,8 +273,7 @@ def names(most_bytes: int) -> list[str]:
 
 def real(name: str) -> TriangleMesh:
     """A mesh of the folder; the test that asks is skipped where it is not there."""
-    data = real_whole(name)
-    return checked_mesh(data.vertices, data.faces)
+    return triangulated(real_whole(name))
 
 
 def real_whole(name: str) -> PolyMesh:

@@ -24,7 +24,7 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 
 
 def test_groups_of_tasks_are_spread(cluster: Any) -> None:
-    from deltamesh.batch.cluster import run_on_dask
+    from deltamesh.batch._cluster import run_on_dask
 
     begun: list[str] = []
     tasks = [task(f"nap-{i}") for i in range(12)]
@@ -48,7 +48,7 @@ def test_groups_of_tasks_are_spread(cluster: Any) -> None:
 
 
 def test_a_file_that_kills_workers_is_given_up_and_not_its_neighbours(cluster: Any) -> None:
-    from deltamesh.batch.cluster import run_on_dask
+    from deltamesh.batch._cluster import run_on_dask
 
     tasks = [task("x-1"), task("die-2"), task("x-3"), task("raise-4"), task("x-5")]
     done = {

@@ -19,7 +19,7 @@ from commandline import PROGRAM, cli, damaged, posix
 from killed import dead_process, left_of
 
 from deltamesh.batch import Task
-from deltamesh.batch.manifest import begun, line, open_manifest
+from deltamesh.batch._manifest import begun_record, line, open_manifest
 from deltamesh_cli import files
 from deltamesh_cli.batch import run as batch_run
 from deltamesh_cli.batch.work import Job, work
@@ -353,7 +353,7 @@ def test_what_was_begun_is_ours(scans: Path) -> None:
     target = Path(f"{NAMES[0]}.dmesh")
     target.write_bytes(b"written, but not yet on record")
     left_of(target, dead_process())
-    Path("run.jsonl").write_bytes(line(begun(NAMES[0], str(target))))
+    Path("run.jsonl").write_bytes(line(begun_record(NAMES[0], str(target))))
     assert cli("batch -q -r scans --manifest run.jsonl --resume") == 0
     assert target.read_bytes() == encoded(NAMES[0])
 

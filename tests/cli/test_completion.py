@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 from commandline import PROGRAM, cli
 
-from deltamesh_cli.options import MESH_FORMATS
 from deltamesh_cli.program import COMMANDS
+from deltamesh_formats.meshfiles.formats import FORMATS
 
 BASH = shutil.which("bash")
 
@@ -85,7 +85,7 @@ needs_bash = pytest.mark.skipif(BASH is None or os.name != "posix", reason="ther
             ["auto", "refined", "highpass", "cartesian", "lossless"],
         ),
         ("deltamesh encode --method h", ["highpass"]),
-        ("deltamesh decode --output-format ", [*MESH_FORMATS]),
+        ("deltamesh decode --output-format ", [*FORMATS]),
         ("deltamesh completion ", ["bash", "zsh", "fish"]),
         # Left to bash, which knows the files and the folders.
         ("deltamesh encode s", ["default"]),

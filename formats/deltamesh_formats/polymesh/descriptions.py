@@ -1,4 +1,4 @@
-"""What a mesh has beyond positions and faces, in words: for warnings of what is not kept."""
+"""Descriptions of attributes, parts and metadata in plain English, for warnings of losses."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _DOMAINS: Final[dict[Domain, str]] = {"vertex": "vertices", "corner": "corners",
 _METADATA: Final = {"mtllib": "material libraries", "copyright": "copyright"}
 
 
-def unkept(
+def losses_of(
     mesh: PolyMesh,
     *,
     attributes: Collection[Attribute] = (),
@@ -29,26 +29,33 @@ def unkept(
     polygons: bool = False,
     transforms: bool = False,
 ) -> tuple[str, ...]:
-    """Return words for what is lost when only positions and triangles are kept, and this.
+    """Return descriptions of what is lost of a mesh that is converted to another form.
+
+    Positions and triangles are kept; the arguments name what is kept besides.
 
     Parameters
     ----------
     mesh : PolyMesh
     attributes : collection of Attribute
-        Those of the mesh that are kept.
+        Attributes of the mesh.
     parts : collection of str
-        Kinds of parts that are.
+        Kinds of parts.
     metadata : collection of str
-        Keys that are; comments and headers are never named.
+        Keys of metadata; comments and headers are never named as lost.
     polygons, transforms : bool
-        Whether they are.
+        Whether faces of more than three corners are kept, and transforms of parts.
+
+    Returns
+    -------
+    tuple of str
+        Each once; those of `mesh.lost` come first.
     """
     words = dict.fromkeys(mesh.lost)
     if not polygons and (mesh.sizes != 3).any():
         words["polygons of more than three corners"] = None
     for attribute in mesh.attributes:
         if not any(attribute is kept for kept in attributes):
-            words[attribute_words(attribute)] = None
+            words[describe_attribute(attribute)] = None
     for group in mesh.parts:
         if group.kind not in parts:
             words[KIND_WORDS[group.kind]] = None
@@ -57,19 +64,19 @@ def unkept(
     return (*words, *_metadata_words(mesh, metadata))
 
 
-def unused(mesh: PolyMesh) -> Iterator[str]:
-    """Yield words for rows of attributes that no element has: they go when a mesh is encoded."""
+def unreferenced_rows(mesh: PolyMesh) -> Iterator[str]:
+    """Yield descriptions of rows of attributes that no element has; an encoder drops these."""
     for attribute in mesh.attributes:
         if attribute.index is None:
             continue
         used = np.bincount(attribute.index[attribute.index >= 0], minlength=len(attribute.values))
         if not used.all():
             whose = "vertex" if attribute.domain == "vertex" else "face"
-            yield f"{attribute_words(attribute)} that no {whose} refers to"
+            yield f"{describe_attribute(attribute)} that no {whose} refers to"
 
 
-def attribute_words(attribute: Attribute) -> str:
-    """Return what to call an attribute: "normals", "colours of faces", "quality of vertices"."""
+def describe_attribute(attribute: Attribute) -> str:
+    """Return a plural for an attribute: "normals", "colours of faces", "quality of vertices"."""
     what = _ROLES.get(attribute.role, attribute.name)
     if attribute.name[-1:].isdigit() and attribute.role in _ROLES:
         what += f" ({attribute.name})"

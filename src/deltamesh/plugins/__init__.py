@@ -4,5 +4,5 @@
 imported; PyVista finds `deltamesh.plugins.pyvista` by itself. Each has two functions, such as
 `to_trimesh` and `from_trimesh`, between its meshes and `PolyMesh`. Nothing is merged or put into
 another order: files are written with `keep_order`, so that arrays computed alongside still fit.
-What a library has no place for is told in a warning, and listed in docs/python.md.
+A warning names what a library has no place for; docs/python.md lists it.
 """

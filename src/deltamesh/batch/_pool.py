@@ -22,9 +22,9 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Final
 
-from deltamesh.batch.plan import Task
-from deltamesh.batch.schedule import startable
-from deltamesh.batch.serial import Begin, Outcome, Work, WorkerError, attempted, nobody
+from deltamesh.batch._plan import Task
+from deltamesh.batch._schedule import startable
+from deltamesh.batch._serial import Begin, Outcome, Work, WorkerError, attempted, ignore
 
 # A worker is one of many: none may start threads of its own for every core.
 ONE_THREAD: Final = {
@@ -48,7 +48,7 @@ def run_in_processes(
     memory: float = math.inf,
     timeout: float = math.inf,
     prepare: Callable[[], None] | None = None,
-    begin: Begin = nobody,
+    begin: Begin = ignore,
 ) -> Generator[Outcome]:
     """Work on tasks in `jobs` processes, each with one thread for linear algebra.
 
