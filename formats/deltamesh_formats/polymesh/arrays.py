@@ -1,6 +1,6 @@
-"""Meshes from plain arrays and back: what a program has at hand, a name for each of them.
+"""Conversion of plain arrays to meshes, and of attributes of meshes to arrays by name.
 
-`from_arrays` makes a `PolyMesh` and says what is wrong with the arrays; `to_arrays` gives the
+`from_arrays` makes a `PolyMesh` and names what is wrong with the arrays; `to_arrays` returns the
 attributes of a domain by their names.
 """
 

@@ -50,18 +50,18 @@ def losses_of(
     tuple of str
         Each once; those of `mesh.lost` come first.
     """
-    words = dict.fromkeys(mesh.lost)
+    losses = dict.fromkeys(mesh.lost)
     if not polygons and (mesh.sizes != 3).any():
-        words["polygons of more than three corners"] = None
+        losses["polygons of more than three corners"] = None
     for attribute in mesh.attributes:
         if not any(attribute is kept for kept in attributes):
-            words[describe_attribute(attribute)] = None
+            losses[describe_attribute(attribute)] = None
     for group in mesh.parts:
         if group.kind not in parts:
-            words[KIND_WORDS[group.kind]] = None
+            losses[KIND_WORDS[group.kind]] = None
         if group.transforms is not None and not transforms and _moves(group.transforms):
-            words["transforms"] = None
-    return (*words, *_metadata_words(mesh, metadata))
+            losses["transforms"] = None
+    return (*losses, *_metadata_losses(mesh, metadata))
 
 
 def unreferenced_rows(mesh: PolyMesh) -> Iterator[str]:
@@ -90,7 +90,7 @@ def _moves(transforms: np.ndarray) -> bool:
     return bool((transforms != np.eye(4)).any())
 
 
-def _metadata_words(mesh: PolyMesh, kept: Collection[str]) -> Iterator[str]:
-    for key, words in _METADATA.items():
+def _metadata_losses(mesh: PolyMesh, kept: Collection[str]) -> Iterator[str]:
+    for key, description in _METADATA.items():
         if mesh.metadata.get(key) and key not in kept:
-            yield words
+            yield description

@@ -1,4 +1,4 @@
-"""Tasks on a cluster that Dask distributed runs: paths travel, meshes do not.
+"""Work on tasks on a cluster of Dask distributed; paths travel, and meshes do not.
 
 M. Rocklin, "Dask: Parallel Computation with Blocked algorithms and Task Scheduling", SciPy 2015.
 The scheduler gives the task of a worker that has died to another one, and gives it up when as many

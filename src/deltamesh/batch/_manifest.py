@@ -1,8 +1,8 @@
-"""The record of a run on disk: JSON Lines, only ever appended to.
+"""Manifest of a run on disk, as JSON Lines that are only appended to.
 
 A line is written and synchronized before the next step is taken: "begun" before a file is worked
 on, "done", "failed" or "skipped" when it has its output. What was running when a process was
-killed is known therefore: it has begun and not ended, and its output, if there is one, is ours.
+killed is known therefore: it has begun and not ended, and the run has written its output, if any.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Tasks in worker processes of this machine, which may be killed.
+"""Work on tasks in processes of this machine, each of which may be killed.
 
 The pools of concurrent.futures and loky break when one worker dies, so does that of Pebble when
 the worker was idle, and only Pebble's can kill a task. Here each worker has a pipe of its own and

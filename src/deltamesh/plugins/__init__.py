@@ -1,4 +1,4 @@
-"""Other libraries: their meshes to ours and back, and `.dmesh` among the files that they open.
+"""Plugins of other libraries, which convert their meshes and let them open `.dmesh` files.
 
 `deltamesh.plugins.trimesh` and `deltamesh.plugins.meshio` register the format when they are
 imported; PyVista finds `deltamesh.plugins.pyvista` by itself. Each has two functions, such as

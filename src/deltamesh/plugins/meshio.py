@@ -1,4 +1,4 @@
-"""meshio: `PolyMesh` to `meshio.Mesh` and back; `import deltamesh.plugins.meshio` registers.
+"""Plugin of meshio: `meshio.Mesh` and `.dmesh`; `import deltamesh.plugins.meshio` registers it.
 
 After that `meshio.read("x.dmesh")` and `mesh.write("x.dmesh")` work, with file objects too
 (`file_format="dmesh"`). Points and cells stay in their order: a block of cells is a run of faces

@@ -1,4 +1,4 @@
-"""PyVista: `PolyMesh` to `PolyData` and back; PyVista finds the reader and writer by itself.
+"""Plugin of PyVista: `PolyData` and `.dmesh`; PyVista finds the reader and writer by itself.
 
 With deltamesh installed `pyvista.read("x.dmesh")` and `mesh.save("x.dmesh")` work, without an
 import. Points and faces stay in their order, polygons are polygons.

@@ -1,4 +1,4 @@
-"""trimesh: `PolyMesh` to `Trimesh` and back; `import deltamesh.plugins.trimesh` registers `.dmesh`.
+"""Plugin of trimesh: `Trimesh` and `.dmesh`; `import deltamesh.plugins.trimesh` registers it.
 
 After that `trimesh.load_mesh("x.dmesh")`, `trimesh.load` and `mesh.export("x.dmesh")` work, with
 file objects too (`file_type="dmesh"`). Vertices and faces stay as they are: nothing is merged
