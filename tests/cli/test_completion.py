@@ -6,10 +6,9 @@ import os
 import shlex
 import shutil
 import stat
-import subprocess
-import sys
 from pathlib import Path
 
+import children
 import pytest
 from commandline import PROGRAM, cli
 
@@ -57,13 +56,11 @@ def completions(folder: Path, line: str) -> list[str]:
     printf '%s\\n' "${{COMPREPLY[@]}}"
     """
     path = os.pathsep.join([str(folder.parent / "bin"), os.environ["PATH"]])
-    done = subprocess.run(
+    done = children.run(
         [BASH, "--norc", "-c", script],
         cwd=folder,
         env={**os.environ, "PATH": path},
-        capture_output=True,
         text=True,
-        timeout=60,
         check=True,
     )
     assert not done.stderr
@@ -109,9 +106,7 @@ def test_it_is_at_once(words: str) -> None:
 
     def seconds() -> float:
         start = os.times()
-        done = subprocess.run(
-            [sys.executable, "-m", "deltamesh_cli"], env=environment, capture_output=True, text=True
-        )
+        done = children.run(PROGRAM, env=environment, text=True)
         assert "plain," in done.stdout
         end = os.times()  # the processor's time: others may be at work here
         return end.children_user + end.children_system - start.children_user - start.children_system

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 import stat
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
+import children
 import pytest
 from commandline import PROGRAM, TORUS, cli, posix
 
@@ -53,7 +53,7 @@ def test_a_name_that_is_not_unicode(folder: Path) -> None:
         Path(name).write_bytes(TORUS.read_bytes())
     except OSError:
         pytest.skip("the file system takes Unicode names only")
-    done = subprocess.run([*PROGRAM, "encode", name], capture_output=True, text=True)
+    done = children.run([*PROGRAM, "encode", name], text=True)
     assert done.returncode == 0
     assert "\\udcff\\udcfe.ply" in done.stdout
 
