@@ -38,4 +38,4 @@ def pytest_terminal_summary(
     terminalreporter: pytest.TerminalReporter, config: pytest.Config
 ) -> None:
     if count := config.stash.get(_left_out, 0):
-        terminalreporter.write_line(f"{count} slow tests were left out; --slow runs them, too")
+        terminalreporter.write_line(f"left out as slow: {count} (--slow runs them, too)")

@@ -101,6 +101,7 @@ def test_the_blocks_that_ci_runs_are_in_the_readme() -> None:
     assert "deltamesh encode benchmarks/meshes/torus.ply" in first
     assert "deltamesh decode" in first
     assert tests == 'python -m pip install ".[test]" &&\npython -m pytest\n'
+    assert block("slow-tests") == "python -m pytest --slow -m slow\n"
     for name in re.findall(r"for block in (.*); do", (ROOT / ".ci" / "run").read_text())[0].split():
         assert block(name)
     with pytest.raises(LookupError):
