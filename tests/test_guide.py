@@ -99,6 +99,7 @@ def test_cores_and_a_manifest(folder: Path) -> None:
     assert [line.split()[0] for line in run(folder, "records").splitlines()] == list(MESHES)
 
 
+@pytest.mark.slow
 def test_clusters(folder: Path) -> None:
     pytest.importorskip("distributed")
     run(folder, "dask-local")

@@ -9,7 +9,9 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import children
@@ -66,10 +68,17 @@ def contents(folder: str) -> dict[str, bytes]:
 
 def encoded(name: str, *options: str) -> bytes:
     """What `deltamesh encode` makes of a file."""
-    assert cli("encode -q -f", name, "serial.dmesh", *options) == 0
-    data = Path("serial.dmesh").read_bytes()
-    os.unlink("serial.dmesh")
-    return data
+    path = Path(name)
+    return encoded_once(path.read_bytes(), path.suffix, options)
+
+
+@cache
+def encoded_once(data: bytes, suffix: str, options: tuple[str, ...]) -> bytes:
+    with TemporaryDirectory() as folder:
+        source, target = Path(folder, f"mesh{suffix}"), Path(folder, "mesh.dmesh")
+        source.write_bytes(data)
+        assert cli("encode -q", str(source), str(target), *options) == 0
+        return target.read_bytes()
 
 
 def test_bytes_are_those_of_encode_beside_the_inputs(scans: Path) -> None:
