@@ -109,6 +109,7 @@ def test_clusters(folder: Path) -> None:
         assert done(folder, f"{name}.jsonl") == 2
 
 
+@pytest.mark.slow
 def test_an_array(folder: Path) -> None:
     array = {"MIN": "0", "MAX": "1", "COUNT": "2", "STEP": "1"}
     for task in "01":

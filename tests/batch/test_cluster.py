@@ -62,6 +62,7 @@ def test_a_file_that_kills_workers_is_given_up_and_not_its_neighbours(cluster: A
         assert done[name]["source"].endswith(name)
 
 
+@pytest.mark.slow
 def test_the_command_survives_the_death_of_a_worker(cluster: Any, tmp_path: Path) -> None:
     V, F = meshes.icosphere(4)
     names = [f"scans/{i:02}.ply" for i in range(20)]

@@ -450,7 +450,7 @@ def finished() -> list[str]:
     [
         (signal.SIGKILL, -9, b""),
         (signal.SIGINT, 130, b"deltamesh: interrupted\n"),
-        (signal.SIGTERM, 143, b"deltamesh: terminated\n"),
+        pytest.param(signal.SIGTERM, 143, b"deltamesh: terminated\n", marks=pytest.mark.slow),
     ],
 )
 def test_interrupted_and_resumed(scans: Path, number: int, code: int, told: bytes) -> None:
