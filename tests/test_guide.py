@@ -119,6 +119,7 @@ def test_an_array(folder: Path) -> None:
     assert made(folder, "shared") == PACKED
 
 
+@pytest.mark.slow
 def test_ci_and_python(folder: Path) -> None:
     run(folder, "ci")
     *each, last = (folder / "report.jsonl").read_text().splitlines()

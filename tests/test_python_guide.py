@@ -70,6 +70,7 @@ def test_meshio(folder: Path) -> None:
     assert "triangle: 5184" in run(folder, "meshio")
 
 
+@pytest.mark.slow
 def test_pyvista(folder: Path) -> None:
     from importlib.metadata import entry_points
 
