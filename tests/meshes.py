@@ -6,7 +6,9 @@ Vertices are float64 (n, 3), faces int64 (m, 3), counter-clockwise seen from out
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -269,6 +271,19 @@ def names(most_bytes: int) -> list[str]:
     return [
         path.relative_to(folder()).as_posix() for path in files if path.stat().st_size <= most_bytes
     ]
+
+
+def large_are_slow(files: Iterable[str], most_bytes: int = 800_000, place: str = "{}") -> list[Any]:
+    """Files of the folder as parameters of a test, which is slow for those of more bytes.
+
+    `place` makes the name of a file of a parameter.
+    """
+    parameters = []
+    for name in files:
+        path = folder() / place.format(name)
+        large = path.exists() and path.stat().st_size > most_bytes
+        parameters.append(pytest.param(name, marks=[pytest.mark.slow] * large))
+    return parameters
 
 
 def real(name: str) -> TriangleMesh:

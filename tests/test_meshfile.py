@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import io
-import subprocess
 import sys
 import tracemalloc
 from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
+import children
 import meshes
 import numpy as np
 import pytest
@@ -179,7 +179,7 @@ def test_a_fault_of_a_reader_is_told_as_one(monkeypatch):
 
 def test_importing_is_cheap():
     code = "import sys, deltamesh_formats.meshfiles.files; sys.exit('scipy' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+    assert children.run([sys.executable, "-c", code]).returncode == 0
 
 
 # The table of the formats
@@ -187,7 +187,7 @@ def test_importing_is_cheap():
 
 def test_importing_the_table_imports_no_format():
     code = "import sys, deltamesh_formats.meshfiles.formats; sys.exit('numpy' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+    assert children.run([sys.executable, "-c", code]).returncode == 0
 
 
 def test_names_and_extensions_are_unique():

@@ -238,7 +238,7 @@ def test_any_polygons_come_back(mesh: PolyMesh, method: str, keep_order: bool) -
     assert_kept(mesh, encoded, keep_order=keep_order)
 
 
-@pytest.mark.parametrize("name", REAL)
+@pytest.mark.parametrize("name", meshes.large_are_slow(REAL))
 def test_real_polygons_come_back(name: str) -> None:
     if not (meshes.folder() / name).exists():
         pytest.skip(f"no {name}: DELTAMESH_MESHES names the folder of larger meshes")

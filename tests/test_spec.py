@@ -26,6 +26,15 @@ from deltamesh_formats.polymesh.mesh import Attribute
 
 HERE = Path(__file__).parent
 GOLDEN = sorted((HERE / "golden").glob("*.dmesh"))
+# Files that the second decoder takes longest over.
+LONG = {
+    "highpass-complex",
+    "highpass-components",
+    "highpass-order",
+    "highpass-valence-300",
+    "refined-complex",
+    "refined-quads-corrected",
+}
 REFUSED = sorted((HERE / "refused").glob("*.dmesh"))
 
 HIGHPASS, REFINED = {"method": "highpass"}, {"method": "refined"}
@@ -145,7 +154,13 @@ def test_golden_files_have_attributes_of_all_kinds() -> None:
     assert {one.weights for one in seen if one.weights is not None} == {0, 1, 2, 3}
 
 
-@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * (path.stem in LONG))
+        for path in GOLDEN
+    ],
+)
 def test_golden_file(path: Path) -> None:
     assert_same(path.read_bytes())
 
