@@ -11,8 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import FormatError, OptionError, decode, encode, info
-from deltamesh._geometry import highpass
-from deltamesh._geometry import refined as refined_method
+from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.normals import vertex_normals
 from deltamesh._geometry.quantize import quantize_delta
 from deltamesh._geometry.solve import factorization
@@ -201,7 +200,7 @@ def corrected(method, V, F, bound):
     settings = Settings(method, step=step, anchors=1, largest=bound)
     factor = factorization(surface.laplacian)
     none = np.zeros((0, 3))
-    module = {"highpass": highpass, "refined": refined_method}[method]
+    module = geometry_codec(method)
     return surface, module, module.quantize(surface, V, none, settings, factor)
 
 
@@ -220,10 +219,10 @@ def test_corrections_are_where_the_error_is_too_large_and_nowhere_else(method):
     assert (np.abs(X - V)[far] <= 0.5 * parameters.step * (1 + 1e-9)).all()
     steps = np.rint((V - W) / parameters.step).astype(np.int64)
     assert (integers.corrections == np.where(far[:, None], steps, 0)).all()
-    payloads = module.write(surface, parameters, integers)
+    payloads = module.encode(surface, parameters, integers)
     assert "FIXS" in payloads
     sections = {k: Section(k, 0, v, len(v) + 9) for k, v in payloads.items()}
-    read = module.read(surface, parameters, sections)
+    read = module.decode(surface, parameters, sections)
     assert (read.corrections == integers.corrections).all()
     assert (read.values == integers.values).all()
     assert (read.refinements == integers.refinements).all()
@@ -235,7 +234,7 @@ def test_corrections_are_where_the_error_is_too_large_and_nowhere_else(method):
 def test_without_a_bound_nothing_is_corrected(method):
     surface, module, (parameters, integers, _) = corrected(method, *TORUS, np.inf)
     assert integers.corrections.shape == (0, 3)
-    assert "FIXS" not in module.write(surface, parameters, integers)
+    assert "FIXS" not in module.encode(surface, parameters, integers)
 
 
 def test_every_flip_in_the_corrections_of_positions_is_noticed():

@@ -111,7 +111,7 @@ def test_corrections_let_the_step_grow_while_files_shrink():
 
 
 def test_an_error_that_does_not_fall_is_a_missed_target():
-    with pytest.raises(TargetError, match="normal deviation 1 cannot be met: 7 is the least"):
+    with pytest.raises(TargetError, match="normal deviation 1 cannot be met: the least found is 7"):
         search(lambda settings: (9.0, errors(7.0)), Options(), Bounds(normal_deviation=1.0))
 
 
