@@ -13,8 +13,8 @@ from typing import Any, Final, Literal, TypeAlias, get_args
 
 import numpy as np
 
-from deltamesh_formats.container.layout import ATTRIBUTES, CRC_SIZE, Container
-from deltamesh_formats.container.reader import read_varint, take
+from deltamesh_formats.container.layout import ATTRIBUTES, Container
+from deltamesh_formats.container.reader import payload_of, read_varint, take
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import Domain, Role
@@ -174,12 +174,8 @@ def entries_of(container: Container) -> tuple[Entry, ...]:
     section = container.sections.get(ATTRIBUTES)
     if section is None:
         return ()
-    try:
-        return read_table(section.payload)[0]
-    except FormatError as error:
-        start = section.offset + section.size - CRC_SIZE - len(section.payload)
-        reason = f"{ATTRIBUTES}: {error.reason}"
-        raise FormatError(reason, start + (error.offset or 0)) from None
+    with payload_of(section) as payload:
+        return read_table(payload)[0]
 
 
 def read_table(payload: bytes | memoryview) -> tuple[tuple[Entry, ...], int]:

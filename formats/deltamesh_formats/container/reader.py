@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.layout import Container, Field, Meta, Parameters, Section
-from deltamesh_formats.errors import FormatError
+from deltamesh_formats.errors import FormatError, located
 
 # Anything else with a contiguous buffer, such as an mmap, goes in as a memoryview.
 Buffer: TypeAlias = bytes | bytearray | memoryview
@@ -267,8 +267,6 @@ def _read_meta(view: memoryview, section: Section) -> Meta:
 def payload_of(section: Section) -> Iterator[memoryview]:
     """Give the payload of a section; a `FormatError` in it gets its place in the file."""
     payload = memoryview(section.payload)
-    try:
+    start = section.offset + section.size - layout.CRC_SIZE - len(payload)
+    with located(start, f"{section.id}: "):
         yield payload
-    except FormatError as error:
-        start = section.offset + section.size - layout.CRC_SIZE - len(payload)
-        raise FormatError(f"{section.id}: {error.reason}", start + (error.offset or 0)) from None

@@ -6,20 +6,18 @@ from users' files and may hold anything, control characters too: whoever prints 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import TYPE_CHECKING, Final
 
-from deltamesh_formats.container.layout import CRC_SIZE, MAX_TEXT, PARTS, Container
+from deltamesh_formats.container.layout import MAX_TEXT, PARTS, Container
 from deltamesh_formats.container.packed import packed, unpacked, unpacked_size
-from deltamesh_formats.container.reader import Buffer, read_varint, take
+from deltamesh_formats.container.reader import Buffer, payload_of, read_varint, take
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, MeshError
 
 if TYPE_CHECKING:
     from deltamesh_formats.polymesh.kinds import Kind
-
-_Found = TypeVar("_Found")
 
 # The kinds of parts by their numbers in a file.
 KINDS: Final[tuple[Kind, ...]] = ("object", "mesh", "group", "material", "smoothing")
@@ -81,8 +79,10 @@ def texts_of(container: Container) -> Texts:
     ------
     FormatError
     """
-    nothing = Texts((), {}, ())
-    return _of_section(container, lambda payload: read_texts(payload)[0], nothing)
+    if PARTS not in container.sections:
+        return Texts((), {}, ())
+    with payload_of(container.sections[PARTS]) as payload:
+        return read_texts(payload)[0]
 
 
 def text_size(container: Container) -> int:
@@ -92,19 +92,10 @@ def text_size(container: Container) -> int:
     ------
     FormatError
     """
-    return _of_section(container, lambda payload: unpacked_size(payload, 0), 0)
-
-
-def _of_section(container: Container, read: Callable[[Buffer], _Found], nothing: _Found) -> _Found:
-    """Return what is read of the section; a `FormatError` in it gets its place in the file."""
     if PARTS not in container.sections:
-        return nothing
-    section = container.sections[PARTS]
-    try:
-        return read(section.payload)
-    except FormatError as error:
-        start = section.offset + section.size - CRC_SIZE - len(section.payload)
-        raise FormatError(f"{PARTS}: {error.reason}", start + (error.offset or 0)) from None
+        return 0
+    with payload_of(container.sections[PARTS]) as payload:
+        return unpacked_size(payload, 0)
 
 
 def raw_texts(texts: Texts) -> bytes:

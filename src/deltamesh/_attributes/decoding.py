@@ -18,7 +18,7 @@ from deltamesh._streams.columns import decode_columns
 from deltamesh._streams.floats import decode_floats
 from deltamesh._streams.labels import decode_labels
 from deltamesh_formats.container.attribute_table import Entry, read_table
-from deltamesh_formats.errors import FormatError
+from deltamesh_formats.errors import FormatError, located
 
 _Ints = NDArray[np.int64]
 
@@ -64,10 +64,8 @@ def _decoded(
             raise FormatError("a palette of another number of rows", at)
         of_rows = alone(entry.palette)
     codes = _rows(payload, streams, entry, of_rows)
-    try:
+    with located(at):
         numbers.check_codes(entry, codes)
-    except FormatError as error:
-        raise FormatError(error.reason, at) from None
     return Coded(entry, units.of_elements, units.classes, has, labels, codes)
 
 
@@ -87,10 +85,8 @@ def _rows(
 
 def _labels(payload: memoryview, stream: tuple[int, int], elements: Elements) -> _Ints:
     begin, end = stream
-    try:
+    with located(begin):
         return decode_labels(payload[begin:end], elements)
-    except FormatError as error:
-        raise FormatError(error.reason, begin + (error.offset or 0)) from None
 
 
 def _places_of(entry: Entry, at: int) -> Iterator[tuple[int, int]]:

@@ -13,7 +13,7 @@ from deltamesh._attributes.element_normals import Surroundings
 from deltamesh._attributes.unit_normals import Normals, decode_normals, smallest, values_of
 from deltamesh._graph.elements import Elements
 from deltamesh_formats.container.attribute_table import Entry
-from deltamesh_formats.errors import FormatError
+from deltamesh_formats.errors import FormatError, located
 
 _Ints = NDArray[np.int64]
 _Floats = NDArray[np.float64]
@@ -85,10 +85,8 @@ def decode_directions(
     FormatError
     """
     begin, end = stream
-    try:
+    with located(begin):
         normals = decode_normals(payload[begin:end], elements)
-    except FormatError as error:
-        raise FormatError(error.reason, begin + (error.offset or 0)) from None
     if normals.bits != entry.bits:
         raise FormatError(f"normals of {normals.bits} bits, not {entry.bits}", begin)
     return normals

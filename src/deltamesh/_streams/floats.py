@@ -26,7 +26,7 @@ from deltamesh._streams.exact import (
     unpacked,
 )
 from deltamesh._streams.number_formats import Spelling, spelling, to_integers, to_values
-from deltamesh_formats.errors import FormatError
+from deltamesh_formats.errors import FormatError, located
 
 _Ints = NDArray[np.int64]
 _Floats = NDArray[np.float64]
@@ -96,10 +96,8 @@ def decode_floats(
     """
     found = []
     for begin, end in streams:
-        try:
+        with located(begin):
             found.append(_decoded(payload[begin:end], elements, size))
-        except FormatError as error:
-            raise FormatError(error.reason, begin + (error.offset or 0)) from None
     return together(found, streams[-1][0] if streams else 0, elements.count, width)
 
 
