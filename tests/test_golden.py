@@ -38,7 +38,7 @@ def test_golden_file_decodes(name: str, solver: str) -> None:
     mesh = decode(data, solver=solver)
     with np.load(GOLDEN / f"{name}.npz") as expected:
         if "faces" in expected:
-            np.testing.assert_array_equal(mesh.faces, expected["faces"])
+            np.testing.assert_array_equal(mesh.triangles, expected["faces"])
             assert (mesh.parts, mesh.metadata, mesh.lost) == ((), {}, ())
         else:
             own = golden_polymeshes.stored(mesh)
