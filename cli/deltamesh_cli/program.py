@@ -28,10 +28,12 @@ class LazyGroup(click.Group):
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Return the command `x`, which is `deltamesh_cli.x.command`."""
+        """Return the command `x`, which is `deltamesh_cli.commands.x.command`."""
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = importlib.import_module(f"deltamesh_cli.{cmd_name}").command
+        command: click.Command = importlib.import_module(
+            f"deltamesh_cli.commands.{cmd_name}"
+        ).command
         return command
 
 

@@ -19,8 +19,9 @@ from commandline import PROGRAM, cli, damaged, posix
 
 from deltamesh.batch import Task
 from deltamesh.batch.manifest import begun, line, open_manifest
-from deltamesh_cli import batch, files
-from deltamesh_cli.batch_work import Job, work
+from deltamesh_cli import files
+from deltamesh_cli.batch.work import Job, work
+from deltamesh_cli.commands import batch
 from deltamesh_formats.meshfiles.files import mesh_bytes, read_mesh
 from deltamesh_formats.polymesh.mesh import from_triangles
 
@@ -251,7 +252,7 @@ def test_usage(scans: Path, capsys: pytest.CaptureFixture[str], line: str, told:
 
 
 def test_every_option_of_encode_and_decode_is_there() -> None:
-    from deltamesh_cli import batch, decode, encode
+    from deltamesh_cli.commands import batch, decode, encode
 
     ours = {parameter.name: parameter for parameter in batch.command.params}
     for other in (encode, decode):

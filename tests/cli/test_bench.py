@@ -12,8 +12,8 @@ import pytest
 from commandline import cli
 
 from deltamesh._options import Options
-from deltamesh_cli.bench import command
-from deltamesh_cli.encode import command as encode
+from deltamesh_cli.commands.bench import command
+from deltamesh_cli.commands.encode import command as encode
 
 FAST = "--method cartesian --bits 6,8"
 

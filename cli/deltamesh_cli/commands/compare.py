@@ -15,10 +15,11 @@ from deltamesh_cli.output import number, print_json, shown, table
 from deltamesh_cli.progress import Stage, progress
 from deltamesh_cli.signals import interruptible
 from deltamesh_cli.summary import bits_per_vertex, relative
+from deltamesh_formats.polymesh.kinds import KIND_WORDS
 
 if TYPE_CHECKING:
     from deltamesh._compare.likeness import Difference
-    from deltamesh_formats.polymesh.kinds import KIND_WORDS, Kind
+    from deltamesh_formats.polymesh.kinds import Kind
 
     _Errors: TypeAlias = dict[str, float | None]
     _Named: TypeAlias = tuple[str, Loaded]
@@ -226,7 +227,6 @@ def _parts(a: Loaded, b: Loaded, other: tuple[Kind, ...]) -> Iterator[tuple[Kind
 
 
 def _part_rows(a: Loaded, b: Loaded, other: tuple[Kind, ...]) -> Iterator[tuple[str, ...]]:
-
     yield "parts", "in A", "in B", ""
     for kind, there, here, alike in _parts(a, b, other):
         yield KIND_WORDS[kind], str(there), str(here), "alike" if alike else "not alike"

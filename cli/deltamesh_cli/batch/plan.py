@@ -15,8 +15,8 @@ from deltamesh.batch.manifest import SKIPPED, Record, is_ours, still_done
 from deltamesh.batch.plan import Task, check_targets, flat, mirrored
 from deltamesh.batch.schedule import memory_for_counts, memory_for_mesh_file
 from deltamesh_cli import files, options
-from deltamesh_cli.batch_work import Job, failed
-from deltamesh_cli.decode import destination
+from deltamesh_cli.batch.work import Job, failed
+from deltamesh_cli.commands.decode import destination
 from deltamesh_cli.failures import Failure, attempt
 from deltamesh_formats.errors import DeltameshError, FormatError
 

@@ -15,8 +15,8 @@ from deltamesh._version import __version__
 from deltamesh.batch.manifest import DONE, FAILED, Record, state_of
 from deltamesh.batch.plan import Task
 from deltamesh_cli import files, options, summary
-from deltamesh_cli.decode import decode_into
-from deltamesh_cli.encode import encode_file
+from deltamesh_cli.commands.decode import decode_into
+from deltamesh_cli.commands.encode import encode_file
 from deltamesh_cli.failures import Failure, as_object, attempt
 from deltamesh_cli.meshes import container_of
 from deltamesh_formats.container.layout import Container

@@ -9,23 +9,17 @@ import click
 
 from deltamesh.batch.schedule import cores, physical_memory, share
 from deltamesh_cli import options
-from deltamesh_cli.batch_engines import here, in_processes, on_dask
-from deltamesh_cli.batch_options import (
-    SLURM,
-    job_of,
-    rank_of,
-    refuse_two_of,
-    with_options_of_both,
-)
-from deltamesh_cli.batch_plan import Places, listed, planned, selection
-from deltamesh_cli.batch_run import Keeping, Telling, dry_run
-from deltamesh_cli.batch_run import run as run_batch
+from deltamesh_cli.batch.engines import here, in_processes, on_dask
+from deltamesh_cli.batch.options import SLURM, job_of, rank_of, refuse_two_of, with_options_of_both
+from deltamesh_cli.batch.plan import Places, listed, planned, selection
+from deltamesh_cli.batch.run import Keeping, Telling, dry_run
+from deltamesh_cli.batch.run import run as run_batch
 from deltamesh_cli.failures import Failure, report
 from deltamesh_cli.signals import stopping_cleanly
 from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
-    from deltamesh_cli.batch_engines import Engine
+    from deltamesh_cli.batch.engines import Engine
 
 _EXAMPLES = """\
 deltamesh batch *.ply                         writes each beside its input

@@ -14,14 +14,14 @@ from deltamesh.batch.manifest import Append, Record, begun, open_manifest, read_
 from deltamesh.batch.manifest import key as key_of
 from deltamesh.batch.plan import Task
 from deltamesh_cli import files
-from deltamesh_cli.batch_plan import Item, settled
-from deltamesh_cli.batch_report import Tell, Totals, progress, tell_record
-from deltamesh_cli.batch_work import Job, failed
+from deltamesh_cli.batch.plan import Item, settled
+from deltamesh_cli.batch.report import Tell, Totals, progress, tell_record
+from deltamesh_cli.batch.work import Job, failed
 from deltamesh_cli.failures import Failure, attempt
 from deltamesh_cli.output import print_json, shown
 
 if TYPE_CHECKING:
-    from deltamesh_cli.batch_engines import Engine
+    from deltamesh_cli.batch.engines import Engine
 
 Records: TypeAlias = dict[tuple[str, str], Record]
 

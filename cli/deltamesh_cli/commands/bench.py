@@ -13,7 +13,7 @@ from click.core import ParameterSource
 
 from deltamesh._options import BOUNDS, RATES, Options
 from deltamesh_cli import files, measuring, options
-from deltamesh_cli.encode import command as encode
+from deltamesh_cli.commands.encode import command as encode
 from deltamesh_cli.failures import DONE, tried
 from deltamesh_cli.progress import progress
 from deltamesh_formats.errors import OptionError

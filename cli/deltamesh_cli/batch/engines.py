@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 from deltamesh.batch.plan import Task
-from deltamesh_cli.batch_work import Job, prepare, work
+from deltamesh_cli.batch.work import Job, prepare, work
 from deltamesh_cli.failures import attempt
 
 if TYPE_CHECKING:

@@ -10,10 +10,10 @@ import click
 from click.core import ParameterSource
 
 from deltamesh._options import Options
-from deltamesh_cli import decode as decoding
-from deltamesh_cli import encode as encoding
 from deltamesh_cli import options
-from deltamesh_cli.batch_work import Job
+from deltamesh_cli.batch.work import Job
+from deltamesh_cli.commands import decode as decoding
+from deltamesh_cli.commands import encode as encoding
 from deltamesh_cli.failures import Settings
 
 # What `encode` and `decode` have that means something else here, or nothing.
