@@ -8,12 +8,14 @@ import zlib
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from deltamesh_formats.container import layout
-from deltamesh_formats.container.layout import Meta, Parameters
+from deltamesh_formats.container.building import build_container
+from deltamesh_formats.container.container import Meta, Parameters
 from deltamesh_formats.container.reader import read_container, read_varint
 from deltamesh_formats.container.writer import write_container, write_varint
 from deltamesh_formats.errors import FormatError, MeshError
@@ -34,9 +36,9 @@ PAYLOADS = {
 DIGEST = b"01234567"
 
 
-def written(parameters=HIGHPASS, meta=META, vertices=1000, faces=2000, **optional):
+def written(parameters=HIGHPASS, meta=META, vertices=1000, triangles=2000, **optional):
     payloads = PAYLOADS[parameters.method] | optional
-    return write_container(vertices, faces, parameters, payloads, meta, DIGEST)
+    return write_container(build_container(vertices, triangles, parameters, payloads, meta, DIGEST))
 
 
 def section(name, payload):
@@ -44,8 +46,8 @@ def section(name, payload):
     return raw + struct.pack("<I", zlib.crc32(raw))
 
 
-def header(vertices=1000, faces=2000, version=layout.VERSION, reserved=0):
-    counts = write_varint(vertices) + write_varint(faces)
+def header(vertices=1000, triangles=2000, version=layout.VERSION, reserved=0):
+    counts = write_varint(vertices) + write_varint(triangles)
     raw = layout.MAGIC + struct.pack("<HH", version, reserved) + counts
     return raw + struct.pack("<I", zlib.crc32(raw))
 
@@ -70,7 +72,7 @@ def refused(data, message=None):
 def test_reader_mirrors_writer(parameters, meta):
     data = written(parameters, meta)
     container = read_container(data)
-    assert (container.vertices, container.faces) == (1000, 2000)
+    assert (container.vertices, container.triangles) == (1000, 2000)
     assert (container.version, container.digest, container.size) == (
         layout.VERSION,
         DIGEST,
@@ -125,7 +127,7 @@ seeds = st.integers(0, 2**64 - 1)
 
 @st.composite
 def containers(draw):
-    vertices, faces = draw(st.integers(0, 2**40)), draw(st.integers(0, 2**40))
+    vertices, triangles = draw(st.integers(0, 2**40)), draw(st.integers(0, 2**40))
     method, counts = draw(st.sampled_from(list(layout.METHODS))), st.integers(0, vertices)
     bits = draw(st.none() | st.integers(0, layout.MAX_BITS))
     anchored, lossless = method in ("highpass", "refined"), method == "lossless"
@@ -155,7 +157,7 @@ def containers(draw):
     payloads |= draw(st.dictionaries(ids, st.binary(max_size=20), max_size=3))
     return (
         vertices,
-        faces,
+        triangles,
         parameters,
         payloads,
         draw(st.none() | metas),
@@ -166,13 +168,43 @@ def containers(draw):
 @settings(deadline=None)
 @given(containers())
 def test_any_container_comes_back(arguments):
-    vertices, faces, parameters, payloads, meta, digest = arguments
-    container = read_container(write_container(*arguments))
-    assert (container.vertices, container.faces) == (vertices, faces)
+    vertices, triangles, parameters, payloads, meta, digest = arguments
+    container = build_container(*arguments)
+    data = write_container(container)
+    assert read_container(data) == container
+    assert list(read_container(data).sections) == list(container.sections)
+    assert len(data) == container.size
+    assert (container.vertices, container.triangles) == (vertices, triangles)
     assert (container.parameters, container.meta) == (parameters, meta)
     assert container.digest == digest
     assert {i: s.payload for i, s in container.sections.items() if i in payloads} == payloads
     assert list(container.sections)[-1] == "CHEK"
+
+
+def test_a_container_has_the_numbers_that_its_file_has():
+    """Those of binary32 and of hundredths are rounded when it is built, not when it is read."""
+    parameters = replace(HIGHPASS, method="refined", coarse=8.1, dead_zone=0.123)
+    payloads = PAYLOADS["highpass"] | {"NORM": b""}
+    meta = replace(META, normal=0.1)
+    container = build_container(1000, 2000, parameters, payloads, meta, DIGEST)
+    assert container.parameters.coarse == float(np.float32(8.1)) != 8.1
+    assert container.parameters.dead_zone == 0.12
+    assert container.meta == replace(meta, normal=float(np.float32(0.1)))
+    assert read_container(write_container(container)) == container
+
+
+def test_a_file_that_is_read_is_written_as_it_was():
+    """Unused bits, too, which no field of a container has."""
+    for data in (with_parameters(flags=0xFF), written(abcd=b"x"), PINNED):
+        assert write_container(read_container(data)) == data
+
+
+def test_sections_know_their_place():
+    data = written(CARTESIAN, CONN=bytes(200), CART=bytes(20_000))
+    for one in read_container(data).sections.values():
+        assert data[one.offset : one.offset + 4].decode() == one.id
+        assert data[one.start : one.start + len(one.payload)] == one.payload
+        assert one.end == one.offset + one.size == one.start + len(one.payload) + 4
 
 
 @settings(deadline=None)
@@ -193,11 +225,12 @@ def test_arbitrary_payloads_are_read_or_refused(payload, name):
     except FormatError:
         return
     payloads = {i: bytes(found.sections[i].payload) for i in PAYLOADS["highpass"]}
-    again = write_container(
-        found.vertices, found.faces, found.parameters, payloads, found.meta, found.digest
+    again = build_container(
+        found.vertices, found.triangles, found.parameters, payloads, found.meta, found.digest
     )
     # The flags have unused bits, which are ignored and not kept.
-    assert len(again) == len(data)
+    assert again.size == len(data)
+    assert write_container(found) == data
 
 
 # One list for both directions.
@@ -310,7 +343,7 @@ def test_huge_counts_are_refused():
     rest = b"".join(pieces(written())[1].values())
     assert read_container(header(2**40, 2**40) + rest)
     assert refused(header(2**40 + 1, 0) + rest, "vertices, more than") == 12
-    assert refused(header(0, 2**63 - 1) + rest, "faces, more than") == 13
+    assert refused(header(0, 2**63 - 1) + rest, "triangles, more than") == 13
     crafted = header()[:12] + b"\x80\x00" + bytes(6)
     assert refused(crafted + rest, "longer than it needs") == 12
 
@@ -426,7 +459,7 @@ def with_parameters(**changes):
         ({"method": 2, "coarse": 0.5}, "coarse", "method refined with deltas 0.5 times as coarse"),
         ({"anchor_count": 1001}, "anchor_count", "1001 anchor vertices among 1000"),
         ({"isolated": 2**63 - 1}, "isolated", "isolated vertices among 1000"),
-        ({"extra": b"\0"}, None, "PARM is 1 bytes too long"),
+        ({"extra": b"\0"}, None, "PARM: 1 bytes follow the last field"),
     ],
 )
 def test_parameters_out_of_range(changes, field, message):
@@ -460,7 +493,7 @@ def test_a_short_parameter_payload(cut):
         (bytes(32) + b"\1\x1b\0", "control characters"),
         (bytes(32) + b"\1\xff\0", "not UTF-8"),
         (bytes(32) + b"\0\1", "truncated"),
-        (bytes(32) + b"\0\0\0", "too long"),
+        (bytes(32) + b"\0\0\0", "meta: 1 bytes follow the last field"),
     ],
 )
 def test_meta_out_of_range(payload, message):
@@ -471,7 +504,10 @@ def test_meta_out_of_range(payload, message):
 
 def test_the_digest_has_its_size():
     start, parts = pieces(written())
-    for payload, message in ((b"1234567", "truncated"), (b"123456789", "too long")):
+    for payload, message in (
+        (b"1234567", "truncated"),
+        (b"123456789", "CHEK: 1 bytes follow the last field"),
+    ):
         parts["CHEK"] = section("CHEK", payload)
         refused(start + b"".join(parts.values()), message)
 
@@ -490,7 +526,7 @@ def test_the_digest_has_its_size():
         {"meta": replace(META, encoder="x" * 256)},
         {"meta": replace(META, source="a\nb")},
         {"vertices": 2**40 + 1},
-        {"faces": -1},
+        {"triangles": -1},
     ],
     ids=str,
 )
@@ -512,7 +548,7 @@ def test_the_writer_refuses_what_the_reader_would(arguments):
 )
 def test_wrong_payloads_are_a_mistake_of_the_caller(payloads, digest):
     with pytest.raises(ValueError, match=r"payloads|optional|digest"):
-        write_container(
+        build_container(
             10, 10, replace(HIGHPASS, anchor_count=1, isolated=0), payloads, None, digest
         )
 
@@ -573,7 +609,7 @@ def test_spec_header_values():
     ranges = {row[0]: row[4] for row in spec_table("2", "Name")}
     assert bytes.fromhex(ranges["magic"]) == layout.MAGIC
     assert ranges["version"] == str(layout.VERSION)
-    assert ranges["vertices"] == ranges["faces"] == f"0..2^{layout.MAX_COUNT.bit_length() - 1}"
+    assert ranges["vertices"] == ranges["triangles"] == f"0..2^{layout.MAX_COUNT.bit_length() - 1}"
 
 
 def test_spec_section_order():

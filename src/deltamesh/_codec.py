@@ -10,7 +10,8 @@ from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh._mesh import checked_mesh, triangulated
 from deltamesh._options import DEFAULT_BITS_NORMAL, DEFAULT_BITS_UV, DEFAULT_EFFORT, Options
 from deltamesh._pipeline import Progress, decode_mesh, encode_mesh, silent
-from deltamesh._sources import Source, read_source
+from deltamesh._sources import Source, open_container
+from deltamesh_formats.container.container import Container
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.mesh import PolyMesh, checked, from_triangles
 from deltamesh_formats.polymesh.validation import check_shapes
@@ -184,7 +185,7 @@ def _whole(vertices: ArrayLike | PolyMesh, faces: ArrayLike | None) -> PolyMesh:
 
 
 def decode(
-    source: Source,
+    source: Source | Container,
     *,
     solver: str = "auto",
     threads: int | None = None,
@@ -196,7 +197,7 @@ def decode(
 
     Parameters
     ----------
-    source : bytes-like, path or binary file object
+    source : bytes-like, path, binary file object, or what `deltamesh.info` returned
     solver : {"auto", "rslab", "pardiso", "scipy"}
     threads : int, optional
         For the solver. Default: all cores.
@@ -226,7 +227,7 @@ def decode(
     D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
     """
     return decode_mesh(
-        read_source(source),
+        open_container(source),
         solver=solver,
         threads=threads,
         max_vertices=max_vertices,

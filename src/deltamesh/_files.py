@@ -1,4 +1,4 @@
-"""`.dmesh` files: what they say of themselves, whether they are whole, from and to anywhere."""
+"""Readers and writer of `.dmesh` files, from and to anywhere."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ import os
 from pathlib import Path
 from typing import Any, BinaryIO, TypeAlias
 
-from deltamesh._sources import Source, read_source
-from deltamesh_formats.container.layout import Container
-from deltamesh_formats.container.reader import read_container
+from deltamesh._sources import Source, open_container
+from deltamesh_formats.container.container import Container
 from deltamesh_formats.errors import OptionError
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
@@ -17,9 +16,10 @@ Target: TypeAlias = str | os.PathLike[str] | BinaryIO
 
 
 def info(source: Source) -> Container:
-    """Return what a file says of itself: counts, sections, parameters, achieved errors.
+    """Return the container of a file: counts, sections, parameters, achieved errors.
 
-    Every checksum of the bytes is verified; nothing is decoded.
+    Every checksum of the bytes is verified; nothing is decoded. `decode` takes what is returned,
+    and does not read the file again.
 
     Parameters
     ----------
@@ -29,15 +29,15 @@ def info(source: Source) -> Container:
     ------
     FormatError
     """
-    return read_container(read_source(source))
+    return open_container(source)
 
 
-def verify(source: Source, **options: Any) -> Container:
-    """Decode a file and return what it says of itself; damage of any kind raises.
+def verify(source: Source | Container, **options: Any) -> Container:
+    """Decode a file and return its container; damage of any kind raises.
 
     Parameters
     ----------
-    source : path, binary file object or bytes-like
+    source : path, binary file object, bytes-like, or what `info` returned
     **options
         Those of `deltamesh.decode`.
 
@@ -47,19 +47,19 @@ def verify(source: Source, **options: Any) -> Container:
     """
     from deltamesh._codec import decode
 
-    data = read_source(source)
-    decode(data, **options)
-    return read_container(data)
+    container = open_container(source)
+    decode(container, **options)
+    return container
 
 
-def load(source: Source, **options: Any) -> PolyMesh:
+def load(source: Source | Container, **options: Any) -> PolyMesh:
     """Decode a `.dmesh` file: polygons, attributes, parts and metadata of what was encoded.
 
     Vertices and faces come in the order of the source only if that was kept (`keep_order`).
 
     Parameters
     ----------
-    source : path, binary file object or bytes-like
+    source : path, binary file object, bytes-like, or what `info` returned
     **options
         Those of `deltamesh.decode`, which is the same.
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from deltamesh_formats.container.layout import ATTRIBUTES, POLYGONS, Container, Section
+from deltamesh_formats.container.container import Container, Section
+from deltamesh_formats.container.layout import ATTRIBUTES, POLYGONS
 from deltamesh_formats.container.texts import text_size, texts_of
 from deltamesh_formats.errors import FormatError, LimitError
 
@@ -72,7 +73,7 @@ def _memory_of_counts(container: Container) -> int:
     method = container.parameters.method
     fixed, per_vertex = BASE[method], PER_VERTEX[method]
     per_face = PER_FACE + (PER_GLUED_FACE if POLYGONS in container.sections else 0)
-    needed = fixed + per_vertex * container.vertices + per_face * container.faces
+    needed = fixed + per_vertex * container.vertices + per_face * container.triangles
     return needed + _memory_of_attributes(container) + PER_TEXT_BYTE * text_size(container)
 
 
@@ -81,7 +82,8 @@ def _memory_of_attributes(container: Container) -> int:
         return 0
     from deltamesh_formats.container.attribute_table import entries_of  # which needs numpy
 
-    counts = {"vertex": container.vertices, "corner": 3 * container.faces, "face": container.faces}
+    n, m = container.vertices, container.triangles
+    counts = {"vertex": n, "corner": 3 * m, "face": m}
     needed = 0
     for entry in entries_of(container):
         columns = 3 * -(-entry.columns // 3)
@@ -100,7 +102,7 @@ def check_limits(container: Container, counts: Counts, max_vertices: int, memory
     FormatError
         For none or more faces, or more of anything else, than the bytes of a section can hold.
     """
-    n, m = container.vertices, container.faces
+    n, m = container.vertices, container.triangles
     if n > max_vertices:
         raise LimitError(f"{n} vertices are more than the limit of {max_vertices}")
     section, used = container.sections["CONN"], counts.points - counts.isolated

@@ -1,4 +1,4 @@
-"""Where bytes come from: paths, binary file objects, bytes."""
+"""Readers of sources: paths, binary file objects, bytes, and containers that were read before."""
 
 from __future__ import annotations
 
@@ -6,8 +6,28 @@ import os
 from pathlib import Path
 from typing import BinaryIO, TypeAlias
 
+from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.reader import read_container
+
 Bytes: TypeAlias = bytes | bytearray | memoryview
 Source: TypeAlias = str | os.PathLike[str] | BinaryIO | Bytes
+
+
+def open_container(source: Source | Container) -> Container:
+    """Return the container of a file, wherever it is; a container is returned as it is.
+
+    Parameters
+    ----------
+    source : path, binary file object, bytes-like or Container
+
+    Raises
+    ------
+    FormatError
+        For anything but a whole, undamaged file of this version.
+    OSError, TypeError
+        As `read_source`.
+    """
+    return source if isinstance(source, Container) else read_container(read_source(source))
 
 
 def read_source(source: Source) -> bytes | memoryview:

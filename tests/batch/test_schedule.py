@@ -20,7 +20,7 @@ from deltamesh.batch.schedule import (
     share,
     startable,
 )
-from deltamesh_formats.container.layout import Container
+from deltamesh_formats.container.container import Container
 from deltamesh_formats.errors import OptionError
 from deltamesh_formats.polymesh.mesh import from_triangles
 
@@ -77,10 +77,10 @@ def test_a_whole_run(needs: list[tuple[int, int]], jobs: int, memory: int) -> No
 
 
 def test_estimates_are_those_of_the_limits() -> None:
-    from deltamesh_formats.container.layout import Parameters
+    from deltamesh_formats.container.container import Parameters
 
     parameters = Parameters("highpass", True, None, 8, 0.5, (0.0, 0.0, 0.0), 0.0, 0, 0, 0)
-    container = Container(1, 1000, 2000, parameters, None, {}, b"", 0)
+    container = Container(1, 1000, 2000, parameters, None, {}, b"")
     assert memory_for_counts(1000, 2000) == memory_needed(container)
 
 

@@ -13,6 +13,7 @@ from deltamesh_cli.output import print_json, shown
 from deltamesh_cli.progress import Stage, progress
 
 if TYPE_CHECKING:
+    from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
 # What a file that names no format of its own is written as: binary, exact, read by everything.
@@ -80,14 +81,13 @@ def command(
     files.check_usage(target, as_json)
 
     def decode(source: str) -> None:
-        data = files.read_input(source)
-        container = container_of(source, data, "cannot decode")
+        container = container_of(source, files.read_input(source), "cannot decode")
         stored = container.meta.source if container.meta is not None else ""
         name, file_format = destination(source, target, output_format, stored)
         text = file_format in options.TEXT_FORMATS
         files.check_output(source, name, force=force, text=text)
         with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
-            mesh, lost = decode_into(name, file_format, source, data, stage, parameters)
+            mesh, lost = decode_into(name, file_format, source, container, stage, parameters)
         note_not_kept(name, lost, quiet=quiet)
         if as_json or not (quiet or name == files.STDIO):
             _print_summary(source, name, mesh, file_format, as_json)
@@ -99,11 +99,11 @@ def decode_into(
     target: str,
     file_format: str,
     source: str,
-    data: bytes,
+    container: Container,
     stage: Stage,
     parameters: dict[str, Any],
 ) -> tuple[PolyMesh, tuple[str, ...]]:
-    """Write the mesh of a `.dmesh` file, whose bytes are `data`.
+    """Write the mesh of a `.dmesh` file.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def decode_into(
     ------
     Failure
     """
-    mesh = decoded(source, data, stage, **parameters)
+    mesh = decoded(source, container, stage, **parameters)
     stage("writing")
     return mesh, write_mesh_file(target, mesh, file_format)
 

@@ -23,12 +23,14 @@ from deltamesh._options import (
 )
 from deltamesh_cli import files, options, summary
 from deltamesh_cli.failures import attempt, each
-from deltamesh_cli.meshes import note_not_kept, parsed
+from deltamesh_cli.meshes import container_of, note_not_kept, parsed
 from deltamesh_cli.output import print_json, shown
 from deltamesh_cli.progress import Stage, progress
 from deltamesh_cli.signals import interruptible
+from deltamesh_formats.container.texts import texts_of
 
 if TYPE_CHECKING:
+    from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
 _EXAMPLES = """\
@@ -247,10 +249,10 @@ def command(
         files.check_input(source)
         files.check_output(source, target, force=force)
         with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
-            size, data, lost = encode_file(source, target, input_format, stage, parameters)
+            size, container, lost = encode_file(source, target, input_format, stage, parameters)
         note_not_kept(source, lost, quiet=quiet)
         if as_json or not (quiet or target == files.STDIO):
-            _print_summary((source, size), target, data, as_json=as_json)
+            _print_summary((source, size), target, container, as_json=as_json)
 
     each([source], encode, as_json=as_json)
 
@@ -274,15 +276,15 @@ def _choose_lossless(parameters: dict[str, Any]) -> None:
 
 def encode_file(
     source: str, target: str, input_format: str | None, stage: Stage, parameters: dict[str, Any]
-) -> tuple[int, bytes, tuple[str, ...]]:
+) -> tuple[int, Container, tuple[str, ...]]:
     """Compress one file into another.
 
     Returns
     -------
     size : int
         Bytes of the first.
-    data : bytes
-        The second.
+    container : Container
+        Of the second.
     lost : tuple of str
         Words for what is not kept.
 
@@ -296,7 +298,8 @@ def encode_file(
         data = interruptible(lambda: _encoded(mesh, stage, parameters))
     with files.open_output(target) as stream:
         stream.write(data)
-    return len(original), data, _not_kept(data)
+    container = container_of(target, data, "cannot encode")
+    return len(original), container, texts_of(container).lost
 
 
 def _refuse_two_rates(parameters: dict[str, Any]) -> None:
@@ -328,19 +331,10 @@ def _encoded(mesh: PolyMesh, stage: Stage, parameters: dict[str, Any]) -> bytes:
     )
 
 
-def _not_kept(data: bytes) -> tuple[str, ...]:
-    """Return words for what of the source is not in a `.dmesh` file."""
-    from deltamesh_formats.container.reader import read_container
-    from deltamesh_formats.container.texts import texts_of
-
-    return texts_of(read_container(data)).lost
-
-
-def _print_summary(source: tuple[str, int], target: str, data: bytes, *, as_json: bool) -> None:
+def _print_summary(
+    source: tuple[str, int], target: str, container: Container, *, as_json: bool
+) -> None:
     """Print what became of `source`, a name and a size in bytes."""
-    from deltamesh_formats.container.reader import read_container
-
-    container = read_container(data)
     name, size = source
     if as_json:
         print_json({"source": name, "source_bytes": size, **summary.as_object(target, container)})

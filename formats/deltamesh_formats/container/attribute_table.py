@@ -13,7 +13,8 @@ from typing import Any, Final, Literal, TypeAlias, get_args
 
 import numpy as np
 
-from deltamesh_formats.container.layout import ATTRIBUTES, Container
+from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.layout import ATTRIBUTES
 from deltamesh_formats.container.reader import payload_of, read_varint, take
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError

@@ -10,7 +10,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from deltamesh_formats.container.layout import MAX_TEXT, PARTS, Container
+from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.layout import MAX_TEXT, PARTS
 from deltamesh_formats.container.packed import packed, unpacked, unpacked_size
 from deltamesh_formats.container.reader import Buffer, payload_of, read_varint, take
 from deltamesh_formats.container.writer import write_varint

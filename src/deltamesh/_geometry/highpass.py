@@ -23,7 +23,7 @@ from deltamesh._measures.metrics import diagonal
 from deltamesh._options import DEFAULT_HIGHPASS_STEP, Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams import entropy
-from deltamesh_formats.container.layout import Parameters, Section
+from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.reader import payload_of, take
 from deltamesh_formats.errors import FormatError, OptionError
 

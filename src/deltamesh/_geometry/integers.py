@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh_formats.container.layout import Parameters
+from deltamesh_formats.container.container import Parameters
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from deltamesh._streams.exact import (
     unpacked,
 )
 from deltamesh._streams.number_formats import spelling, to_integers, to_values
-from deltamesh_formats.container.layout import Parameters, Section
+from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.reader import payload_of
 from deltamesh_formats.errors import FormatError
 
