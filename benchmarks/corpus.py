@@ -16,7 +16,7 @@ from typing import Any
 import click
 
 from deltamesh._compare.welding import welded, without_isolated
-from deltamesh._mesh import TriangleMesh, checked_mesh
+from deltamesh._mesh import TriangleMesh, triangulated
 from deltamesh_formats.meshfiles.files import FORMATS, read_mesh
 
 GENERATED = "torus"
@@ -103,8 +103,7 @@ def read(file: Path) -> TriangleMesh:
     ------
     MeshError
     """
-    data = read_mesh(file)
-    return checked_mesh(data.vertices, data.triangles)
+    return triangulated(read_mesh(file))
 
 
 def selection(command: Callable[..., Any]) -> Callable[..., Any]:

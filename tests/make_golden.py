@@ -336,7 +336,7 @@ def one_sided_anchors():
     surface, integers = content.structure.surface, content.integers
     anchors = np.array([0, 1])
     wrong = Integers(integers.values, anchors, integers.positions, integers.isolated)
-    payload = highpass.write(surface, container.parameters, wrong)["ANCH"]
+    payload = highpass.encode(surface, container.parameters, wrong)["ANCH"]
     return forging.forged(data, ANCH=payload, checksum=digest(surface.faces, NONE, wrong))
 
 
@@ -365,7 +365,7 @@ def infinite(data):
     values[7, 1] = np.float64("inf").view(np.int64)
     raw = Spelling((), (), 0, raw=True, zeros=False)
     wrong = lossless.exactly(values, spelled.packed(spelled.DOUBLE, [raw] * 3))
-    payloads = lossless.write(surface, container.parameters, wrong)
+    payloads = lossless.encode(surface, container.parameters, wrong)
     return forging.forged(data, **payloads, checksum=digest(surface.faces, NONE, wrong))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from deltamesh._mesh import TriangleMesh, checked_mesh
+from deltamesh._mesh import TriangleMesh, triangulated
 from deltamesh_formats.meshfiles.files import FORMATS, read_mesh
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
@@ -270,8 +270,7 @@ def names(most_bytes: int) -> list[str]:
 
 def real(name: str) -> TriangleMesh:
     """A mesh of the folder; the test that asks is skipped where it is not there."""
-    data = real_whole(name)
-    return checked_mesh(data.vertices, data.faces)
+    return triangulated(real_whole(name))
 
 
 def real_whole(name: str) -> PolyMesh:

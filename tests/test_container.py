@@ -149,7 +149,7 @@ def containers(draw):
         draw(hundredths),
         draw(st.booleans()),
     )
-    further = layout.FURTHER[method]
+    further = layout.METHODS[method].further
     needed = draw(st.sets(st.sampled_from((*layout.AFTER_CONNECTIVITY, *further))))
     required = layout.required(method, needed)[1:]
     payloads = {name: draw(st.binary(max_size=300)) for name in required}
@@ -616,7 +616,7 @@ def test_spec_section_order():
     rows = spec_table("3.2", "`id`")
     for column, method in ((2, "highpass"), (3, "cartesian"), (4, "refined"), (5, "lossless")):
         numbered = sorted((int(row[column]), row[0]) for row in rows if row[column].isdigit())
-        assert [name for _, name in numbered] == list(layout.REQUIRED[method])
+        assert [name for _, name in numbered] == list(layout.METHODS[method].required)
         everything = sorted(
             (int(row[column].strip("()")), row[0])
             for row in rows
@@ -638,7 +638,7 @@ def test_spec_limits():
 
 def test_spec_codes():
     methods = {row[0]: int(row[1]) for row in spec_table("4.1", "`method`")}
-    assert methods == layout.METHODS
+    assert methods == {name: method.id for name, method in layout.METHODS.items()}
     anchors = {row[0]: int(row[1]) for row in spec_table("4.1", "`anchor_method`")}
     assert anchors == {name or "none": code for name, code in layout.ANCHOR_METHODS.items()}
     bits = next(row[4] for row in spec_table("4.1", "Name") if row[0] == "bits")

@@ -317,7 +317,7 @@ def test_forged_payloads(payload: bytes) -> None:
     """They are refused, or decode to positions that a mesh can have."""
     section = Section("EXAC", 0, payload)
     try:
-        integers = lossless.read(SPHERE, PARAMETERS, {"EXAC": section})
+        integers = lossless.decode(SPHERE, PARAMETERS, {"EXAC": section})
     except FormatError as error:
         offset = error.offset
     else:
@@ -339,9 +339,9 @@ def test_any_forms_that_a_file_may_name(data: st.DataObject) -> None:
     axes = [dataclasses.replace(how, raw=True, zeros=bool(how.forms)) for how in axes]
     bits = V.view(np.int64)
     integers = lossless.exactly(bits, spelled.packed(spelled.DOUBLE, axes))
-    exact = lossless.write(SPHERE, PARAMETERS, integers)["EXAC"]
+    exact = lossless.encode(SPHERE, PARAMETERS, integers)["EXAC"]
     section = Section("EXAC", 0, exact)
-    read = lossless.read(SPHERE, PARAMETERS, {"EXAC": section})
+    read = lossless.decode(SPHERE, PARAMETERS, {"EXAC": section})
     assert read.values.tobytes() == bits.tobytes()
 
 
@@ -352,7 +352,7 @@ def test_a_file_of_other_forms_is_as_good() -> None:
     raw = [Spelling((), (), 0, raw=True, zeros=False)] * 3
     forms = spelled.packed(spelled.DOUBLE, raw)
     integers = lossless.exactly(mesh.vertices.view(np.int64), forms)
-    other = forging.forged(data, **lossless.write(surface, PARAMETERS, integers))
+    other = forging.forged(data, **lossless.encode(surface, PARAMETERS, integers))
     with pytest.raises(FormatError, match="checksum"):
         decode(other)
     other = forging.consistent(other)

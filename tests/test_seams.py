@@ -14,7 +14,7 @@ import deltamesh
 from deltamesh_formats.polymesh.joining import joined
 from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.polymesh.seams import at_vertices, split
-from deltamesh_formats.polymesh.validation import check_shapes
+from deltamesh_formats.polymesh.validation import checked
 
 KINDS = (
     polymeshes.Kind("corner", ("f4", "i8"), (1, 2), partly=True),
@@ -40,7 +40,7 @@ def test_a_split_changes_nothing_at_any_corner(mesh: PolyMesh) -> None:
     for attribute in mesh.attributes:
         if attribute.domain == "corner":
             made = split(mesh, attribute)
-            check_shapes(made)
+            assert checked(made) is made
             n = len(mesh.vertices)
             assert corners_of(made) == corners_of(mesh)
             assert (made.vertices[:n] == mesh.vertices).all()
@@ -69,7 +69,7 @@ def test_corners_that_agree_are_vertices_and_only_they(mesh: PolyMesh) -> None:
 @given(st.lists(any_mesh, min_size=1, max_size=3))
 def test_meshes_joined_are_all_there_in_turn(some: list[PolyMesh]) -> None:
     whole = joined(some)
-    check_shapes(whole)
+    assert checked(whole) is whole
     place = {"vertex": 0, "corner": 0, "face": 0}
     for mesh in some:
         n, c, m = len(mesh.vertices), len(mesh.corners), len(mesh.sizes)

@@ -55,7 +55,7 @@ def test_the_excess_is_the_worst_share_and_names_what_was_missed():
     bounds = Bounds(rms=2.0, normal_deviation=1.0)
     errors = VertexErrors(rms=1.0, max=99.0, normal_deviation=3.0, dihedral=5.0)
     assert bounds.excess(errors) == 3.0
-    assert bounds.drift(errors) == 0.5
+    assert bounds.distance_excess(errors) == 0.5
     assert str(bounds.missed(errors)) == (
         "normal deviation 1 cannot be met: 3 is the least there was"
     )

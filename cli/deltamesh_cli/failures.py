@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
@@ -130,11 +130,19 @@ def attempt(file: str, what: str, hint: str = "") -> Iterator[None]:
         raise Failure(file, what, error, hint) from error
 
 
-def tell_bug(error: Exception, settings: Settings) -> None:
-    """Tell an error that no file can be blamed for."""
-    if settings.debug:
-        traceback.print_exception(error)
-    click.echo(f"deltamesh: {reason(error)} ({_BUG})", err=True)
+def tell_unforeseen(error: Exception, settings: Settings) -> None:
+    """Tell an error that no file can be blamed for: printing has failed, or it is a bug.
+
+    All that reads or writes a file is inside an `attempt`, and what a descriptor raises has no file
+    name: that one is standard output, where the disk is full for example.
+    """
+    printing = isinstance(error, OSError) and error.errno is not None and error.filename is None
+    why = reason(error)
+    told = f"standard output: cannot write: {why}" if printing else f"{why} ({_BUG})"
+    with suppress(OSError):  # standard error may be what takes no more
+        if settings.debug:
+            traceback.print_exception(error)
+        click.echo(f"deltamesh: {told}", err=True)
 
 
 def report(failure: Failure) -> None:

@@ -83,9 +83,10 @@ def read(path: str, stage: Stage, *, bare: bool) -> TriangleMesh:
     found = parsed(path, files.read_input(path), None, stage)
     with attempt(path, "cannot read"):
         from deltamesh._compare.welding import welded, without_isolated
-        from deltamesh._mesh import checked_mesh
+        from deltamesh._mesh import LARGEST, triangulated
+        from deltamesh_formats.polymesh.validation import checked
 
-        mesh = checked_mesh(found.vertices, found.triangles)
+        mesh = triangulated(checked(found, LARGEST))
         return without_isolated(welded(mesh)) if bare else mesh
 
 
@@ -171,8 +172,8 @@ def saved(path: str) -> list[Row]:
         return from_text(data.decode(errors="replace"))
 
 
-def save(path: str, measurements: Iterable[Measurement]) -> None:
-    """Write a file of rates.
+def save(path: str, measurements: Iterable[Measurement], *, force: bool) -> None:
+    """Write a file of rates; with `force` one that exists is replaced.
 
     Raises
     ------
@@ -180,8 +181,8 @@ def save(path: str, measurements: Iterable[Measurement]) -> None:
     """
     from deltamesh.bench.rates import as_text, row_of
 
-    with files.open_output(path) as stream:
-        stream.write(as_text(map(row_of, measurements)).encode())
+    text = as_text(map(row_of, measurements))
+    files.write_output(path, text.encode(), force=force)
 
 
 def labels_of(name: str, rows: Iterable[Row]) -> list[str]:

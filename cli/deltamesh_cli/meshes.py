@@ -60,18 +60,22 @@ def _format_hint(named: str, data: bytes) -> str:
     return "" if named in options.MESH_FORMATS else "--input-format names the format"
 
 
-def write_mesh_file(name: str, mesh: PolyMesh, file_format: str) -> tuple[str, ...]:
+def write_mesh_file(name: str, mesh: PolyMesh, file_format: str, *, force: bool) -> tuple[str, ...]:
     """Write a mesh file, or a mesh to standard output; return what the format has no place for.
+
+    With `force` a file that exists is replaced.
 
     Raises
     ------
     Failure
         It cannot be written.
     """
-    from deltamesh_formats.meshfiles.files import write_mesh
+    from deltamesh_formats.meshfiles.files import written
 
-    with files.open_output(name) as stream:
-        return write_mesh(stream, mesh, file_format)
+    with attempt(name, "cannot write"):
+        made = written(mesh, file_format)
+    files.write_output(name, made.data, force=force)
+    return made.lost
 
 
 def note_not_kept(name: str, words: Collection[str], *, quiet: bool) -> None:
@@ -118,7 +122,8 @@ def load_any(name: str, file_format: str | None, stage: Stage, **parameters: Any
     Failure
         It is neither, or needs more than the limits.
     """
-    from deltamesh._mesh import checked_mesh
+    from deltamesh._mesh import LARGEST
+    from deltamesh_formats.polymesh.validation import checked
 
     data = files.read_input(name)
     if data[: len(MAGIC)] == MAGIC:
@@ -126,5 +131,4 @@ def load_any(name: str, file_format: str | None, stage: Stage, **parameters: Any
         return Loaded(decoded(name, container, stage, **parameters), len(data), container)
     found = parsed(name, data, file_format, stage)
     with attempt(name, "cannot read"):
-        checked_mesh(found.vertices, found.triangles)
-    return Loaded(found, len(data), None)
+        return Loaded(checked(found, LARGEST), len(data), None)

@@ -231,6 +231,11 @@ def limits(command: Command) -> Command:
     )(command)
 
 
+def shown(name: str) -> str:
+    """Return an option of the library as it is on the command line: --max-error for max_error."""
+    return f"--{name.replace('_', '-')}"
+
+
 def given(options: dict[str, Any]) -> dict[str, Any]:
     """Return the options that were given, so that the library's defaults hold for the others."""
     return {name: value for name, value in options.items() if value is not None}

@@ -12,7 +12,7 @@ from typing import Final
 import click
 
 from deltamesh_cli import options
-from deltamesh_cli.failures import DONE, FAILED, SIGNALLED, USAGE, Settings, tell_bug
+from deltamesh_cli.failures import DONE, FAILED, SIGNALLED, USAGE, Settings, tell_unforeseen
 from deltamesh_cli.signals import Stopped
 
 COMMANDS: Final = ("encode", "decode", "batch", "info", "test", "compare", "bench", "completion")
@@ -86,7 +86,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         return FAILED  # whoever read our output has seen enough: nothing to tell
     except Exception as error:
-        tell_bug(error, settings)
+        tell_unforeseen(error, settings)
         return FAILED
     return code if isinstance(code, int) else DONE
 

@@ -93,7 +93,7 @@ def digest(
     i = integers
     arrays = (
         *(faces, copied, i.values, i.anchors, i.positions, i.isolated, i.refinements),
-        *(i.corrections, i.forms, *order),
+        *(i.corrections, i.formats, *order),
     )
     result = hashlib.blake2b(digest_size=8)
     for array in arrays:

@@ -1,18 +1,21 @@
-"""Readers and writer of `.dmesh` files, from and to anywhere."""
+"""Files in `.dmesh` format, at paths and in file objects: read, verified, described, written."""
 
 from __future__ import annotations
 
 import io
 import os
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, BinaryIO, TypeAlias
+from typing import Unpack
 
-from deltamesh._sources import Source, open_container
+from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
+from deltamesh._options import EncodeOptions
+from deltamesh._sources import Source, read_file, read_source
+from deltamesh_formats.atomic import PathOrFile, write_file
 from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import OptionError
 from deltamesh_formats.polymesh.mesh import PolyMesh
-
-Target: TypeAlias = str | os.PathLike[str] | BinaryIO
 
 
 def info(source: Source) -> Container:
@@ -29,39 +32,25 @@ def info(source: Source) -> Container:
     ------
     FormatError
     """
-    return open_container(source)
+    return read_container(read_source(source))
 
 
-def verify(source: Source | Container, **options: Any) -> Container:
+def verify(
+    source: Source | Container,
+    *,
+    solver: str = "auto",
+    threads: int | None = None,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Callable[[str], None] | None = None,
+) -> Container:
     """Decode a file and return its container; damage of any kind raises.
 
     Parameters
     ----------
     source : path, binary file object, bytes-like, or what `info` returned
-    **options
-        Those of `deltamesh.decode`.
-
-    Raises
-    ------
-    FormatError, LimitError, SolveError
-    """
-    from deltamesh._codec import decode
-
-    container = open_container(source)
-    decode(container, **options)
-    return container
-
-
-def load(source: Source | Container, **options: Any) -> PolyMesh:
-    """Decode a `.dmesh` file: polygons, attributes, parts and metadata of what was encoded.
-
-    Vertices and faces come in the order of the source only if that was kept (`keep_order`).
-
-    Parameters
-    ----------
-    source : path, binary file object, bytes-like, or what `info` returned
-    **options
-        Those of `deltamesh.decode`, which is the same.
+    solver, threads, max_vertices, memory, progress
+        As in `deltamesh.decode`.
 
     Raises
     ------
@@ -69,14 +58,62 @@ def load(source: Source | Container, **options: Any) -> PolyMesh:
     """
     from deltamesh._codec import decode
 
-    return decode(source, **options)
+    container = source if isinstance(source, Container) else info(source)
+    decode(
+        container,
+        solver=solver,
+        threads=threads,
+        max_vertices=max_vertices,
+        memory=memory,
+        progress=progress,
+    )
+    return container
 
 
-def save(target: Target, mesh: PolyMesh, **options: Any) -> None:
+def load(
+    source: PathOrFile,
+    *,
+    solver: str = "auto",
+    threads: int | None = None,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Callable[[str], None] | None = None,
+) -> PolyMesh:
+    """Decode a `.dmesh` file: polygons, attributes, parts and metadata of what was encoded.
+
+    Vertices and faces come in the order of the source only if that was kept (`keep_order`).
+
+    Parameters
+    ----------
+    source : path or binary file object
+        A file object is read from where it is to its end, and need not be seekable.
+    solver, threads, max_vertices, memory, progress
+        As in `deltamesh.decode`, which does the same with bytes.
+
+    Raises
+    ------
+    FormatError, LimitError, SolveError, OSError
+    TypeError
+        For anything but a path or a file that is open in binary mode.
+    """
+    from deltamesh._codec import decode
+
+    return decode(
+        read_file(source),
+        solver=solver,
+        threads=threads,
+        max_vertices=max_vertices,
+        memory=memory,
+        progress=progress,
+    )
+
+
+def save(target: PathOrFile, mesh: PolyMesh, **options: Unpack[EncodeOptions]) -> None:
     """Encode a mesh into a `.dmesh` file, with all its attributes, parts and metadata.
 
-    A file at a path appears whole or not at all; one that exists is replaced. Nothing is written
-    to a file object before all bytes are there.
+    A file at a path appears whole or not at all, whoever else writes it at the same time. One that
+    exists is replaced and keeps its permissions; of a symbolic link, what it names. Pipes and
+    devices are written in place. Nothing is written to a file object before all bytes are there.
 
     Parameters
     ----------
@@ -96,11 +133,7 @@ def save(target: Target, mesh: PolyMesh, **options: Any) -> None:
         _check_extension(target)
     if isinstance(target, io.TextIOBase):
         raise TypeError(f"a file to write to has to be open in binary mode: {target!r}")
-    data = encode(mesh, **options)
-    if isinstance(target, (str, os.PathLike)):
-        _replace(Path(target), data)
-    else:
-        _write(target, data)
+    write_file(target, encode(mesh, **options))
 
 
 def _check_extension(target: str | os.PathLike[str]) -> None:
@@ -111,19 +144,3 @@ def _check_extension(target: str | os.PathLike[str]) -> None:
     if extension in FORMATS:
         what = extension.upper()
         raise OptionError(f"{os.fspath(target)}: save writes .dmesh, write_mesh writes {what}")
-
-
-def _replace(target: Path, data: bytes) -> None:
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
-    try:
-        temporary.write_bytes(data)
-        os.replace(temporary, target)
-    finally:
-        temporary.unlink(missing_ok=True)
-
-
-def _write(target: BinaryIO, data: bytes) -> None:
-    rest = memoryview(data)
-    while rest:  # a file without a buffer, such as a pipe, may take a part
-        taken = target.write(rest)
-        rest = rest[len(rest) if taken is None else taken :]

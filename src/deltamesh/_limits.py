@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from deltamesh._methods import METHODS
 from deltamesh_formats.container.container import Container, Section
 from deltamesh_formats.container.layout import ATTRIBUTES, POLYGONS
 from deltamesh_formats.container.texts import text_size, texts_of
@@ -13,14 +14,7 @@ from deltamesh_formats.errors import FormatError, LimitError
 DEFAULT_MAX_VERTICES = 1 << 32
 DEFAULT_MEMORY = 16 << 30
 
-# Bytes, measured as peak memory of whole processes over the counts (`benchmarks/memory.py`), and
-# rounded up: faces, half-edges and fronts; coder tables; factorization and its solves.
-BASE = {
-    "cartesian": 192 << 20,
-    "lossless": 256 << 20,
-    "highpass": 256 << 20,
-    "refined": 256 << 20,
-}
+# Bytes beside those of the method, measured as these are: half-edges and fronts.
 PER_FACE = 320
 PER_TEXT_BYTE = 24
 PER_TRANSFORM = 400
@@ -29,7 +23,6 @@ PER_GLUED_FACE = 240  # more, where polygons are made of triangles
 # those of the surface, corner by corner.
 PER_ELEMENT = 160
 PER_NUMBER = 40
-PER_VERTEX = {"cartesian": 400, "lossless": 600, "highpass": 4000, "refined": 4000}
 
 # The range coder spends at least log2(65536 / (65536 - P_MIN)) bits on a bit, and at least one
 # bit on each vertex or face: a file of b bytes cannot hold more of them than that.
@@ -70,10 +63,10 @@ def memory_needed(container: Container) -> int:
 
 def _memory_of_counts(container: Container) -> int:
     """Likewise, but for what only the text of the parts, not unpacked yet, tells."""
-    method = container.parameters.method
-    fixed, per_vertex = BASE[method], PER_VERTEX[method]
+    method = METHODS[container.parameters.method]
     per_face = PER_FACE + (PER_GLUED_FACE if POLYGONS in container.sections else 0)
-    needed = fixed + per_vertex * container.vertices + per_face * container.triangles
+    needed = method.memory + method.memory_per_vertex * container.vertices
+    needed += per_face * container.triangles
     return needed + _memory_of_attributes(container) + PER_TEXT_BYTE * text_size(container)
 
 
@@ -110,10 +103,9 @@ def check_limits(container: Container, counts: Counts, max_vertices: int, memory
         raise FormatError("a file without faces", section.offset)
     if counts.faces > _most(section) or not used <= counts.vertices <= 3 * counts.faces:
         raise FormatError(f"{n} vertices and {m} faces do not fit into this file", section.offset)
-    method = container.parameters.method
-    geometry = {"cartesian": "CART", "lossless": "EXAC"}.get(method, "ANCH")
-    bits = 3 if method == "lossless" else 1  # a coordinate has one or more
-    _check_held(container, geometry, counts.isolated, "isolated vertices", bits)
+    method = METHODS[container.parameters.method].layout
+    bits = 3 if method.exact else 1  # a coordinate has one or more
+    _check_held(container, method.geometry[0], counts.isolated, "isolated vertices", bits)
     _check_held(container, "STCH", m - counts.faces, "faces beside the manifold")
     _check_held(container, "COPY", n - counts.points, "copies of vertices")
     _check_memory(_memory_of_counts(container), memory)

@@ -1,7 +1,7 @@
 """Both pipelines, mirrored: a mesh to bytes, and bytes to a mesh.
 
-encode: structure -> quantize -> write -> container
-decode: container -> limits -> structure -> read -> digest -> reconstruct
+encode: structure -> quantize -> encode -> container
+decode: container -> limits -> structure -> decode -> digest -> reconstruct
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +18,9 @@ from deltamesh._attributes.decoding import decode_attributes
 from deltamesh._attributes.domains import Places
 from deltamesh._attributes.encoding import encode_attributes
 from deltamesh._content import Content
-from deltamesh._geometry import cartesian, highpass, lossless, refined
-from deltamesh._geometry.bounds import bounds_of
+from deltamesh._geometry.bounds import TOLERANCE, bounds_of
 from deltamesh._geometry.integers import Integers
+from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.search import Trial, smallest
 from deltamesh._geometry.solve import factorization
 from deltamesh._limits import check_limits
@@ -40,6 +39,7 @@ from deltamesh._shape.structure import Structure
 from deltamesh._version import __version__
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Meta, Parameters
+from deltamesh_formats.container.layout import METHODS
 from deltamesh_formats.container.reader import payload_of
 from deltamesh_formats.container.writer import write_container
 from deltamesh_formats.errors import FormatError, MeshError
@@ -47,17 +47,6 @@ from deltamesh_formats.polymesh.dropping import without
 from deltamesh_formats.polymesh.mesh import PolyMesh, from_triangles
 
 Progress = Callable[[str], None]
-
-_METHODS: Final = {
-    "highpass": highpass,
-    "refined": refined,
-    "cartesian": cartesian,
-    "lossless": lossless,
-}
-
-
-# How far apart positions of two decoders may be, in diagonals of the bounding box (SPEC.md 5.4).
-SOLVED: Final = 1e-9
 
 
 def silent(stage: str) -> None:
@@ -97,7 +86,7 @@ def encode_mesh(
     cut = cut_polygons(mesh)
     if len(cut.faces) == 0:
         raise MeshError("the mesh has no faces")
-    exact, triangles = options.method == "lossless", TriangleMesh(mesh.vertices, cut.faces)
+    exact, triangles = options.exact, TriangleMesh(mesh.vertices, cut.faces)
     payloads, structure, origin = encode_structure(
         triangles, options.drop_isolated, exact, progress
     )
@@ -133,14 +122,14 @@ def _geometry(
 
     def attempt(settings: Settings) -> Trial:
         progress(f"geometry, {settings.method}")
-        coder = _METHODS[settings.method]
+        coder = geometry_codec(settings.method)
         parameters, integers, decoded = coder.quantize(surface, used, isolated, settings, factor)
         if not _has_scale(parameters, integers):
             largest = float(np.abs(V).max())
             reason = f"coordinates of {largest:g} are too large for method {settings.method}"
             raise MeshError(f"{reason}: try lossless")
-        write = partial(coder.write, surface, parameters, integers)
-        return Trial(settings, parameters, integers, write, decoded, errors_of(decoded))
+        encode = partial(coder.encode, surface, parameters, integers)
+        return Trial(settings, parameters, integers, encode, decoded, errors_of(decoded))
 
     return smallest(options, bounds, mean_edge(used, surface.faces), attempt)
 
@@ -204,7 +193,7 @@ def decode_mesh(
     parameters, surface = container.parameters, content.structure.surface
     _check_scale(container, content.integers)
     factor = factorization(surface.laplacian, solver, threads)
-    coder = _METHODS[parameters.method]
+    coder = geometry_codec(parameters.method)
     points = coder.reconstruct(surface, parameters, content.integers, factor)
     return content.mesh(points, parameters.single)
 
@@ -224,7 +213,7 @@ def read_content(
     progress("connectivity")
     structure = decode_structure(container, counts)
     progress("geometry")
-    integers = _METHODS[parameters.method].read(structure.surface, parameters, sections)
+    integers = geometry_codec(parameters.method).decode(structure.surface, parameters, sections)
     content, places = Content(structure, integers), Places(structure)
     if "ATTR" in sections:
         progress("attributes")
@@ -245,13 +234,13 @@ def read_content(
 
 def _wanted(options: Options, trial: Trial, V: NDArray[np.float64]) -> Wanted:
     """Return how attributes are coded, at vertices that are decoded to V."""
-    exact = trial.parameters.method in ("cartesian", "lossless")
+    solved = METHODS[trial.parameters.method].anchored
     return Wanted(
         bits_uv=options.bits_uv,
         bits_normal=options.bits_normal,
-        lossless=options.lossless_attributes or options.method == "lossless",
+        lossless=options.lossless_attributes or options.exact,
         positions=V,
-        tolerance=0.0 if exact else SOLVED * diagonal(V),
+        tolerance=TOLERANCE * diagonal(V) if solved else 0.0,
     )
 
 

@@ -16,10 +16,12 @@ from typing import Any
 import meshes
 import pytest
 from commandline import PROGRAM, cli, damaged, posix
+from killed import dead_process, left_of
 
 from deltamesh.batch import Task
 from deltamesh.batch.manifest import begun, line, open_manifest
 from deltamesh_cli import files
+from deltamesh_cli.batch import run as batch_run
 from deltamesh_cli.batch.work import Job, work
 from deltamesh_cli.commands import batch
 from deltamesh_formats.meshfiles.files import mesh_bytes, read_mesh
@@ -350,8 +352,7 @@ def test_resuming_keeps_what_somebody_else_has_written(
 def test_what_was_begun_is_ours(scans: Path) -> None:
     target = Path(f"{NAMES[0]}.dmesh")
     target.write_bytes(b"written, but not yet on record")
-    key = files._temporary(str(target))[1]
-    Path("scans", f"{key}0123abcd.tmp").write_bytes(b"half")
+    left_of(target, dead_process())
     Path("run.jsonl").write_bytes(line(begun(NAMES[0], str(target))))
     assert cli("batch -q -r scans --manifest run.jsonl --resume") == 0
     assert target.read_bytes() == encoded(NAMES[0])
@@ -362,13 +363,36 @@ def test_nothing_is_left_of_a_worker_that_died_before_another_did_its_work(
 ) -> None:
     def half_written(job: Job, tasks: list[Task], begin: Any) -> Any:
         for one in tasks:
-            start = files._temporary(os.path.abspath(one.target))[1]
-            Path("scans", f"{start}0123abcd.tmp").write_bytes(b"half")
+            left_of(one.target, dead_process())
             yield one, work(job, one)
 
     monkeypatch.setattr(batch, "here", half_written)
     assert cli("batch -q scans/a.ply scans/d.off") == 0
     assert Path("scans/a.ply.dmesh").exists()
+
+
+@pytest.mark.parametrize("engine", ["", "-j 2"])
+def test_an_output_that_appears_during_the_run_is_kept(
+    scans: Path, engine: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    target, other = Path("scans/a.ply.dmesh"), Path("scans/d.off.dmesh")
+
+    def appear(todo: list[Task]) -> None:
+        target.write_bytes(b"precious")
+        other.write_bytes(same)
+
+    same = encoded("scans/d.off")
+    monkeypatch.setattr(batch_run, "_make_folders", appear)  # which comes after all is settled
+    line = f"batch -q scans/a.ply scans/d.off {engine}"
+    assert cli(line) == 1
+    assert capsys.readouterr().err == (
+        "deltamesh: scans/a.ply.dmesh: cannot write: it exists already (-f overwrites it)\n"
+    )
+    assert (target.read_bytes(), other.read_bytes()) == (b"precious", same)
+    for path in (target, other):
+        path.unlink()
+    assert cli(line, "-f") == 0
+    assert target.read_bytes() == encoded("scans/a.ply")
 
 
 def test_a_manifest_in_use_or_of_another_kind_is_refused(

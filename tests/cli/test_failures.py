@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,6 @@ from commandline import TORUS, cli, damaged
 
 from deltamesh_cli import failures
 from deltamesh_formats.errors import FormatError, LimitError, MeshError, SolveError, TargetError
-from deltamesh_formats.meshfiles import files as meshfile
 
 
 @pytest.mark.parametrize(
@@ -133,11 +133,10 @@ def test_a_failure_outside_of_any_file(
 def test_a_write_that_fails_leaves_the_old_file(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def fail(stream: object, *arguments: object) -> None:
-        stream.write(b"half")  # type: ignore[attr-defined]
+    def fail(descriptor: int) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(meshfile, "write_mesh", fail)
+    monkeypatch.setattr(os, "fsync", fail)
     assert cli("decode torus.dmesh torus.ply -f") == failures.FAILED
     assert "torus.ply: cannot write: no space left on device" in capsys.readouterr().err
     assert Path("torus.ply").read_bytes() == TORUS.read_bytes()

@@ -13,6 +13,8 @@ from commandline import PROGRAM, TORUS, cli, posix
 
 from deltamesh_cli import failures
 
+full = pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is always full")
+
 
 @pytest.mark.parametrize(
     ("name", "arguments", "expected"),
@@ -105,6 +107,100 @@ def test_a_symbolic_link_is_written_through(folder: Path) -> None:
 def test_a_device_is_written_in_place(folder: Path) -> None:
     assert cli("encode -q torus.ply /dev/null") == 0
     assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
+
+
+@pytest.mark.parametrize(
+    ("line", "target"),
+    [
+        ("encode torus.ply new.dmesh", "new.dmesh"),
+        ("decode torus.dmesh new.obj", "new.obj"),
+        ("bench -q torus.ply --method cartesian --save new.csv", "new.csv"),
+    ],
+)
+def test_an_output_that_appears_during_the_work_is_kept(
+    folder: Path,
+    line: str,
+    target: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    synchronize = os.fsync
+
+    def meanwhile(descriptor: int) -> None:
+        synchronize(descriptor)
+        Path(target).write_bytes(b"precious")
+
+    monkeypatch.setattr(os, "fsync", meanwhile)
+    assert cli(line) == failures.FAILED
+    told = capsys.readouterr().err
+    assert told == f"deltamesh: {target}: cannot write: it exists already (-f overwrites it)\n"
+    assert Path(target).read_bytes() == b"precious"
+    monkeypatch.setattr(os, "fsync", synchronize)
+    assert cli(line, "-f") == failures.DONE
+    assert Path(target).read_bytes() != b"precious"
+
+
+def test_the_same_output_of_another_process_is_no_failure(
+    folder: Path, torus_dmesh: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "fsync", lambda file: Path("new.dmesh").write_bytes(torus_dmesh))
+    assert cli("encode -q torus.ply new.dmesh") == failures.DONE
+    assert Path("new.dmesh").read_bytes() == torus_dmesh
+
+
+@full
+@pytest.mark.parametrize(
+    "line",
+    ["encode -q torus.ply /dev/full", "decode -q torus.dmesh /dev/full --output-format obj"],
+)
+def test_a_full_disk_is_no_bug(folder: Path, line: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli(line) == failures.FAILED
+    told = capsys.readouterr().err
+    assert told == "deltamesh: /dev/full: cannot write: no space left on device\n"
+
+
+@full
+@pytest.mark.parametrize(
+    "line",
+    [
+        "--help",
+        "info torus.dmesh",
+        "info --json torus.dmesh",
+        "encode -q torus.ply -",
+        "encode -q torus.ply /dev/stdout",
+        "batch -q torus.dmesh -d -f --json",
+    ],
+)
+def test_standard_output_that_takes_no_more_is_no_bug(folder: Path, line: str) -> None:
+    with open("/dev/full", "wb") as device:
+        done = subprocess.run(
+            [*PROGRAM, *line.split()], stdout=device, stderr=subprocess.PIPE, timeout=300
+        )
+    assert done.returncode == failures.FAILED
+    assert done.stderr == b"deltamesh: standard output: cannot write: no space left on device\n"
+
+
+@full
+def test_standard_error_that_takes_no_more(folder: Path) -> None:
+    with open("/dev/full", "wb") as device:
+        done = subprocess.run(
+            [*PROGRAM, "info", "nothing.dmesh"], stdout=device, stderr=device, timeout=300
+        )
+    assert done.returncode == failures.FAILED
+
+
+@posix
+@pytest.mark.parametrize("name", ["/dev/stdout", "link"])
+def test_standard_output_by_another_name(folder: Path, torus_dmesh: bytes, name: str) -> None:
+    if not os.path.exists("/dev/stdout"):
+        pytest.skip("no /dev/stdout")
+    os.symlink("/dev/stdout", "link")
+    quiet = [] if name == "/dev/stdout" else ["-q"]
+    command = [*PROGRAM, "encode", "torus.ply", name, *quiet]
+    assert subprocess.run(command, stdout=subprocess.PIPE, timeout=300).stdout == torus_dmesh
+    with open("out", "wb") as file:
+        assert subprocess.run(command, stdout=file, timeout=300).returncode == failures.DONE
+    assert Path("out").read_bytes() == torus_dmesh
 
 
 @pytest.mark.parametrize(

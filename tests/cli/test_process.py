@@ -137,18 +137,19 @@ def test_what_the_second_thread_raises_is_raised_here() -> None:
 
 @posix
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_while_writing_leaves_no_file(folder: Path, number: signal.Signals) -> None:
-    def write() -> None:
-        with files.open_output("out.dmesh") as stream:
-            stream.write(b"half")
-            os.kill(os.getpid(), number)
-            time.sleep(1)
+def test_a_signal_while_writing_leaves_no_file(
+    folder: Path, number: signal.Signals, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(descriptor: int) -> None:
+        os.kill(os.getpid(), number)
+        time.sleep(1)
 
+    monkeypatch.setattr(os, "fsync", interrupted)
     # Whoever runs the tests may ignore the signal, as nohup does.
     previous = signal.signal(number, signal.SIG_DFL)
     try:
         with pytest.raises(signals.Stopped) as stopped:
-            write()
+            files.write_output("out.dmesh", b"whole", force=False)
         assert signal.getsignal(number) is signal.SIG_DFL
     finally:
         signal.signal(number, previous)
@@ -157,12 +158,11 @@ def test_a_signal_while_writing_leaves_no_file(folder: Path, number: signal.Sign
 
 
 @posix
-def test_an_ignored_signal_stays_ignored(folder: Path) -> None:
+def test_an_ignored_signal_stays_ignored(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "fsync", lambda descriptor: os.kill(os.getpid(), signal.SIGHUP))
     previous = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
-        with files.open_output("out.dmesh") as stream:
-            os.kill(os.getpid(), signal.SIGHUP)
-            stream.write(b"whole")
+        files.write_output("out.dmesh", b"whole", force=False)
     finally:
         signal.signal(signal.SIGHUP, previous)
     assert Path("out.dmesh").read_bytes() == b"whole"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import click
@@ -13,12 +13,12 @@ import click
 from deltamesh.batch.manifest import Append, Record, begun, open_manifest, read_records
 from deltamesh.batch.manifest import key as key_of
 from deltamesh.batch.plan import Task
-from deltamesh_cli import files
 from deltamesh_cli.batch.plan import Item, settled
 from deltamesh_cli.batch.report import Tell, Totals, progress, tell_record
 from deltamesh_cli.batch.work import Job, failed
 from deltamesh_cli.failures import Failure, attempt
 from deltamesh_cli.output import print_json, shown
+from deltamesh_formats.temporaries import remove_temporaries
 
 if TYPE_CHECKING:
     from deltamesh_cli.batch.engines import Engine
@@ -142,7 +142,9 @@ def _settle(
         record = _known_of(item, job, records, keeping)
         if record is None:
             assert isinstance(item, Task)
-            todo.append(item)
+            # What exists and is not refused is ours, and goes. What appears from now on is not.
+            overwrite = keeping.force or os.path.lexists(item.target)
+            todo.append(replace(item, overwrite=overwrite))
             continue
         before = record is records.get(key_of(record))
         if not before:
@@ -157,7 +159,7 @@ def _work_on(
 ) -> None:
     """Work on tasks; each is on record before it begins, and again when it is done."""
     _make_folders(todo)
-    files.remove_temporaries(task.target for task in todo)
+    remove_temporaries(task.target for task in todo)
 
     def begin(tasks: list[Task]) -> None:
         append(begun(task.source, task.target) for task in tasks)
@@ -177,13 +179,13 @@ def _work_on(
                 advance(record, task.size)
     finally:
         # Of files that are done too: a worker may have died of them at first.
-        files.remove_temporaries(task.target for task in todo)
+        remove_temporaries(task.target for task in todo)
 
 
 def _record(job: Job, task: Task, outcome: Record | Exception) -> Record:
     """Return the record of a task, with the names that the user has given."""
     if isinstance(outcome, Exception):
-        files.remove_temporaries([task.target])
+        remove_temporaries([task.target])
         return failed(job, task, Failure(task.source, job.what, outcome))
     return {**outcome, "source": task.source, "target": task.target}
 

@@ -10,7 +10,7 @@ import warnings
 from dataclasses import dataclass
 from typing import Any, Final
 
-from deltamesh._options import METHODS
+from deltamesh._options import CHOICES
 from deltamesh._version import __version__
 from deltamesh.batch.manifest import DONE, FAILED, Record, state_of
 from deltamesh.batch.plan import Task
@@ -76,7 +76,7 @@ def work(job: Job, task: Task) -> Record:
     """Encode or decode a file, and return the record of what became of it; nothing is raised."""
     start = time.perf_counter()
     try:
-        # Whether a file that exists may go has been decided before, with all files in view.
+        # A file that exists has been settled before, and after the work task.overwrite decides.
         files.check_output(task.source, task.target, force=True)
         with attempt(task.source, "cannot read"):
             before = state_of(task.source, "source")
@@ -122,7 +122,9 @@ def failed(job: Job, task: Task, failure: Failure, seconds: float | None = None)
 
 def _encode(job: Job, task: Task) -> tuple[Container, tuple[str, ...]]:
     source, target = task.source, task.target
-    _, container, lost = encode_file(source, target, job.file_format, _silent, job.parameters)
+    _, container, lost = encode_file(
+        source, target, job.file_format, _silent, job.parameters, force=task.overwrite
+    )
     return container, lost
 
 
@@ -130,7 +132,9 @@ def _decode(job: Job, task: Task) -> tuple[Container, tuple[str, ...]]:
     source, target = task.source, task.target
     container = container_of(source, files.read_input(source), job.what)
     file_format = job.file_format or files.extension(target)
-    _, lost = decode_into(target, file_format, source, container, _silent, job.parameters)
+    _, lost = decode_into(
+        target, file_format, source, container, _silent, job.parameters, force=task.overwrite
+    )
     return container, lost
 
 
@@ -145,5 +149,5 @@ def prepare(job: Job) -> None:
     from deltamesh_formats.meshfiles.files import read_mesh
 
     mesh, method = read_mesh(io.BytesIO(_TETRAHEDRON), "off"), job.parameters.get("method")
-    for one in [method] if method in METHODS else METHODS:
+    for one in [method] if method in CHOICES else CHOICES:
         deltamesh.decode(deltamesh.encode(mesh.vertices, mesh.triangles, method=one, threads=1))

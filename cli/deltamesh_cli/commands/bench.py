@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 from click.core import ParameterSource
 
-from deltamesh._options import BOUNDS, RATES, Options
+from deltamesh._methods import BOUNDS, RATES
+from deltamesh._options import Options
 from deltamesh_cli import files, measuring, options
 from deltamesh_cli.commands.encode import command as encode
 from deltamesh_cli.failures import DONE, tried
@@ -171,7 +172,7 @@ def command(
         if as_csv:
             measuring.print_csv(new)
         if save:
-            over([save], lambda path: measuring.save(path, new))
+            over([save], lambda path: measuring.save(path, new, force=force))
         if check:
             folders = any(map(os.path.isdir, sources))
             kept = [row for row in old if folders or row["mesh"] in found]

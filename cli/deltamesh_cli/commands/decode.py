@@ -87,7 +87,9 @@ def command(
         text = file_format in options.TEXT_FORMATS
         files.check_output(source, name, force=force, text=text)
         with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
-            mesh, lost = decode_into(name, file_format, source, container, stage, parameters)
+            mesh, lost = decode_into(
+                name, file_format, source, container, stage, parameters, force=force
+            )
         note_not_kept(name, lost, quiet=quiet)
         if as_json or not (quiet or name == files.STDIO):
             _print_summary(source, name, mesh, file_format, as_json)
@@ -102,6 +104,8 @@ def decode_into(
     container: Container,
     stage: Stage,
     parameters: dict[str, Any],
+    *,
+    force: bool,
 ) -> tuple[PolyMesh, tuple[str, ...]]:
     """Write the mesh of a `.dmesh` file.
 
@@ -117,7 +121,7 @@ def decode_into(
     """
     mesh = decoded(source, container, stage, **parameters)
     stage("writing")
-    return mesh, write_mesh_file(target, mesh, file_format)
+    return mesh, write_mesh_file(target, mesh, file_format, force=force)
 
 
 def destination(

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from deltamesh._methods import AUTO, LOSSLESS
 from deltamesh._options import (
     ANCHOR_METHODS,
-    BOUNDS,
+    CHOICES,
     DEFAULT_BITS_NORMAL,
     DEFAULT_BITS_UV,
     DEFAULT_EFFORT,
@@ -17,9 +18,8 @@ from deltamesh._options import (
     MAX_BITS_UV,
     MAX_EFFORT,
     MAX_QUALITY,
-    METHODS,
     MIN_BITS_NORMAL,
-    RATES,
+    check_together,
 )
 from deltamesh_cli import files, options, summary
 from deltamesh_cli.failures import attempt, each
@@ -28,6 +28,7 @@ from deltamesh_cli.output import print_json, shown
 from deltamesh_cli.progress import Stage, progress
 from deltamesh_cli.signals import interruptible
 from deltamesh_formats.container.texts import texts_of
+from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
     from deltamesh_formats.container.container import Container
@@ -91,8 +92,8 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 )
 @click.option(
     "--method",
-    type=click.Choice(METHODS),
-    default="auto",
+    type=click.Choice(CHOICES),
+    default=AUTO,
     show_default=True,
     help="What is quantized: differential coordinates, coarsely along the surface and finely across"
     " it (refined; scans, organic shapes); alike (highpass); x, y, z (cartesian; CAD); or nothing"
@@ -249,7 +250,9 @@ def command(
         files.check_input(source)
         files.check_output(source, target, force=force)
         with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
-            size, container, lost = encode_file(source, target, input_format, stage, parameters)
+            size, container, lost = encode_file(
+                source, target, input_format, stage, parameters, force=force
+            )
         note_not_kept(source, lost, quiet=quiet)
         if as_json or not (quiet or target == files.STDIO):
             _print_summary((source, size), target, container, as_json=as_json)
@@ -261,21 +264,28 @@ def check_parameters(parameters: dict[str, Any]) -> None:
     """Refuse options that do not go together; what is left are keywords of `deltamesh.encode`."""
     if parameters.pop("lossless"):
         _choose_lossless(parameters)
-    if parameters["method"] in ("cartesian", "lossless"):
-        _refuse_high_pass_options(parameters)
-    _refuse_two_rates(parameters)
+    try:
+        check_together(parameters["method"], options.given(parameters), options.shown)
+    except OptionError as error:
+        raise click.UsageError(f"{error}.") from error
 
 
 def _choose_lossless(parameters: dict[str, Any]) -> None:
     source = click.get_current_context().get_parameter_source("method")
     method = parameters["method"]
-    if source is not click.core.ParameterSource.DEFAULT and method != "lossless":
+    if source is not click.core.ParameterSource.DEFAULT and method != LOSSLESS.name:
         raise click.UsageError(f"--lossless and --method {method} exclude each other.")
-    parameters["method"] = "lossless"
+    parameters["method"] = LOSSLESS.name
 
 
 def encode_file(
-    source: str, target: str, input_format: str | None, stage: Stage, parameters: dict[str, Any]
+    source: str,
+    target: str,
+    input_format: str | None,
+    stage: Stage,
+    parameters: dict[str, Any],
+    *,
+    force: bool,
 ) -> tuple[int, Container, tuple[str, ...]]:
     """Compress one file into another.
 
@@ -296,28 +306,9 @@ def encode_file(
     mesh = parsed(source, original, input_format, stage)
     with attempt(source, "cannot encode"):
         data = interruptible(lambda: _encoded(mesh, stage, parameters))
-    with files.open_output(target) as stream:
-        stream.write(data)
+    files.write_output(target, data, force=force)
     container = container_of(target, data, "cannot encode")
     return len(original), container, texts_of(container).lost
-
-
-def _refuse_two_rates(parameters: dict[str, Any]) -> None:
-    rates = [name for name in RATES if parameters[name] is not None]
-    bounds = [name for name in BOUNDS if parameters[name] is not None]
-    given = [f"--{name.replace('_', '-')}" for name in rates + bounds]
-    if rates and len(given) > 1:
-        raise click.UsageError(f"{' and '.join(given)} exclude each other.")
-    if given and parameters["method"] == "lossless":
-        raise click.UsageError(f"{given[0]} means nothing with --method lossless.")
-
-
-def _refuse_high_pass_options(parameters: dict[str, Any]) -> None:
-    for name in ("anchors", "anchor_method", "diffusion", "seed"):
-        if parameters[name] is not None:
-            option = name.replace("_", "-")
-            method = parameters["method"]
-            raise click.UsageError(f"--{option} means nothing with --method {method}.")
 
 
 def _encoded(mesh: PolyMesh, stage: Stage, parameters: dict[str, Any]) -> bytes:

@@ -36,12 +36,12 @@ def command(sources: tuple[str, ...], as_json: bool) -> None:
     """
 
     def info(source: str) -> None:
-
         container = container_of(source, files.read_input(source), "cannot read")
         with attempt(source, "cannot read"):
-            if as_json:
-                print_json(summary.as_object(source, container))
-            else:
-                click.echo(summary.as_text(source, container))
+            found = (summary.as_object if as_json else summary.as_text)(source, container)
+        if isinstance(found, str):
+            click.echo(found)
+        else:
+            print_json(found)
 
     each(sources, info, as_json=as_json)

@@ -40,9 +40,9 @@ def build_container(
     parameters : Parameters
         The result has those of the file, where some numbers are rounded to binary32 or hundredths.
     payloads : mapping of section id to bytes
-        In any order: `CONN`, the sections of the method, and those of `layout.AFTER_CONNECTIVITY`
-        and `layout.FURTHER` that the mesh needs. Ids unknown to this version must be optional
-        ones; they come last, in their order.
+        In any order: `CONN`, the sections of the method, and those further ones of
+        `layout.required` that the mesh needs. Ids unknown to this version must be optional ones;
+        they come last, in their order.
     meta : Meta or None
         Rounded likewise.
     digest : bytes, 8

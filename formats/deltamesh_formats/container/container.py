@@ -10,7 +10,14 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from deltamesh_formats.container.layout import CHECK, CRC_SIZE, ID_SIZE, MAX_BITS, ZONE_UNIT
+from deltamesh_formats.container.layout import (
+    CHECK,
+    CRC_SIZE,
+    ID_SIZE,
+    MAX_BITS,
+    METHODS,
+    ZONE_UNIT,
+)
 
 
 @dataclass(frozen=True)
@@ -24,13 +31,12 @@ class Parameters:
     diffusion : bool
         Whether the encoder diffused the quantization error; the decoder has no use for it.
     anchor_method : str or None
-        A key of `ANCHOR_METHODS`; None exactly for the methods without anchors, Cartesian and
-        lossless.
+        A key of `ANCHOR_METHODS`; None exactly for the methods without anchors.
     bits : int or None
         What was asked for, bits per coordinate; None when it was a step.
     step : float
-        Quantization step, in the unit of the mesh; 0 exactly for a high-pass file of 0 bits and a
-        lossless one.
+        Quantization step, in the unit of the mesh; 0 exactly for an exact method, and for a bare
+        one at 0 bits.
     origin : (float, float, float)
         Origin of the grid of the anchors, or of the Cartesian coordinates.
     anchor_step : float
@@ -42,7 +48,7 @@ class Parameters:
     isolated : int
         Number of points without a face.
     coarse : float
-        The step of the deltas over `step`; 1 unless they are refined.
+        The step of the deltas over `step`; 1 unless the method has coarse deltas.
     dead_zone, normal_dead_zone : float
         How far beyond half a step the encoder still rounded deltas, and refinements, to 0, in
         steps; multiples of 0.01. The decoder has no use for them.
@@ -51,15 +57,15 @@ class Parameters:
     """
 
     method: str
-    diffusion: bool
-    anchor_method: str | None
-    bits: int | None
-    step: float
-    origin: tuple[float, float, float]
-    anchor_step: float
-    seed: int
-    anchor_count: int
-    isolated: int
+    diffusion: bool = False
+    anchor_method: str | None = None
+    bits: int | None = None
+    step: float = 0.0
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    anchor_step: float = 0.0
+    seed: int = 0
+    anchor_count: int = 0
+    isolated: int = 0
     coarse: float = 1.0
     dead_zone: float = 0.0
     normal_dead_zone: float = 0.0
@@ -190,32 +196,31 @@ def varint_size(value: int) -> int:
 def parameter_faults(parameters: Parameters, vertices: int) -> Iterator[tuple[str, str]]:
     """Yield (field, what is wrong with it) by the rules of SPEC.md 4.1, for reader and writer."""
     p = parameters
-    anchored, lossless = p.method in ("highpass", "refined"), p.method == "lossless"
-    stepless = lossless or (p.method == "highpass" and p.bits == 0)
-    if anchored == (p.anchor_method is None):
+    method = METHODS[p.method]
+    stepless = method.exact or (method.bare and p.bits == 0)
+    if method.anchored == (p.anchor_method is None):
         yield "anchor_method", f"method {p.method} with anchor method {p.anchor_method or 'none'}"
     if p.bits is not None and not 0 <= p.bits <= MAX_BITS:
         yield "bits", f"{p.bits} bits, outside 0..{MAX_BITS}"
-    if p.bits is not None and lossless:
-        yield "bits", f"{p.bits} bits in a lossless file"
+    if p.bits is not None and method.exact:
+        yield "bits", f"{p.bits} bits in a {method.title} file"
     if not (math.isfinite(p.step) and p.step >= 0 and (p.step == 0) == stepless):
         yield "step", f"a quantization step of {p.step}"
     for axis, value in zip("xyz", p.origin, strict=True):
-        if not math.isfinite(value) or (lossless and value):
+        if not math.isfinite(value) or (method.exact and value):
             yield f"origin_{axis}", f"an origin of {value}"
     if not (math.isfinite(p.anchor_step) and p.anchor_step >= 0):
         yield "anchor_step", f"an anchor step of {p.anchor_step}"
     for name, count in (("anchor_count", p.anchor_count), ("isolated", p.isolated)):
         if not 0 <= count <= vertices:
             yield name, f"{count} {name.split('_')[0]} vertices among {vertices}"
-    if not (1 <= p.coarse < math.inf and (p.method == "refined" or p.coarse == 1)):
+    if not (1 <= p.coarse < math.inf and (method.coarse or p.coarse == 1)):
         yield "coarse", f"method {p.method} with deltas {p.coarse} times as coarse"
     for name in ("dead_zone", "normal_dead_zone"):
         if not 0 <= getattr(p, name) * ZONE_UNIT < 256:
             yield name, f"a dead zone of {getattr(p, name)}"
-    if not anchored and (p.anchor_step or p.anchor_count):
-        name = p.method.replace("cartesian", "Cartesian")
-        yield "anchor_count", f"anchors in a {name} file"
+    if not method.anchored and (p.anchor_step or p.anchor_count):
+        yield "anchor_count", f"anchors in a {method.title} file"
 
 
 def meta_faults(meta: Meta) -> Iterator[tuple[str, str]]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 
@@ -77,24 +78,79 @@ EXACT: Final = "EXAC"
 CORRECTIONS: Final = "FIXS"
 META: Final = "meta"
 CHECK: Final = "CHEK"
-# What a file of each method begins with, in this order; `CHEK` ends it.
-REQUIRED: Final[Mapping[str, tuple[str, ...]]] = {
-    "highpass": (PARAMETERS, CONNECTIVITY, ANCHORS, DELTAS),
-    "cartesian": (PARAMETERS, CONNECTIVITY, CARTESIAN),
-    "refined": (PARAMETERS, CONNECTIVITY, ANCHORS, DELTAS, NORMALS),
-    "lossless": (PARAMETERS, CONNECTIVITY, EXACT),
-}
-# What follows `CONN`, and what comes after all of these, in this order, where it is needed.
+# Sections that follow `CONN`, and those that follow the geometry, in this order, where needed.
 AFTER_CONNECTIVITY: Final = (STITCHES, COPIES, POLYGONS)
-FURTHER: Final[Mapping[str, tuple[str, ...]]] = {
-    "highpass": (CORRECTIONS, ATTRIBUTES, PARTS, ORDER),
-    "cartesian": (ATTRIBUTES, PARTS, ORDER),
-    "refined": (CORRECTIONS, ATTRIBUTES, PARTS, ORDER),
-    "lossless": (ATTRIBUTES, PARTS, ORDER),
+AFTER_GEOMETRY: Final = (ATTRIBUTES, PARTS, ORDER)
+
+
+@dataclass(frozen=True)
+class MethodLayout:
+    """A geometry method as the container knows it: its sections, and its rules for `PARM`.
+
+    Attributes
+    ----------
+    name : str
+    id : int
+        The byte in `PARM`; it never changes.
+    title : str
+        The name for people.
+    geometry : tuple of str
+        The sections of the geometry, in their order; isolated vertices are in the first.
+    corrected : bool
+        Whether `FIXS` may follow them.
+    anchored : bool
+        Whether the file has anchors, from which positions are solved for.
+    exact : bool
+        Whether positions are stored to the last bit: without bits, a step, or an origin.
+    bare : bool
+        Whether 0 bits leave the anchors alone, without a step.
+    coarse : bool
+        Whether the deltas may have a coarser step than `step`.
+    """
+
+    name: str
+    id: int
+    title: str
+    geometry: tuple[str, ...]
+    corrected: bool = False
+    anchored: bool = False
+    exact: bool = False
+    bare: bool = False
+    coarse: bool = False
+
+    @property
+    def required(self) -> tuple[str, ...]:
+        """The sections that a file begins with, in this order; `CHEK` ends it."""
+        return (PARAMETERS, CONNECTIVITY, *self.geometry)
+
+    @property
+    def further(self) -> tuple[str, ...]:
+        """The sections that may follow these, in this order."""
+        return (*((CORRECTIONS,) if self.corrected else ()), *AFTER_GEOMETRY)
+
+
+METHODS: Final[Mapping[str, MethodLayout]] = {
+    method.name: method
+    for method in (
+        MethodLayout(
+            "highpass", 0, "high-pass", (ANCHORS, DELTAS), corrected=True, anchored=True, bare=True
+        ),
+        MethodLayout("cartesian", 1, "Cartesian", (CARTESIAN,)),
+        MethodLayout(
+            "refined",
+            2,
+            "refined high-pass",
+            (ANCHORS, DELTAS, NORMALS),
+            corrected=True,
+            anchored=True,
+            coarse=True,
+        ),
+        MethodLayout("lossless", 3, "lossless", (EXACT,), exact=True),
+    )
 }
 KNOWN: Final = frozenset(
     {META, CHECK, *AFTER_CONNECTIVITY}.union(
-        *map(set, REQUIRED.values()), *map(set, FURTHER.values())
+        *({*method.required, *method.further} for method in METHODS.values())
     )
 )
 
@@ -117,7 +173,6 @@ PARAMETER_FIELDS: Final = (
     Field("anchor_count", "varint"),
     Field("isolated", "varint"),
 )
-METHODS: Final[Mapping[str, int]] = {"highpass": 0, "cartesian": 1, "refined": 2, "lossless": 3}
 FLAG_DIFFUSION: Final = 1
 FLAG_SINGLE: Final = 2
 ANCHOR_METHODS: Final[Mapping[str | None, int]] = {
@@ -156,8 +211,8 @@ MAX_TEXT: Final = 2**24
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:
     """Return the sections that a file of a method begins with, where those `present` are."""
-    ids = REQUIRED[method]
+    ids = METHODS[method].required
     after = ids.index(CONNECTIVITY) + 1
     needed = tuple(name for name in AFTER_CONNECTIVITY if name in present)
-    further = tuple(name for name in FURTHER[method] if name in present)
+    further = tuple(name for name in METHODS[method].further if name in present)
     return (*ids[:after], *needed, *ids[after:], *further)

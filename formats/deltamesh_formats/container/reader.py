@@ -27,7 +27,7 @@ from deltamesh_formats.errors import FormatError, located
 # Anything else with a contiguous buffer, such as an mmap, goes in as a memoryview.
 Buffer: TypeAlias = bytes | bytearray | memoryview
 
-_METHODS = {code: name for name, code in layout.METHODS.items()}
+_METHODS = {method.id: name for name, method in layout.METHODS.items()}
 _ANCHOR_METHODS = {code: name for name, code in layout.ANCHOR_METHODS.items()}
 
 # How a file begins that somebody could take for a `.dmesh`.

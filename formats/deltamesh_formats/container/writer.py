@@ -58,7 +58,7 @@ def write_parameters(parameters: Parameters) -> bytes:
     """
     p = parameters
     values = {
-        "method": layout.METHODS[p.method],
+        "method": layout.METHODS[p.method].id,
         "flags": p.diffusion * layout.FLAG_DIFFUSION | p.single * layout.FLAG_SINGLE,
         "anchor_method": layout.ANCHOR_METHODS[p.anchor_method],
         "bits": layout.BITS_FROM_STEP if p.bits is None else p.bits,

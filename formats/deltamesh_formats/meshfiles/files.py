@@ -9,10 +9,11 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import BinaryIO, Final, TypeAlias
+from typing import Final
 
 import numpy as np
 
+from deltamesh_formats.atomic import PathOrFile, write_file
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles.glb import reader as glb_in
 from deltamesh_formats.meshfiles.glb import writer as glb_out
@@ -25,12 +26,11 @@ from deltamesh_formats.meshfiles.ply import writer as ply_out
 from deltamesh_formats.meshfiles.stl import reader as stl_in
 from deltamesh_formats.meshfiles.stl import writer as stl_out
 from deltamesh_formats.meshfiles.written import Written
-from deltamesh_formats.polymesh.mesh import PolyMesh, checked
+from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.polymesh.texture_origin import with_origin
+from deltamesh_formats.polymesh.validation import checked
 
 __all__ = ["FORMATS", "mesh_bytes", "mesh_format", "read_mesh", "write_mesh", "written"]
-
-PathOrFile: TypeAlias = str | os.PathLike[str] | BinaryIO
 
 _READERS: Final[dict[str, Callable[[bytes], PolyMesh]]] = {
     "obj": obj_in.read,
@@ -136,6 +136,9 @@ def write_mesh(
 ) -> tuple[str, ...]:
     """Write a mesh file; all its bytes are made before the first one is written.
 
+    A file at a path appears whole or not at all; one that exists is replaced and keeps its
+    permissions.
+
     Parameters
     ----------
     target : path or binary file object
@@ -157,10 +160,7 @@ def write_mesh(
         When the file cannot be written.
     """
     made = written(mesh, mesh_format(target, file_format))
-    if isinstance(target, (str, os.PathLike)):
-        Path(target).write_bytes(made.data)
-    else:
-        target.write(made.data)
+    write_file(target, made.data)
     return made.lost
 
 

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh, Role, checked
+from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh, Role
+from deltamesh_formats.polymesh.validation import checked
 
 Named: TypeAlias = Mapping[str, ArrayLike]
 
@@ -64,6 +65,24 @@ def from_arrays(
     >>> mesh.vertex_data["T"]
     array([1, 2, 3])
     """
+    return checked(unchecked(vertices, faces, vertex=vertex, corner=corner, face=face))
+
+
+def unchecked(
+    vertices: ArrayLike,
+    faces: ArrayLike | Sequence[ArrayLike],
+    *,
+    vertex: Named | None = None,
+    corner: Named | None = None,
+    face: Named | None = None,
+) -> PolyMesh:
+    """Return the mesh of `from_arrays`, whose positions and indices may be anything.
+
+    Raises
+    ------
+    MeshError
+        For arrays that do not fit each other.
+    """
     V = _numbers(vertices, "vertices", "fiu")
     if V.ndim != 2 or V.shape[1] != 3:
         raise MeshError(f"vertices must have shape (n, 3), not {V.shape}")
@@ -83,14 +102,12 @@ def from_arrays(
         for domain, named in given
         for name, values in (named or {}).items()
     )
-    return checked(
-        PolyMesh(
-            np.ascontiguousarray(V, dtype=np.float64),
-            corners,
-            offsets,
-            attributes,
-            precision="float32" if V.dtype == np.float32 else "float64",
-        )
+    return PolyMesh(
+        np.ascontiguousarray(V, dtype=np.float64),
+        corners,
+        offsets,
+        attributes,
+        precision="float32" if V.dtype == np.float32 else "float64",
     )
 
 

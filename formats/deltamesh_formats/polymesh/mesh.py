@@ -16,7 +16,6 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.kinds import Kind
 from deltamesh_formats.polymesh.triangles import Triangles, triangulate
 
@@ -219,41 +218,3 @@ def _keep_rows(attribute: Attribute, keep: NDArray[np.bool_]) -> Attribute:
     if attribute.index is None:
         return replace(attribute, values=attribute.values[keep])
     return replace(attribute, index=attribute.index[keep])
-
-
-def checked(mesh: PolyMesh) -> PolyMesh:
-    """Refuse what is no mesh; leave out, and name, faces of fewer than three corners.
-
-    Raises
-    ------
-    MeshError
-        For a mesh without faces, a position that is not finite, an index out of range; the
-        message names the first element at fault.
-    """
-    V, n = mesh.vertices, len(mesh.vertices)
-    also = _also(mesh)
-    if not n:
-        raise MeshError(f"it holds no mesh: no vertices and no faces{also}")
-    bad = ~np.isfinite(V).all(axis=1)
-    if bad.any():
-        i = int(np.argmax(bad))
-        raise MeshError(f"vertex {i} is not finite: {V[i].tolist()}")
-    bad = (mesh.corners < 0) | (mesh.corners >= n)
-    if bad.any():
-        face = int(np.searchsorted(mesh.offsets, np.argmax(bad), side="right")) - 1
-        indices = mesh.corners[mesh.offsets[face] : mesh.offsets[face + 1]].tolist()
-        raise MeshError(f"face {face} has vertex indices {indices}, outside 0..{n - 1}")
-    whole = mesh.sizes >= 3
-    if not whole.all():
-        lost = f"{np.count_nonzero(~whole)} faces of fewer than three corners"
-        mesh = replace(keep_faces(mesh, whole), lost=(*mesh.lost, lost))
-        also = _also(mesh)
-    if len(mesh.offsets) == 1:
-        raise MeshError(f"it holds {n} vertices but no faces: a point cloud{also}")
-    return mesh
-
-
-def _also(mesh: PolyMesh) -> str:
-    """Return what a file has instead of a mesh, fit for a message."""
-    words = ", ".join(mesh.lost)
-    return f" (and {words if words.isprintable() else ascii(words)[1:-1]})" if words else ""

@@ -6,14 +6,16 @@ The step of the papers: the range of what is quantized over 2^B, for B bits a co
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._kernels.coding import delta as kernels
 from deltamesh_formats.errors import MeshError
 
-# What the entropy coder takes: |value| < 2^31, with a bit to spare for diffused errors.
-LARGEST = 1 << 30
+# The entropy coder takes |value| < 2^31; a bit is to spare for diffused errors.
+MOST_STEPS: Final = 1 << 30
 
 
 def delta_step(delta: NDArray[np.float64], bits: int) -> float:
@@ -103,5 +105,5 @@ def quantize_delta(
 
 
 def _check_size(steps: NDArray[np.float64], step: float) -> None:
-    if len(steps) and not np.abs(steps).max() < LARGEST:
+    if len(steps) and not np.abs(steps).max() < MOST_STEPS:
         raise MeshError(f"a quantization step of {step:g} is too small for this mesh")

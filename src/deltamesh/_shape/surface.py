@@ -10,12 +10,7 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
-from deltamesh._graph.adjacency import (
-    adjacency,
-    adjacency_of_edges,
-    components,
-    edges_between,
-)
+from deltamesh._graph.adjacency import adjacency, adjacency_of_edges, components, edges_between
 from deltamesh._graph.halfedges import ends
 from deltamesh._graph.laplacian import laplacian
 from deltamesh._graph.parallelograms import NO_QUADS, parallelograms

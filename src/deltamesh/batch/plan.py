@@ -22,12 +22,15 @@ class Task:
         Of the input, in bytes.
     need : float
         Memory that the work is estimated to take, in bytes.
+    overwrite : bool
+        Whether an output that is there when the work is done is replaced.
     """
 
     source: str
     target: str
     size: int
     need: float = 0.0
+    overwrite: bool = True
 
 
 def flat(folder: str, name: str) -> str:

@@ -8,7 +8,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from typing import Final, TypeVar
 
-from deltamesh._limits import BASE, PER_FACE, PER_VERTEX
+from deltamesh._limits import PER_FACE
+from deltamesh._methods import METHODS
 from deltamesh.batch.plan import Task
 from deltamesh_formats.errors import OptionError
 
@@ -21,7 +22,12 @@ _PER_VERTEX: Final = {"ply": 38, "stl": 100, "glb": 24, "obj": 50, "off": 50}
 
 def memory_for_counts(vertices: int, faces: int) -> int:
     """Estimate the memory that encoding or decoding takes, in bytes, by the dearest method."""
-    return max(BASE.values()) + max(PER_VERTEX.values()) * vertices + PER_FACE * faces
+    per_vertex = max(method.memory_per_vertex for method in METHODS.values())
+    return (
+        max(method.memory for method in METHODS.values())
+        + per_vertex * vertices
+        + (PER_FACE * faces)
+    )
 
 
 def memory_for_mesh_file(size: int, file_format: str) -> int:

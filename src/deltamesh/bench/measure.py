@@ -21,7 +21,7 @@ import numpy as np
 from deltamesh._codec import decode
 from deltamesh._measures.metrics import compare
 from deltamesh._mesh import TriangleMesh, triangulated
-from deltamesh._options import METHODS, Options
+from deltamesh._options import CHOICES, Options
 from deltamesh._pipeline import encode_mesh
 from deltamesh.bench.peers import PEERS, Coded, settings_of
 from deltamesh_formats.container.reader import read_container
@@ -178,8 +178,8 @@ def codec_of(text: str, **more: Any) -> Codec:
     settings = dict(_setting(word) for word in words)
     if name in PEERS:
         return Codec(text, partial(_peer, name, settings_of(name, settings)))
-    if name not in METHODS:
-        known = ", ".join((*METHODS, *PEERS))
+    if name not in CHOICES:
+        known = ", ".join((*CHOICES, *PEERS))
         raise OptionError(f"{name!r} is no codec; there are {known}")
     try:
         return deltamesh_codec(Options(method=name, **settings, **more))

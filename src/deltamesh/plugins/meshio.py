@@ -34,10 +34,10 @@ from deltamesh.plugins.fields import (
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.arrays import distinct
 from deltamesh_formats.polymesh.descriptions import attribute_words
-from deltamesh_formats.polymesh.mesh import Parts, PolyMesh, checked
+from deltamesh_formats.polymesh.mesh import Parts, PolyMesh
 from deltamesh_formats.polymesh.seams import at_vertices
 from deltamesh_formats.polymesh.texture_origin import with_origin
-from deltamesh_formats.polymesh.validation import check_shapes
+from deltamesh_formats.polymesh.validation import checked
 
 _TYPES: Final = {3: "triangle", 4: "quad"}
 
@@ -113,7 +113,6 @@ def from_meshio(mesh: meshio.Mesh) -> PolyMesh:
         lost=tuple(lost),
         precision="float32" if V.dtype == np.float32 else "float64",
     )
-    check_shapes(found)
     return checked(found)
 
 

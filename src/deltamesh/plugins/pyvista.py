@@ -32,10 +32,10 @@ from deltamesh.plugins.fields import (
 )
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.descriptions import attribute_words
-from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, Role, checked
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, Role
 from deltamesh_formats.polymesh.seams import at_vertices
 from deltamesh_formats.polymesh.texture_origin import with_origin
-from deltamesh_formats.polymesh.validation import check_shapes
+from deltamesh_formats.polymesh.validation import checked
 
 _WIDTHS: Final[dict[Role, tuple[int, ...]]] = {"normal": (3,), "uv": (2, 3)}
 
@@ -126,7 +126,6 @@ def from_pyvista(mesh: pyvista.PolyData) -> PolyMesh:
         tuple(lost),
         "float32" if mesh.points.dtype == np.float32 else "float64",
     )
-    check_shapes(found)
     return checked(found)
 
 

@@ -20,7 +20,8 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from deltamesh._codec import decode, encode
+from deltamesh._codec import encode
+from deltamesh._files import load
 from deltamesh.plugins.fields import (
     KINDS,
     Arrays,
@@ -106,7 +107,7 @@ def load_dmesh(file_obj: BinaryIO, file_type: str | None = None, **options: Any)
     `split_seams` is that of `to_trimesh`; `process` is False unless it is given; `max_vertices`,
     `memory`, `solver` and `threads` are those of `deltamesh.decode`.
     """
-    mesh = decode(file_obj, **{name: options[name] for name in _DECODING if name in options})
+    mesh = load(file_obj, **{name: options[name] for name in _DECODING if name in options})
     made = _arguments(mesh, options.get("split_seams", False))
     made["metadata"] |= options.get("metadata") or {}
     return {**made, "process": options.get("process", False)}
