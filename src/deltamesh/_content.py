@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from deltamesh._attributes.domains import Domains
 from deltamesh._attributes.section import CodedAttribute, attribute_arrays, restore_attribute
 from deltamesh._geometry.integers import Integers
-from deltamesh._order.reordering import Order, arrays, reordered
+from deltamesh._order.reordering import Order, order_arrays, reordered
 from deltamesh._parts import Told
 from deltamesh._shape.polygons import assembled
 from deltamesh._shape.structure import Structure
@@ -50,7 +50,7 @@ class Content:
     def digest(self) -> bytes:
         """Return the checksum that CHEK has of it (SPEC.md 5.7)."""
         s, told = self.structure, () if self.told is None else self.told.arrays()
-        further = (*arrays(self.order), *s.glue, *attribute_arrays(self.attributes), *told)
+        further = (*order_arrays(self.order), *s.glue, *attribute_arrays(self.attributes), *told)
         return digest(s.faces, s.copied, self.integers, further)
 
     def mesh(self, points: NDArray[np.float64], single: bool) -> PolyMesh:
