@@ -14,7 +14,7 @@ from deltamesh._attributes.domains import Domains
 from deltamesh._attributes.section import CodedAttribute, attribute_arrays, restore_attribute
 from deltamesh._geometry.integers import Integers
 from deltamesh._order.reordering import Order, order_arrays, reordered
-from deltamesh._parts import Told
+from deltamesh._parts import Annotations
 from deltamesh._shape.polygons import assembled
 from deltamesh._shape.structure import Structure
 from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -30,7 +30,7 @@ class Content:
     integers : Integers
         Of the geometry.
     attributes : tuple of CodedAttribute
-    told : Told or None
+    told : Annotations or None
         Parts, names, metadata.
     order : Order or None
         None where it is free.
@@ -39,7 +39,7 @@ class Content:
     structure: Structure
     integers: Integers
     attributes: tuple[CodedAttribute, ...] = ()
-    told: Told | None = None
+    told: Annotations | None = None
     order: Order | None = None
 
     @cached_property

@@ -29,7 +29,7 @@ from deltamesh._mesh import LARGEST, TriangleMesh
 from deltamesh._options import Options, Settings
 from deltamesh._order.coding import decode_order, encode_order
 from deltamesh._order.reordering import order_of
-from deltamesh._parts import decode_parts, encode_parts, told_of
+from deltamesh._parts import annotations_of, decode_parts, encode_parts
 from deltamesh._shape.complexes import distinct_faces
 from deltamesh._shape.decoding import announced, decode_structure
 from deltamesh._shape.diagonals import cut_polygons
@@ -158,7 +158,7 @@ def _beside_geometry(
         wanted = _wanted(options, trial, trial.vertices[structure.points])
         payloads["ATTR"], coded = encode_attributes(mesh, sources, places, wanted)
         content = replace(content, attributes=coded)
-    told = told_of(mesh, sources.faces)
+    told = annotations_of(mesh, sources.faces)
     if told is not None:
         progress("parts")
         payloads["PART"] = encode_parts(told, lambda: places.faces)
