@@ -25,7 +25,7 @@ from deltamesh._graph.halfedges import pair_halfedges
 from deltamesh._graph.parallelograms import NO_QUADS, parallelograms
 from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import delta as delta_kernels
-from deltamesh._kernels.coding import numbers, parallelogram, points, residual
+from deltamesh._kernels.coding import parallelogram, points, residual, signed_integers
 from deltamesh._shape.connectivity import encode_connectivity
 from deltamesh._shape.surface import surface_of
 from deltamesh._shape.topology import build_topology
@@ -92,7 +92,8 @@ def test_deltas_of_any_surface_round_trip(mesh: meshes.Arrays, seed: int) -> Non
 def twin_of(data, inputs):
     """A slow coder; of `data` it reads, of None it writes."""
     tables = coder_kernels.STRETCH, coder_kernels.SQUASH, coder_kernels.RATE
-    return oracle.RangeCoder(tables, numbers.SLOTS, inputs, entropy.INITIAL_WEIGHT_SUM, data)
+    slots, weights = signed_integers.SLOTS, entropy.INITIAL_WEIGHT_SUM
+    return oracle.RangeCoder(tables, slots, inputs, weights, data)
 
 
 @strategies.FEW
@@ -135,8 +136,8 @@ def test_zeros_cost_next_to_nothing_and_noise_its_entropy() -> None:
 
 @pytest.mark.parametrize("x", [*range(40), 63, 64, 95, 96, 1000, 2**16, 3 << 20, 2**40, 2**62])
 def test_level_equals_its_oracle(x: int) -> None:
-    assert numbers.level(x) == oracle.level(x)
-    assert numbers.level(-x) == 0
+    assert signed_integers.level(x) == oracle.level(x)
+    assert signed_integers.level(-x) == 0
 
 
 # ---- Coding of positions -----------------------------------------------------------------------

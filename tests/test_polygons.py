@@ -25,7 +25,7 @@ from deltamesh._kernels.mesh import diagonals
 from deltamesh._mesh import TriangleMesh, triangulated
 from deltamesh._options import Options
 from deltamesh._order.coding import decode_order, encode_order
-from deltamesh._order.reordering import Order, rows_of
+from deltamesh._order.reordering import Order, permuted_corners
 from deltamesh._shape.decoding import announced, decode_structure
 from deltamesh._shape.diagonals import cut_polygons
 from deltamesh._shape.encoding import encode_structure
@@ -247,7 +247,7 @@ def test_real_polygons_come_back(name: str) -> None:
         encoded = encode_mesh(mesh, Options(method="cartesian", keep_order=keep_order))
         decoded, own = decode(encoded.data), encoded.face_order
         assert sorted(own.tolist()) == list(range(len(mesh.sizes)))
-        corners, offsets = rows_of(mesh.offsets, own, encoded.rotation)
+        corners, offsets = permuted_corners(mesh.offsets, own, encoded.rotation)
         np.testing.assert_array_equal(decoded.offsets, offsets)
         np.testing.assert_array_equal(encoded.order[decoded.corners], mesh.corners[corners])
         if keep_order:

@@ -10,11 +10,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._attributes.coded import Coded, all_arrays, restored
-from deltamesh._attributes.domains import Places
+from deltamesh._attributes.domains import Domains
+from deltamesh._attributes.section import CodedAttribute, attribute_arrays, restore_attribute
 from deltamesh._geometry.integers import Integers
-from deltamesh._order.reordering import Order, arrays, reordered
-from deltamesh._parts import Told
+from deltamesh._order.reordering import Order, order_arrays, reordered
+from deltamesh._parts import Annotations
 from deltamesh._shape.polygons import assembled
 from deltamesh._shape.structure import Structure
 from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -29,8 +29,8 @@ class Content:
     structure : Structure
     integers : Integers
         Of the geometry.
-    attributes : tuple of Coded
-    told : Told or None
+    attributes : tuple of CodedAttribute
+    told : Annotations or None
         Parts, names, metadata.
     order : Order or None
         None where it is free.
@@ -38,19 +38,19 @@ class Content:
 
     structure: Structure
     integers: Integers
-    attributes: tuple[Coded, ...] = ()
-    told: Told | None = None
+    attributes: tuple[CodedAttribute, ...] = ()
+    told: Annotations | None = None
     order: Order | None = None
 
     @cached_property
-    def places(self) -> Places:
+    def places(self) -> Domains:
         """What attributes and parts belong to."""
-        return Places(self.structure)
+        return Domains(self.structure)
 
     def digest(self) -> bytes:
         """Return the checksum that CHEK has of it (SPEC.md 5.7)."""
         s, told = self.structure, () if self.told is None else self.told.arrays()
-        further = (*arrays(self.order), *s.glue, *all_arrays(self.attributes), *told)
+        further = (*order_arrays(self.order), *s.glue, *attribute_arrays(self.attributes), *told)
         return digest(s.faces, s.copied, self.integers, further)
 
     def mesh(self, points: NDArray[np.float64], single: bool) -> PolyMesh:
@@ -66,7 +66,7 @@ class Content:
         V, s = points[self.structure.points], self.structure
         mesh = replace(
             assembled(V, s.faces, s.polygons),
-            attributes=tuple(restored(one, self.places, V) for one in self.attributes),
+            attributes=tuple(restore_attribute(one, self.places, V) for one in self.attributes),
             precision="float32" if single else "float64",
         )
         mesh = mesh if self.told is None else self.told.given_to(mesh)

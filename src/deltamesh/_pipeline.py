@@ -13,10 +13,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._attributes.codings import Wanted
-from deltamesh._attributes.decoding import decode_attributes
-from deltamesh._attributes.domains import Places
-from deltamesh._attributes.encoding import encode_attributes
+from deltamesh._attributes.codings import AttributeSettings
+from deltamesh._attributes.domains import Domains
+from deltamesh._attributes.section import decode_attributes, encode_attributes
 from deltamesh._content import Content
 from deltamesh._geometry.bounds import TOLERANCE, bounds_of
 from deltamesh._geometry.integers import Integers
@@ -29,7 +28,7 @@ from deltamesh._mesh import LARGEST, TriangleMesh
 from deltamesh._options import Options, Settings
 from deltamesh._order.coding import decode_order, encode_order
 from deltamesh._order.reordering import order_of
-from deltamesh._parts import decode_parts, encode_parts, told_of
+from deltamesh._parts import annotations_of, decode_parts, encode_parts
 from deltamesh._shape.complexes import distinct_faces
 from deltamesh._shape.decoding import announced, decode_structure
 from deltamesh._shape.diagonals import cut_polygons
@@ -143,14 +142,14 @@ def _beside_geometry(
     progress: Progress,
 ) -> tuple[dict[str, bytes], Content]:
     """Code attributes, parts and order; return the payloads, and everything that is in the file."""
-    payloads, places = {}, Places(structure)
+    payloads, places = {}, Domains(structure)
     content = Content(structure, trial.integers)
     if mesh.attributes:
         progress("attributes")
         wanted = _wanted(options, trial, trial.vertices[structure.points])
         payloads["ATTR"], coded = encode_attributes(mesh, sources, places, wanted)
         content = replace(content, attributes=coded)
-    told = told_of(mesh, sources.faces)
+    told = annotations_of(mesh, sources.faces)
     if told is not None:
         progress("parts")
         payloads["PART"] = encode_parts(told, lambda: places.faces)
@@ -214,7 +213,7 @@ def read_content(
     structure = decode_structure(container, counts)
     progress("geometry")
     integers = geometry_codec(parameters.method).decode(structure.surface, parameters, sections)
-    content, places = Content(structure, integers), Places(structure)
+    content, places = Content(structure, integers), Domains(structure)
     if "ATTR" in sections:
         progress("attributes")
         with payload_of(sections["ATTR"]) as payload:
@@ -232,10 +231,10 @@ def read_content(
     return content
 
 
-def _wanted(options: Options, trial: Trial, V: NDArray[np.float64]) -> Wanted:
+def _wanted(options: Options, trial: Trial, V: NDArray[np.float64]) -> AttributeSettings:
     """Return how attributes are coded, at vertices that are decoded to V."""
     solved = METHODS[trial.parameters.method].anchored
-    return Wanted(
+    return AttributeSettings(
         bits_uv=options.bits_uv,
         bits_normal=options.bits_normal,
         lossless=options.lossless_attributes or options.exact,

@@ -22,13 +22,14 @@ from deltamesh._shape.surface import Surface
 from deltamesh._streams.exact import (
     DOUBLE,
     SINGLE,
-    decode_spelled,
-    encode_spelled,
-    packed,
+    decode_indices,
+    encode_indices,
+    pack_formats,
     parallelogram_errors,
-    unpacked,
+    unpack_formats,
 )
-from deltamesh._streams.number_formats import spelling, to_integers, to_values
+from deltamesh._streams.format_choice import choose_formats
+from deltamesh._streams.number_formats import from_indices, to_indices
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.layout import EXACT
 from deltamesh_formats.container.reader import payload_of
@@ -48,8 +49,8 @@ def quantize(
     with np.errstate(over="ignore"):
         single = bool((V.astype(np.float32) == V).all())
     errors = parallelogram_errors(V, _elements(surface))
-    axes = [spelling(V[:, a].copy(), errors[:, a], single) for a in range(3)]
-    integers = exactly(V.view(np.int64), packed(SINGLE if single else DOUBLE, axes))
+    axes = [choose_formats(V[:, a].copy(), errors[:, a], single) for a in range(3)]
+    integers = exactly(V.view(np.int64), pack_formats(SINGLE if single else DOUBLE, axes))
     return parameters, integers, V
 
 
@@ -68,13 +69,13 @@ def reconstruct(
 def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
     """Return the payload of EXAC."""
     formats = integers.formats.astype(np.uint8).tobytes()
-    width, axes, _ = unpacked(memoryview(formats))
+    width, axes, _ = unpack_formats(memoryview(formats))
     n, bits = len(integers.values), integers.values
     classes, values = np.empty((n, 3), dtype=np.int64), np.empty((n, 3), dtype=np.int64)
     for a, how in enumerate(axes):
         one = bits[:, a].copy().view(np.float64)
-        classes[:, a], values[:, a] = to_integers(one, how, width == SINGLE)
-    stream = encode_spelled(_elements(surface), width, axes, classes, values)
+        classes[:, a], values[:, a] = to_indices(one, how, width == SINGLE)
+    stream = encode_indices(_elements(surface), width, axes, classes, values)
     return {EXACT: formats + stream}
 
 
@@ -83,10 +84,10 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
     elements = _elements(surface)
     V = np.empty((elements.count, 3))
     with payload_of(sections[EXACT]) as payload:
-        width, axes, at = unpacked(payload)
-        classes, values = decode_spelled(payload, at, elements, width, axes)
+        width, axes, at = unpack_formats(payload)
+        classes, values = decode_indices(payload, at, elements, width, axes)
         for a, how in enumerate(axes):
-            V[:, a] = to_values(classes[:, a], values[:, a], how, width == SINGLE)
+            V[:, a] = from_indices(classes[:, a], values[:, a], how, width == SINGLE)
         if not (np.abs(V) <= LARGEST).all():
             raise FormatError("a position that no mesh has", at)
         return exactly(V.view(np.int64), bytes(payload[:at]))

@@ -1,9 +1,9 @@
-"""Normals of the decoded surface at vertices, corners or polygons, and how far to trust them.
+"""Normals of the decoded surface at vertices, wedges or polygons, with bounds of their errors.
 
-They predict the normals that a file has: many files have just these. Which weights a program gave
-to the polygons around a vertex differs (Thürmer, Wüthrich, "Computing vertex normals from polygonal
-facets", 1998; Max, "Weights for computing vertex normals from facet normals", 1999), so that three
-kinds are tried.
+They predict the normals of a file, which often equal them. Programs give different weights to the
+polygons around a vertex (Thürmer, Wüthrich, "Computing vertex normals from polygonal facets", 1998;
+Max, "Weights for computing vertex normals from facet normals", 1999), so that three kinds are
+tried.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ from numpy.typing import NDArray
 _Ints = NDArray[np.int64]
 _Floats = NDArray[np.float64]
 
-# By the area of a polygon, by its angle at the element, or each polygon alike.
+# Weights of a polygon: its area, its angle at the element, or one for all.
 AREA, ANGLE, EQUAL = 0, 1, 2
 WEIGHTS: Final = (AREA, ANGLE, EQUAL)
 
-# Relative to the extent of a mesh, positions and products of them are never exacter than that.
+# Least error of positions and products of them, relative to the extent of a mesh.
 ROUNDING: Final = 1e-14
 
 
 @dataclass(frozen=True)
 class Surroundings:
-    """The polygons of a surface, and the element at each corner of theirs.
+    """Polygons of a surface, and the element at each of their corners.
 
-    Elements are vertices; classes of corners at a point, which share a normal; or polygons.
+    Elements are vertices; wedges, whose corners share a normal; or polygons.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Surroundings:
 def surface_normals(
     V: _Floats, around: Surroundings, weights: int, tolerance: float
 ) -> tuple[_Floats, _Floats]:
-    """Return the normals of the elements, and how far they may be off on another machine.
+    """Return the normals of the elements, and bounds of their errors on another machine.
 
     The normal of an element is the sum over its corners of the area vector of the polygon (EQUAL:
     of length 1; ANGLE: of the length of the angle at the corner), so that polygons across a crease,
@@ -63,7 +63,7 @@ def surface_normals(
     around : Surroundings
     weights : {AREA, ANGLE, EQUAL}
     tolerance : float
-        How far from here each position of another decoder may be, in the unit of V.
+        The largest distance of a position that another decoder makes, in the unit of V.
 
     Returns
     -------
@@ -97,11 +97,11 @@ def surface_normals(
         angle, off = _angles(at[following] - at, at[previous] - at, small)
         vectors, errors = vectors * angle[:, None], errors * angle + off
     sums = _sums(around.elements, vectors, around.count)
-    return sums, _turn(sums, _gathered(around.elements, errors, around.count))
+    return sums, _angle_bound(sums, _gathered(around.elements, errors, around.count))
 
 
-def _turn(vectors: _Floats, errors: _Floats) -> _Floats:
-    """Return by which angle vectors may turn that may be off by so much."""
+def _angle_bound(vectors: _Floats, errors: _Floats) -> _Floats:
+    """Return the largest angle by which vectors may differ that have errors of these lengths."""
     length = np.linalg.norm(vectors, axis=1)
     certain = errors < length
     share = np.divide(errors, length, out=np.ones_like(length), where=certain)
@@ -109,17 +109,17 @@ def _turn(vectors: _Floats, errors: _Floats) -> _Floats:
 
 
 def _unit(vectors: _Floats, errors: _Floats) -> tuple[_Floats, _Floats]:
-    """Return the directions of vectors, zero for zero, and how far these may be off."""
+    """Return the directions of vectors, zero for zero, and bounds of their errors."""
     length = np.linalg.norm(vectors, axis=1)
-    chord = 2 * np.sin(np.minimum(_turn(vectors, errors), np.pi) / 2)
+    chord = 2 * np.sin(np.minimum(_angle_bound(vectors, errors), np.pi) / 2)
     return vectors / np.where(length > 0, length, 1.0)[:, None], chord
 
 
 def _angles(a: _Floats, b: _Floats, small: float) -> tuple[_Floats, _Floats]:
-    """Return the angles between vectors, and how far these may be off."""
+    """Return the angles between vectors, and bounds of their errors."""
     angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(axis=1))
     error = np.full(len(a), 2 * small)  # both ends move
-    return angle, np.minimum(_turn(a, error) + _turn(b, error), np.pi)
+    return angle, np.minimum(_angle_bound(a, error) + _angle_bound(b, error), np.pi)
 
 
 def _sums(groups: _Ints, vectors: _Floats, count: int) -> _Floats:

@@ -1,6 +1,7 @@
-"""At which corner a polygon begins: at one of its triangle, or some corners after that.
+"""Rotation of a polygon: the corner at which it begins.
 
-The corner of the triangle is told from one that the places of its vertices single out.
+It is a corner of the triangle that represents the polygon, coded relative to one that the ranks of
+its vertices single out, or some corners after that.
 """
 
 from __future__ import annotations
@@ -13,13 +14,14 @@ from deltamesh._kernels.coding.steps import (
     FIRST,
     INPUTS,
     NEWEST,
+    NO_RANK,
     OLDEST,
+    ROTATION,
+    ROTATION_MIXER,
+    ROTATION_SIZE,
     SKIP,
     SKIP_MIXER,
     SKIP_SIZE,
-    TURN,
-    TURN_MIXER,
-    TURN_SIZE,
 )
 from deltamesh._kernels.jit import Int, inlined, kernel
 
@@ -27,19 +29,19 @@ _Ints = NDArray[np.int64]
 
 
 @inlined
-def place_of(places: _Ints, v: Int) -> Int:
-    """Return the place of a vertex; without one, it is after all that have one."""
-    return places[v] if places[v] >= 0 else np.int64(1) << 60
+def rank_of(rank: _Ints, v: Int) -> Int:
+    """Return the rank of a vertex, `NO_RANK` without one."""
+    return rank[v] if rank[v] >= 0 else np.int64(NO_RANK)
 
 
 @inlined
-def anchor_corner(faces: _Ints, places: _Ints, mode: Int, face: Int, turn: Int) -> Int:
+def anchor_corner(faces: _Ints, rank: _Ints, mode: Int, face: Int, rotation: Int) -> Int:
     """Return the corner of a face that is its anchor, the first of equals."""
     if mode == FIRST:
-        return np.int64(turn)
+        return np.int64(rotation)
     best = np.int64(0)
     for j in range(1, 3):
-        new, old = places[faces[face, j]], places[faces[face, best]]
+        new, old = rank[faces[face, j]], rank[faces[face, best]]
         better = new > old if mode == NEWEST else new >= 0 and (old < 0 or new < old)
         if better:
             best = np.int64(j)
@@ -48,7 +50,7 @@ def anchor_corner(faces: _Ints, places: _Ints, mode: Int, face: Int, turn: Int) 
 
 @inlined
 def _among(recent: _Ints, v: Int) -> Int:
-    """Return where a vertex is among those of the face before, 3 if it is not."""
+    """Return the corner of the face before that has a vertex, 3 if none has."""
     for k in range(3):
         if recent[0, k] == v:
             return np.int64(k)
@@ -56,9 +58,9 @@ def _among(recent: _Ints, v: Int) -> Int:
 
 
 @inlined
-def _rising(places: _Ints, v: Int, w: Int) -> Int:
-    """Return 0 if the place of v is below that of w, 1 if above, 2 if both have none, or one."""
-    b, d = place_of(places, v), place_of(places, w)
+def _rising(rank: _Ints, v: Int, w: Int) -> Int:
+    """Return 0 if the rank of v is below that of w, 1 if above, 2 if they are equal."""
+    b, d = rank_of(rank, v), rank_of(rank, w)
     return 0 if b < d else (1 if d < b else 2)
 
 
@@ -68,14 +70,14 @@ def code_skipped(
     corners: _Ints,
     first: Int,
     size: Int,
-    places: _Ints,
+    rank: _Ints,
     recent: _Ints,
     skips: _Ints,
     at: Int,
     gap: Int,
     skipped: Int,
 ) -> Int:
-    """Code how many corners, below `gap`, after a corner of its triangle a polygon begins.
+    """Code the number of corners, below `gap`, from one of its triangle to the first of a polygon.
 
     corners[first : first + size] are the vertices of the polygon; at : that corner.
     skips : int64 (1,), the last answers.
@@ -83,7 +85,7 @@ def code_skipped(
     state = c.state
     for k in range(gap - 1):
         v, w = corners[first + (at + k) % size], corners[first + (at + k + 1) % size]
-        rising = _rising(places, v, w)
+        rising = _rising(rank, v, w)
         state[CONTEXT] = SKIP + 12 * _among(recent, v) + 3 * _among(recent, w) + rising
         state[CONTEXT + 1] = SKIP + SKIP_SIZE + skips[0]
         state[CONTEXT + 2] = SKIP + 2 * SKIP_SIZE + 12 * min(k, 3) + 4 * rising + skips[0] % 4
@@ -95,38 +97,38 @@ def code_skipped(
 
 
 @kernel
-def code_turn(
+def code_rotation(
     c: Coder,
     faces: _Ints,
-    places: _Ints,
+    rank: _Ints,
     mode: Int,
     recent: _Ints,
-    turned: _Ints,
+    rotated: _Ints,
     face: Int,
-    turn: Int,
+    rotation: Int,
 ) -> Int:
-    """Code at which corner a face begins, from a corner that its vertices single out."""
+    """Code the rotation of a face, relative to the corner that its vertices single out."""
     state = c.state
-    base = anchor_corner(faces, places, OLDEST if mode == FIRST else mode, face, np.int64(0))
+    base = anchor_corner(faces, rank, OLDEST if mode == FIRST else mode, face, np.int64(0))
     mask, pattern = 0, 0
     for j in range(3):
         v = faces[face, (base + j) % 3]
         where = _among(recent, v)
         mask = 2 * mask + (1 if where < 3 else 0)
         pattern = 4 * pattern + where
-    rising = _rising(places, faces[face, (base + 1) % 3], faces[face, (base + 2) % 3])
+    rising = _rising(rank, faces[face, (base + 1) % 3], faces[face, (base + 2) % 3])
     straight = (3 - base) % 3
-    result = (turn - base) % 3
+    result = (rotation - base) % 3
     for k in range(2):
-        at = TURN + k * INPUTS * TURN_SIZE
-        state[CONTEXT] = at + 3 * pattern + turned[0]
-        state[CONTEXT + 1] = at + TURN_SIZE + 24 * turned[0] + 3 * mask + rising
-        state[CONTEXT + 2] = at + 2 * TURN_SIZE + 3 * turned[1] + straight
-        if code_bit(c, 1 if result == k else 0, TURN_MIXER + k) == 1:
+        at = ROTATION + k * INPUTS * ROTATION_SIZE
+        state[CONTEXT] = at + 3 * pattern + rotated[0]
+        state[CONTEXT + 1] = at + ROTATION_SIZE + 24 * rotated[0] + 3 * mask + rising
+        state[CONTEXT + 2] = at + 2 * ROTATION_SIZE + 3 * rotated[1] + straight
+        if code_bit(c, 1 if result == k else 0, ROTATION_MIXER + k) == 1:
             result = np.int64(k)
             break
         if k == 1:
             result = np.int64(2)
-    turned[0] = result
-    turned[1] = turned[1] % 2 * 2 + (1 if result == straight else 0)
+    rotated[0] = result
+    rotated[1] = rotated[1] % 2 * 2 + (1 if result == straight else 0)
     return (base + result) % 3

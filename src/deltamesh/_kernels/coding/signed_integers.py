@@ -1,4 +1,4 @@
-"""Signed integers, spelled in bits that several contexts predict.
+"""Signed integers in bits that several contexts predict.
 
 A number is the length of |v| in unary, the sign, the bits below the highest: an Exp-Golomb code
 (Teuhola, "A compression method for clustered bit-vectors", 1978) of which each bit has adaptive
@@ -8,7 +8,7 @@ probabilities, as in CABAC (Marpe, Schwarz, Wiegand, 2003), here mixed from seve
 - the number so far. Where numbers repeat, as in models of machine parts, all their bits are learnt;
   where the low bits are noise, such a context stays near one half, and so weighs nothing;
 - candidates, numbers that this one may equal. As long as its bits agree with a candidate, that
-  predicts the next one, the better the more often it was right of late: the match model of
+  predicts the next one, the better the more often it was right recently: the match model of
   Mahoney, "Adaptive weighing of context models for lossless data compression", 2005.
 
 Contexts are hashed into one table: a collision costs bits, nothing else.
@@ -77,7 +77,7 @@ def hashed(number: Int, axis: Int, context: Int) -> Int:
 
 
 @kernel
-def code_number(
+def code_signed(
     c: Coder,
     value: Int,
     axis: Int,
