@@ -1,17 +1,16 @@
-"""The container: reader and writer as mirrors, everything that must be refused, SPEC.md."""
+"""The container: reader and writer as mirrors, and everything that must be refused."""
 
 from __future__ import annotations
 
-import re
 import struct
 import zlib
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from spec_tables import spec_offset
 
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.building import build_container
@@ -19,9 +18,6 @@ from deltamesh_formats.container.container import Meta, Parameters
 from deltamesh_formats.container.reader import read_container, read_varint
 from deltamesh_formats.container.writer import write_container, write_varint
 from deltamesh_formats.errors import FormatError, MeshError
-
-SPEC = (Path(__file__).parents[1] / "formats" / "SPEC.md").read_text(encoding="utf-8")
-LAYOUT = Path(layout.__file__).read_text(encoding="utf-8")
 
 HIGHPASS = Parameters(
     "highpass", True, "farthest", 8, 0.001, (-1.0, 0.5, 2.0), 0.25, 2**64 - 1, 200, 3
@@ -551,107 +547,3 @@ def test_wrong_payloads_are_a_mistake_of_the_caller(payloads, digest):
         build_container(
             10, 10, replace(HIGHPASS, anchor_count=1, isolated=0), payloads, None, digest
         )
-
-
-# SPEC.md against layout.py
-
-
-def spec_table(number, first):
-    """Return the rows of the table in a section of SPEC.md whose first column is headed `first`."""
-    text = re.split(r"^#+ ", SPEC, flags=re.MULTILINE)
-    body = next(part for part in text if part.startswith(number + " "))
-    tables = re.split(r"\n\n", body)
-    table = next(t for t in tables if t.startswith(f"| {first} |"))
-    return [
-        [cell.strip().strip("`") for cell in row.strip("|").split("|")]
-        for row in table.strip().splitlines()[2:]
-    ]
-
-
-def spec_offset(number, field):
-    return next(int(row[1]) for row in spec_table(number, "Name") if row[0] == field)
-
-
-def types():
-    sizes = {name: (code.size, code.size) for name, code in layout.STRUCT_CODES.items()}
-    varint, string = (1, layout.VARINT_MAX_BYTES), (1, 1 + layout.STRING_MAX_BYTES)
-    return sizes | {"varint": varint, "string": string}
-
-
-def size_text(kind):
-    low, high = types()[kind]
-    return str(low) if low == high else f"{low}-{high}"
-
-
-def test_spec_types():
-    assert [row[:2] for row in spec_table("1", "Type")] == [[k, size_text(k)] for k in types()]
-
-
-@pytest.mark.parametrize(
-    ("number", "fields"),
-    [
-        ("2", layout.HEADER_FIELDS),
-        ("4.1", layout.PARAMETER_FIELDS),
-        ("4.2", layout.META_FIELDS),
-        ("5.7", layout.CHECK_FIELDS),
-    ],
-)
-def test_spec_byte_tables(number, fields):
-    expected, offset = [], 0
-    for name, kind in fields:
-        low, high = types()[kind]
-        expected.append([name, "-" if offset is None else str(offset), size_text(kind), kind])
-        offset = offset + low if offset is not None and low == high else None
-    assert [row[:4] for row in spec_table(number, "Name")] == expected
-
-
-def test_spec_header_values():
-    ranges = {row[0]: row[4] for row in spec_table("2", "Name")}
-    assert bytes.fromhex(ranges["magic"]) == layout.MAGIC
-    assert ranges["version"] == str(layout.VERSION)
-    assert ranges["vertices"] == ranges["triangles"] == f"0..2^{layout.MAX_COUNT.bit_length() - 1}"
-
-
-def test_spec_section_order():
-    rows = spec_table("3.2", "`id`")
-    for column, method in ((2, "highpass"), (3, "cartesian"), (4, "refined"), (5, "lossless")):
-        numbered = sorted((int(row[column]), row[0]) for row in rows if row[column].isdigit())
-        assert [name for _, name in numbered] == list(layout.METHODS[method].required)
-        everything = sorted(
-            (int(row[column].strip("()")), row[0])
-            for row in rows
-            if row[column].strip("()").isdigit()
-        )
-        present = {name for _, name in everything}
-        assert tuple(name for _, name in everything) == layout.required(method, present)
-        assert [number for number, _ in everything] == list(range(1, len(everything) + 1))
-    assert {row[0] for row in rows} == layout.KNOWN
-    assert rows[-1][0] == layout.CHECK
-
-
-def test_spec_limits():
-    values = {name: value.replace("2^", "2**") for name, value, _ in spec_table("3.3", "Name")}
-    for name, value in values.items():
-        base, _, power = value.partition("**")
-        assert getattr(layout, name) == int(base) ** int(power or 1)
-
-
-def test_spec_codes():
-    methods = {row[0]: int(row[1]) for row in spec_table("4.1", "`method`")}
-    assert methods == {name: method.id for name, method in layout.METHODS.items()}
-    anchors = {row[0]: int(row[1]) for row in spec_table("4.1", "`anchor_method`")}
-    assert anchors == {name or "none": code for name, code in layout.ANCHOR_METHODS.items()}
-    bits = next(row[4] for row in spec_table("4.1", "Name") if row[0] == "bits")
-    assert bits == f"0..{layout.MAX_BITS}, {layout.BITS_FROM_STEP}"
-
-
-def test_layout_follows_the_order_of_the_spec():
-    headings = re.findall(r"^#+ (\d[\d.]* .*)$", SPEC, flags=re.MULTILINE)
-    anchors = [re.sub(r"[^\w -]", "", h).lower().replace(" ", "-") for h in headings]
-    links = re.findall(r"^# SPEC\.md#(\S+)$", LAYOUT, flags=re.MULTILINE)
-    assert links
-    assert [anchors.index(link) for link in links] == sorted(anchors.index(i) for i in links)
-
-
-def test_spec_says_that_it_is_not_frozen():
-    assert "**not frozen**" in SPEC.split("\n## ")[0]

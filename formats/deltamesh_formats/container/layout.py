@@ -8,9 +8,13 @@ and never changes; no order of names elsewhere stands for one.
 from __future__ import annotations
 
 import struct
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias
+
+if TYPE_CHECKING:
+    from deltamesh_formats.polymesh.kinds import Kind
+    from deltamesh_formats.polymesh.mesh import Domain, Role
 
 
 class Field(NamedTuple):
@@ -26,12 +30,20 @@ class Field(NamedTuple):
 STRUCT_CODES: Final[Mapping[str, struct.Struct]] = {
     "u8": struct.Struct("<B"),
     "u16": struct.Struct("<H"),
+    "i16": struct.Struct("<h"),
     "u32": struct.Struct("<I"),
     "u64": struct.Struct("<Q"),
     "f32": struct.Struct("<f"),
     "f64": struct.Struct("<d"),
-    "bytes8": struct.Struct("8s"),
+    "bytes8": struct.Struct("<8s"),
 }
+
+
+def struct_of(fields: Iterable[Field]) -> struct.Struct:
+    """Return what packs a byte table of fixed size."""
+    codes = (STRUCT_CODES[kind].format.removeprefix("<") for _, kind in fields)
+    return struct.Struct("<" + "".join(codes))
+
 
 # Nine bytes hold 63 bits: a value always fits a signed 64-bit integer.
 VARINT_MAX_BYTES: Final = 9
@@ -198,15 +210,113 @@ META_FIELDS: Final = (
     Field("source", "string"),
 )
 
+# SPEC.md#53-anch
+
+# Bits of a coordinate of a grid point: what the entropy coder takes, |value| < 2^31, with a bit to
+# spare for diffused errors.
+MAX_GRID_BITS: Final = 30
+
 # SPEC.md#57-chek
 
 CHECK_FIELDS: Final = (Field("digest", "bytes8"),)
 DIGEST_SIZE: Final = 8
 
+# SPEC.md#511-ordr
+
+# `plan`: bits 0 and 1, the anchor of a polygon; the newest neighbour is the anchor of a vertex, not
+# the oldest; polygons come first.
+PLAN_ANCHOR: Final = 3
+PLAN_NEWEST: Final = 4
+PLAN_POLYGONS_FIRST: Final = 8
+POLYGON_ANCHORS: Final[Mapping[str, int]] = {"first": 0, "oldest": 1, "newest": 2}
+
+# SPEC.md#512-exac
+
+# Bits of a raw number, which the first byte has.
+RAW_WIDTHS: Final[Mapping[str, int]] = {"binary32": 32, "binary64": 64}
+# Fields of a column, and of each of its number formats; `flags`: bits 0 and 1, how many formats.
+COLUMN_FIELDS: Final = (Field("flags", "u8"), Field("grid", "i16"))
+FORMAT_FIELDS: Final = (
+    Field("base", "u8"),
+    Field("places", "i16"),
+    Field("digits", "u8"),
+    Field("usual", "u8"),
+)
+COLUMN_FORMATS: Final = 3
+COLUMN_RAW: Final = 4
+COLUMN_ZEROS: Final = 8
+
+# SPEC.md#514-attr
+
+# `what`: bits 0 and 1, the domain; bits 2 and 3, the role; bits 4 to 7, the type.
+DOMAINS: Final[Mapping[Domain, int]] = {"vertex": 0, "corner": 1, "face": 2}
+ROLES: Final[Mapping[Role, int]] = {"normal": 0, "uv": 1, "colour": 2, "other": 3}
+TYPES: Final[Mapping[str, int]] = {
+    "bool": 0,
+    "uint8": 1,
+    "uint16": 2,
+    "uint32": 3,
+    "uint64": 4,
+    "int8": 5,
+    "int16": 6,
+    "int32": 7,
+    "int64": 8,
+    "float16": 9,
+    "float32": 10,
+    "float64": 11,
+    "complex64": 12,
+    "complex128": 13,
+}
+ROLE_AT: Final = 2
+TYPE_AT: Final = 4
+# Bits of `flags`; bits 4 and 5, the coding.
+NORMALIZED: Final = 1
+PARTLY: Final = 2
+PALETTE: Final = 4
+MIXED: Final = 8
+CODING_AT: Final = 4
+FIRST_NONE: Final = 64
+Coding: TypeAlias = Literal["integer", "exact", "grid", "octahedral"]
+CODINGS: Final[Mapping[Coding, int]] = {"integer": 0, "exact": 1, "grid": 2, "octahedral": 3}
+# What follows the common fields where numbers are integers.
+INTEGER_FIELDS: Final = (Field("origin", "u64"), Field("bits", "u8"), Field("limbs", "u8"))
+# `wedges`: those of the attribute itself; none, values belong to polygons; from there on, those of
+# attribute 0, 1, ...
+OWN_WEDGES: Final = 0
+POLYGON_OWNERS: Final = 1
+WEDGES_OF: Final = 2
+# A residual of such numbers is below 2^30: its length ends with a bit of zero, so that no number of
+# elements takes no bytes.
+MAX_LIMB_BITS: Final = 29
+
 # SPEC.md#515-part
 
+# Forms of a block.
+BLOCK_PLAIN: Final = 0
+BLOCK_DEFLATED: Final = 1
+# A byte for each division: bits 0 to 2, its kind.
+KINDS: Final[Mapping[Kind, int]] = {
+    "object": 0,
+    "mesh": 1,
+    "group": 2,
+    "material": 3,
+    "smoothing": 4,
+}
+DIVISION_KIND: Final = 7
+DIVISION_PARTLY: Final = 8
+DIVISION_MOVED: Final = 16
 # Bytes of all the text of a file, before it is packed: bounds what a small file can grow to.
 MAX_TEXT: Final = 2**24
+
+# SPEC.md#517-octahedral-normals
+
+MIN_NORMAL_BITS: Final = 2
+MAX_NORMAL_BITS: Final = 30
+# `plan`: bits 0 and 1, the weights; bit 2, the coding.
+NORMAL_WEIGHTS: Final[Mapping[str, int]] = {"area": 0, "angle": 1, "equal": 2, "none": 3}
+NORMAL_CODINGS: Final[Mapping[str, int]] = {"deltas": 0, "numbers": 1}
+NORMAL_CODING_AT: Final = 2
+NORMAL_STATES: Final[Mapping[str, int]] = {"relative": 0, "absolute": 1, "zero": 2}
 
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:
