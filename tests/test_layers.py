@@ -20,7 +20,8 @@ def modules_after(code: str) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    "package", ["deltamesh_formats", "deltamesh", "deltamesh_cli", "deltamesh.batch"]
+    "package",
+    ["deltamesh_formats", "deltamesh", "deltamesh_cli", "deltamesh.batch", "deltamesh.bench"],
 )
 def test_importing_a_package_is_cheap(package: str) -> None:
     assert not modules_after(f"import {package}") & {*HEAVY, "numpy"}

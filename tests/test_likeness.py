@@ -129,7 +129,7 @@ def test_other_polygons_are_no_likeness() -> None:
 
 def test_polygons_correspond_to_their_triangles() -> None:
     mesh = cube()
-    cut = PolyMesh(mesh.vertices, mesh.faces.ravel(), np.arange(0, 37, 3))
+    cut = PolyMesh(mesh.vertices, mesh.triangles.ravel(), np.arange(0, 37, 3))
     found = likeness.corresponding(mesh, cut)
     assert found is not None
     assert likeness.matched_corners(mesh, cut, found) is None

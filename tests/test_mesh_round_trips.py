@@ -169,7 +169,7 @@ def test_stl(mesh):
             assert named is not None
             expected = [objects.names[i] for i in objects.of_face[order]]
             assert [named.names[i] for i in named.of_face] == expected
-    np.testing.assert_array_equal(single[found.faces], mesh.vertices[mesh.faces[order]])
+    np.testing.assert_array_equal(single[found.triangles], mesh.vertices[mesh.triangles[order]])
     assert len(np.unique(found.vertices + 0.0, axis=0)) == len(found.vertices)
     assert described(again(found, "stl")) == described(found)
 
@@ -224,7 +224,7 @@ def test_transforms_of_a_scene(matrices):
     data = written(replace(mesh, vertices=W, parts=(parts,)), "glb").data
     found = read_mesh(io.BytesIO(data), "glb")
     np.testing.assert_allclose(found.vertices, W, atol=1e-4)
-    np.testing.assert_array_equal(found.faces, mesh.faces)
+    np.testing.assert_array_equal(found.triangles, mesh.triangles)
     placed = found.parts_of("object")
     if any((matrix != np.eye(4)).any() for matrix in matrices):
         np.testing.assert_array_equal(placed.transforms, parts.transforms)

@@ -51,15 +51,19 @@ def test_round_trip(file_format, tmp_path):
     lost = write_mesh(path, MESH)
     assert lost == (("vertices of no face",) if file_format == "stl" else ())
     mesh = read_mesh(path)
-    assert (mesh.format, mesh.vertices.dtype, mesh.faces.dtype) == (file_format, float, np.int64)
+    assert (mesh.format, mesh.vertices.dtype, mesh.triangles.dtype) == (
+        file_format,
+        float,
+        np.int64,
+    )
     assert mesh.vertices.flags.c_contiguous
-    assert mesh.faces.flags.c_contiguous
+    assert mesh.triangles.flags.c_contiguous
     assert mesh.precision == ("float32" if file_format in ("stl", "glb") else "float64")
     if file_format == "stl":
         np.testing.assert_array_equal(mesh.vertices, ROUNDED[[3, 1, 0]])
-        np.testing.assert_array_equal(mesh.faces, [[0, 1, 2], [2, 1, 2], [2, 0, 2]])
+        np.testing.assert_array_equal(mesh.triangles, [[0, 1, 2], [2, 1, 2], [2, 0, 2]])
     else:
-        np.testing.assert_array_equal(mesh.faces, F)
+        np.testing.assert_array_equal(mesh.triangles, F)
         np.testing.assert_array_equal(mesh.vertices, ROUNDED if file_format == "glb" else V)
 
 
@@ -76,7 +80,9 @@ def test_files_and_paths_are_alike(file_format, tmp_path):
 
 # Large offsets: millimetres at the size of the earth.
 
-FAR = from_triangles(np.array(POINTS) * 1e-3 + [4_512_345.678, -5_200_000.123, 0.0], SMALL.faces)
+FAR = from_triangles(
+    np.array(POINTS) * 1e-3 + [4_512_345.678, -5_200_000.123, 0.0], SMALL.triangles
+)
 
 
 @pytest.mark.parametrize("file_format", ["obj", "ply", "off"])
@@ -111,7 +117,7 @@ def test_a_mesh_without_faces_is_not_written(file_format):
 def test_positions_that_are_not_finite_are_refused(file_format, bad):
     vertices = SMALL.vertices.copy()
     vertices[2, 1] = bad
-    data = mesh_bytes(from_triangles(vertices, SMALL.faces), file_format)
+    data = mesh_bytes(from_triangles(vertices, SMALL.triangles), file_format)
     refused(data, file_format, "vertex 2 is not finite")
 
 
@@ -191,7 +197,7 @@ def read_or_refused(data: bytes, file_format: str) -> int:
     except MeshError:
         return 0
     check_whole(mesh)
-    return len(mesh.faces)
+    return len(mesh.triangles)
 
 
 RICH = """mtllib a.mtl
@@ -250,7 +256,7 @@ def check_whole(mesh: PolyMesh) -> None:
     for part in mesh.parts:
         assert len(part.of_face) == p
         assert -1 <= part.of_face.min() <= part.of_face.max() < len(part.names)
-    assert mesh.faces.max() < n
+    assert mesh.triangles.max() < n
 
 
 LIES = {
@@ -341,7 +347,7 @@ def test_real_files(name):
     mesh = read_mesh(path_of(name))
     check_whole(mesh)
     found = [f"{a.name}/{a.domain}" for a in mesh.attributes] + [p.kind for p in mesh.parts]
-    counts = len(mesh.vertices), len(mesh.sizes), len(mesh.faces)
+    counts = len(mesh.vertices), len(mesh.sizes), len(mesh.triangles)
     assert (*counts, " ".join(found)) == REAL[name]
 
 
@@ -363,8 +369,8 @@ def test_every_real_file_is_read_or_refused_and_written_in_every_format():
         mesh = read_mesh(path)
         for file_format in FORMATS:
             back = again(mesh, file_format)
-            assert len(back.faces) == len(mesh.faces), (path, file_format)
-            first, second = (m.vertices[m.faces].min(axis=1) for m in (mesh, back))
+            assert len(back.triangles) == len(mesh.triangles), (path, file_format)
+            first, second = (m.vertices[m.triangles].min(axis=1) for m in (mesh, back))
             if file_format != "glb":
                 scale = np.abs(mesh.vertices).max()
                 np.testing.assert_allclose(first, second, rtol=0, atol=1e-6 * scale)

@@ -268,7 +268,7 @@ def test_a_grid_of_quads_costs_next_to_nothing() -> None:
     mesh = quads(60, 50)
     sections = read_container(encode(mesh, method="cartesian")).sections
     assert len(sections["CONN"].payload) + len(sections["POLY"].payload) < 60
-    V, F = mesh.vertices, mesh.faces
+    V, F = mesh.vertices, mesh.triangles
     assert len(read_container(encode(V, F, method="cartesian")).sections["CONN"].payload) > 300
 
 
@@ -532,6 +532,6 @@ def test_polygons_correspond_wherever_they_begin(name: str) -> None:
     found = match_polygons(mesh, other)
     assert found is not None
     assert canonical(mesh, found.tolist()) == canonical(other)
-    assert match_polygons(mesh, mesh_of(mesh.vertices, mesh.faces.tolist())) is not None
+    assert match_polygons(mesh, mesh_of(mesh.vertices, mesh.triangles.tolist())) is not None
     triangles = triangulated(mesh).faces.tolist()
     assert match_polygons(mesh_of(mesh.vertices, triangles), mesh) is not None

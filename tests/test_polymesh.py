@@ -78,7 +78,7 @@ def test_triangles_are_the_slow_ones(data, seed):
     np.testing.assert_array_equal(
         cut.polygon, np.repeat(np.arange(len(sizes)), np.array(sizes) - 2)
     )
-    np.testing.assert_array_equal(mesh.faces, cut.faces)
+    np.testing.assert_array_equal(mesh.triangles, cut.faces)
     within = (cut.corners >= offsets[cut.polygon, None]) & (
         cut.corners < offsets[cut.polygon + 1, None]
     )
@@ -86,23 +86,23 @@ def test_triangles_are_the_slow_ones(data, seed):
 
 
 def test_convex_polygons_are_fans_of_their_first_corner():
-    assert polygon((0, 0), (1, 0), (1, 1), (0, 1)).faces.tolist() == [[0, 1, 2], [0, 2, 3]]
+    assert polygon((0, 0), (1, 0), (1, 1), (0, 1)).triangles.tolist() == [[0, 1, 2], [0, 2, 3]]
     around = 2 * np.pi * np.arange(7) / 7
     mesh = polygon(*zip(np.cos(around), np.sin(around), strict=True))
-    assert mesh.faces.tolist() == [[0, i, i + 1] for i in range(1, 6)]
+    assert mesh.triangles.tolist() == [[0, i, i + 1] for i in range(1, 6)]
 
 
 def test_reflex_corners_do_not_fold():
     arrow = [(0, 0), (2, -1), (0.5, 0), (2, 1)]
     for turn in range(4):
         mesh = polygon(*np.roll(arrow, turn, axis=0))
-        a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+        a, b, c = mesh.vertices[mesh.triangles].transpose(1, 0, 2)
         assert (np.cross(b - a, c - a)[:, 2] > 0).all()
 
 
 def test_corners_in_line_make_no_sliver_where_that_can_be():
     mesh = polygon((0, 0), (1, 0), (2, 0), (2, 2))
-    assert mesh.faces.tolist() == [[1, 2, 3], [1, 3, 0]]
+    assert mesh.triangles.tolist() == [[1, 2, 3], [1, 3, 0]]
 
 
 @pytest.mark.parametrize("scale", [1e-200, 1e200, np.nan])
@@ -113,7 +113,7 @@ def test_any_numbers_make_triangles(scale):
 
 
 def test_a_mesh_without_faces_has_no_triangles():
-    assert from_triangles(np.eye(3), np.empty((0, 3), dtype=int)).faces.shape == (0, 3)
+    assert from_triangles(np.eye(3), np.empty((0, 3), dtype=int)).triangles.shape == (0, 3)
 
 
 # What is kept and refused
@@ -149,7 +149,7 @@ def test_dense_rows():
 def test_small_faces_are_left_out_and_named():
     mesh = PolyMesh(np.eye(3), np.array([0, 1, 0, 1, 2, 2]), np.array([0, 2, 5, 6]))
     found = checked(mesh)
-    assert (found.faces.tolist(), found.sizes.tolist()) == ([[0, 1, 2]], [3])
+    assert (found.triangles.tolist(), found.sizes.tolist()) == ([[0, 1, 2]], [3])
     assert found.lost == ("2 faces of fewer than three corners",)
 
 

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
+from deltamesh import bench
 from deltamesh._mesh import TriangleMesh
-from deltamesh.bench import measure as bench
 
 sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
 renderings = importlib.import_module("renderings")

@@ -82,12 +82,12 @@ def encode(
         Vertex indices from 0 of triangles, quads, or polygons of any sizes, as `from_arrays` takes
         them. Not with a `PolyMesh`.
     method : {"auto", "refined", "highpass", "cartesian", "lossless"}
-        What is quantized: differential coordinates, coarsely, and their component along the normal
-        finely; these coordinates alike; x, y and z; or nothing: positions come back bit for bit,
-        -0.0 and all. "auto" is refined or cartesian, whichever takes fewer bytes for the same
-        errors.
+        "refined" quantizes differential coordinates, coarsely, and their component along the normal
+        finely; "highpass" these coordinates alike; "cartesian" x, y and z; "lossless" nothing:
+        positions come back bit for bit, -0.0 and all. "auto" is refined or cartesian, whichever
+        takes fewer bytes for the same errors.
     bits : int, optional
-        The step is the range of what is quantized over 2^bits. 0 is a least-squares mesh:
+        The step is the range of the quantized values over 2^bits. 0 is a least-squares mesh:
         connectivity and anchors alone. Default for "cartesian": 11.
     step : float, optional
         The step itself, in the unit of the vertices. Default for "highpass" and "refined": 1/1000
@@ -136,7 +136,7 @@ def encode(
         Both come back bit for bit instead, as all other attributes do but colours of floats within
         0 .. 1, which get 256 levels. So it is, too, with "lossless".
     source_format : str
-        Stored; what `deltamesh decode` writes by default.
+        Stored; the format that `deltamesh decode` writes by default.
     progress : callable, optional
         Called with the name of each stage as it begins.
 

@@ -1,4 +1,4 @@
-"""What decoding a file may take; checked before anything of that size is allocated."""
+"""Limits of decoding, checked before anything of that size is allocated."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from deltamesh_formats.container.layout import ATTRIBUTES, POLYGONS
 from deltamesh_formats.container.texts import text_size, texts_of
 from deltamesh_formats.errors import FormatError, LimitError
 
-# As many as a 32-bit index can name, were there memory for them.
+# The vertices that a 32-bit index can name, were there memory for them.
 DEFAULT_MAX_VERTICES = 1 << 32
 DEFAULT_MEMORY = 16 << 30
 
@@ -31,7 +31,7 @@ PER_BYTE = 15200
 
 @dataclass(frozen=True)
 class Counts:
-    """What a file announces, before anything of it is decoded.
+    """Counts that a file announces, before anything of it is decoded.
 
     Attributes
     ----------
@@ -55,14 +55,14 @@ def memory_needed(container: Container) -> int:
     Raises
     ------
     FormatError
-        If the table of the attributes is none, or the text of the parts.
+        If the attribute table or the text of the parts is malformed.
     """
     moved = sum(len(one.names) for one in texts_of(container).divisions if one.moved)
     return _memory_of_counts(container) + PER_TRANSFORM * moved
 
 
 def _memory_of_counts(container: Container) -> int:
-    """Likewise, but for what only the text of the parts, not unpacked yet, tells."""
+    """Estimate the memory without the transforms, whose text is not unpacked yet."""
     method = METHODS[container.parameters.method]
     per_face = PER_FACE + (PER_GLUED_FACE if POLYGONS in container.sections else 0)
     needed = method.memory + method.memory_per_vertex * container.vertices
@@ -93,7 +93,7 @@ def check_limits(container: Container, counts: Counts, max_vertices: int, memory
     LimitError
         For more vertices, or more memory, than allowed.
     FormatError
-        For none or more faces, or more of anything else, than the bytes of a section can hold.
+        For no faces, or more elements than the bytes of a section can hold.
     """
     n, m = container.vertices, container.triangles
     if n > max_vertices:

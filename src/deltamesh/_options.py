@@ -120,7 +120,7 @@ class Options:
         _require(fits, f"source_format must be printable, and at most {MAX_NAME} bytes")
 
     def _check_rate(self) -> None:
-        # The options of the anchors have defaults, and no method minds those.
+        # Options with defaults may be left as they are with any method.
         names = (*RATES, *BOUNDS, "coarse")
         check_together(self.method, [n for n in names if getattr(self, n) is not None])
         for name in ("step", *BOUNDS[1:]):

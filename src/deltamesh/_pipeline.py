@@ -17,7 +17,7 @@ from deltamesh._attributes.codings import AttributeSettings
 from deltamesh._attributes.domains import Domains
 from deltamesh._attributes.section import decode_attributes, encode_attributes
 from deltamesh._content import Content
-from deltamesh._geometry.bounds import TOLERANCE, bounds_of
+from deltamesh._geometry.bounds import POSITION_TOLERANCE, bounds_of
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.search import Trial, smallest
@@ -239,7 +239,7 @@ def _wanted(options: Options, trial: Trial, V: NDArray[np.float64]) -> Attribute
         bits_normal=options.bits_normal,
         lossless=options.lossless_attributes or options.exact,
         positions=V,
-        tolerance=TOLERANCE * diagonal(V) if solved else 0.0,
+        tolerance=POSITION_TOLERANCE * diagonal(V) if solved else 0.0,
     )
 
 

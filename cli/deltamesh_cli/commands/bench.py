@@ -20,8 +20,7 @@ from deltamesh_cli.progress import progress
 from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
-    from deltamesh.bench.measure import Measurement
-    from deltamesh.bench.rates import Row
+    from deltamesh.bench import Measurement, Row
 
 # Of the options that say how to encode: those that may be lists, and those that are not encode's.
 _LISTS: Final = ("method", *RATES, *BOUNDS)
@@ -184,7 +183,7 @@ def command(
 
 def _labels(given: dict[str, Any]) -> list[str]:
     """Return the label of each method with each rate."""
-    from deltamesh.bench.measure import label
+    from deltamesh.bench import label
 
     lists = {name: _flat(given.pop(name, ())) for name in _LISTS}
     methods = [{"method": method} for method in lists.pop("method")] or [{}]

@@ -164,8 +164,8 @@ class PolyMesh:
     def faces(self) -> NDArray[np.int64] | list[NDArray[np.int64]]:
         """The polygons as `from_arrays` takes them: an array (p, k) if all have k corners."""
         sizes = self.sizes
-        if len(sizes) and (sizes == sizes[0]).all():
-            return self.corners.reshape(len(sizes), -1)
+        if (sizes == sizes[:1]).all():
+            return self.corners.reshape(len(sizes), int(sizes[0]) if len(sizes) else 3)
         return np.split(self.corners, self.offsets[1:-1])
 
     @property

@@ -13,7 +13,7 @@ from deltamesh_formats.errors import TargetError
 
 # Positions may differ by that between machines and solvers, in diagonals of the bounding box
 # (SPEC.md 5.4).
-TOLERANCE: Final = 1e-9
+POSITION_TOLERANCE: Final = 1e-9
 
 # The bounds of quality 5: the mean deviation of the face normals in degrees, which shading does not
 # show, and the RMS distance over the diagonal, which bounds the error of a silhouette. Two levels
@@ -59,7 +59,7 @@ class Bounds:
         name = max(shares, key=lambda name: shares[name])
         bound, had = getattr(self, name), getattr(errors, name)
         text = name.replace("_", " ")
-        return TargetError(f"{text} {bound:g} cannot be met: {had:g} is the least there was")
+        return TargetError(f"{text} {bound:g} cannot be met: the least found is {had:g}")
 
 
 def _share(error: float, bound: float) -> float:
@@ -85,15 +85,15 @@ def bounds_of(options: Options, scale: float) -> Bounds | None:
     if options.method == AUTO and not options.has_rate:
         return _of_quality(DEFAULT_QUALITY, scale)
     largest = min(options.max_error or math.inf, (options.max_error_rel or math.inf) * scale)
-    if not largest > 2 * TOLERANCE * scale and scale:
+    if not largest > 2 * POSITION_TOLERANCE * scale and scale:
         raise TargetError(
             f"a distance of {largest:g} cannot be promised: positions may differ by"
-            f" {TOLERANCE * scale:g} between machines"
+            f" {POSITION_TOLERANCE * scale:g} between machines"
         )
     quality = Bounds() if options.quality is None else _of_quality(options.quality, scale)
     bounds = Bounds(
         rms=quality.rms,
-        max=largest - TOLERANCE * scale,
+        max=largest - POSITION_TOLERANCE * scale,
         normal_deviation=min(options.normal_error or math.inf, quality.normal_deviation),
         dihedral=options.dihedral_error or math.inf,
     )

@@ -1,6 +1,6 @@
 """Steps, grids and rounding.
 
-The step of the papers: the range of what is quantized over 2^B, for B bits a coordinate
+The step of the papers: the range of the quantized values over 2^B, for B bits a coordinate
 (O. Sorkine, D. Cohen-Or, S. Toledo, "High-Pass Quantization for Mesh Encoding", SGP 2003).
 """
 
@@ -39,7 +39,7 @@ def to_grid(
     Raises
     ------
     MeshError
-        If the step is too small for the extent: 2^30 steps is what a file holds.
+        If the step is too small for the extent: a file holds up to 2^30 steps.
     """
     grid = np.rint((vertices - origin) / step)
     _check_size(grid, step)
@@ -72,7 +72,7 @@ def quantize_delta(
 
     Diffusion visits the vertices in their order and hands the error of each on, in equal parts,
     to its neighbours that are still to come; the sum of the errors over any region then nearly
-    vanishes, which is what low frequencies are made of. The decoder is the same.
+    vanishes, and with it the error in low frequencies. The decoder is the same.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def quantize_delta(
     Raises
     ------
     MeshError
-        If the step is too small for the deltas: 2^30 steps is what a file holds.
+        If the step is too small for the deltas: a file holds up to 2^30 steps.
     """
     _check_size(delta / step, step)
     N = np.zeros_like(delta) if normals is None else normals

@@ -1,6 +1,6 @@
 """Search for the fewest bytes within bounds on the errors.
 
-It believes only what it has measured: a trial is quantized, coded and decoded whole, and the file
+It believes measurements only: a trial is quantized, coded and decoded whole, and the file
 is the smallest trial within the bounds. Errors are nearly proportional to steps, so that few trials
 find a step; a method whose first trials show that it cannot win is given up.
 """
@@ -30,7 +30,7 @@ CLOSE: Final = {1: 0.85, 2: 0.93, 3: 0.97}
 # than that effort calls near enough.
 MOST_TRIES, LOOSE_TRIES, TRIES = 16, 8, 4
 LOOSE: Final = 0.75
-# How far one guess may go beyond what has been measured.
+# The largest factor from a measured step to the next guess.
 FURTHEST: Final = 32.0
 # The least power of the step that errors are taken to grow with.
 FLATTEST: Final = 0.25
@@ -84,7 +84,7 @@ Attempt = Callable[[Settings], Trial]
 
 
 def smallest(options: Options, bounds: Bounds | None, edge: float, attempt: Attempt) -> Trial:
-    """Return the smallest trial within the bounds; without bounds, what the options say.
+    """Return the smallest trial within the bounds; without bounds, the trial of the options.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def smallest(options: Options, bounds: Bounds | None, edge: float, attempt: Atte
 
 
 def _at_rate(options: Options, edge: float, attempt: Attempt) -> Trial:
-    """Return the trial at the rate of the options; for "auto", what has its errors in less."""
+    """Return the trial at the rate of the options; for "auto", the smallest of equal errors."""
     if options.method != AUTO:
         return attempt(settings_of(options, options.method))
     if options.bits == 0:
@@ -203,7 +203,7 @@ def _fit(
         except MeshError:  # 2^30 steps are not enough for the mesh
             if excess:
                 break
-            step *= FURTHEST  # to tell at least what could be had
+            step *= FURTHEST  # so that an error can name the least bound that can be met
             continue
         x = excess[step] = bounds.excess(trial.errors)
         if x > 1:

@@ -1,4 +1,4 @@
-"""Measuring codecs on meshes: bytes, errors, seconds.
+"""Measurements of codecs on meshes: bytes, errors, seconds.
 
 A codec is named by a label, one line of text that says everything needed to repeat a measurement:
 "refined bits=6 coarse=4", "draco bits=11", "zstd". The options of ours are those of
@@ -23,10 +23,10 @@ from deltamesh._measures.metrics import compare
 from deltamesh._mesh import TriangleMesh, triangulated
 from deltamesh._options import CHOICES, Options
 from deltamesh._pipeline import encode_mesh
-from deltamesh.bench.peers import PEERS, Coded, settings_of
+from deltamesh.bench._peers import PEERS, Coded, settings_of
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import DeltameshError, OptionError
-from deltamesh_formats.polymesh.mesh import from_triangles
+from deltamesh_formats.polymesh.mesh import PolyMesh, from_triangles
 
 # Options that no byte of a file that is measured here depends on.
 _SILENT: Final = ("solver", "threads", "source_format")
@@ -34,13 +34,13 @@ _SILENT: Final = ("solver", "threads", "source_format")
 
 @dataclass(frozen=True)
 class Codec:
-    """A way to code a mesh.
+    """A codec with its options.
 
     Attributes
     ----------
     label : str
     code : callable
-        Encodes a mesh, decodes the file, and tells what became of it.
+        Encodes a mesh and decodes the file.
     """
 
     label: str
@@ -89,23 +89,23 @@ class Measurement:
         return 8 * self.bytes / max(self.vertices, 1)
 
 
-def measure(name: str, mesh: TriangleMesh, codec: Codec) -> Measurement:
-    """Encode a mesh, decode the file, and compare.
+def measure(name: str, mesh: PolyMesh | TriangleMesh, codec: Codec) -> Measurement:
+    """Encode the triangles of a mesh, decode the file, and compare.
 
     Parameters
     ----------
     name : str
-        What the mesh is called in the result.
-    mesh : TriangleMesh
+        Name of the mesh in the result.
+    mesh : PolyMesh or TriangleMesh
     codec : Codec
-        From `deltamesh_codec` or `codec_of`.
+        From `codec_of`.
 
     Raises
     ------
     MeshError, OptionError, TargetError, SolveError
         As `deltamesh.encode`.
     """
-    coded = codec.code(mesh)
+    coded = codec.code(triangulated(mesh) if isinstance(mesh, PolyMesh) else mesh)
     errors = compare(coded.reference, coded.decoded)
     unit = errors.diagonal or 1.0
     return Measurement(
@@ -132,7 +132,7 @@ def code(options: Options, mesh: TriangleMesh) -> Coded:
     start = time.perf_counter()
     encoded = encode_mesh(from_triangles(mesh.vertices, mesh.faces), options)
     middle = time.perf_counter()
-    # The decoder's own mesh, not the encoder's idea of it. What fits into memory is no question.
+    # The decoder's own mesh, not the encoder's idea of it, without a limit to its memory.
     container = read_container(encoded.data)
     decoded = decode(container, solver=options.solver, threads=options.threads, memory=sys.maxsize)
     end = time.perf_counter()
@@ -152,7 +152,7 @@ def deltamesh_codec(options: Options) -> Codec:
 
 
 def label(options: Options) -> str:
-    """Return the method and what is not at its default, as `codec_of` reads it."""
+    """Return the method and the options that are not at their defaults, as `codec_of` reads it."""
     fields = [one for one in dataclasses.fields(options) if one.name not in ("method", *_SILENT)]
     values = [(one.name, getattr(options, one.name), one.default) for one in fields]
     words = [f"{name}={value}" for name, value, default in values if value != default]
@@ -192,7 +192,7 @@ def _peer(name: str, settings: Mapping[str, Any], mesh: TriangleMesh) -> Coded:
 
 
 def _setting(word: str) -> tuple[str, Any]:
-    """Return the name and the value of `name=value`; what is no Python literal is a string."""
+    """Return the name and the value of `name=value`; text beside literals stays text."""
     name, equals, text = word.partition("=")
     if not (name and equals):
         raise OptionError(f"{word!r} is not an option, such as bits=6")
@@ -209,4 +209,4 @@ def warm_up(codec: Codec) -> None:
     try:
         measure("", TriangleMesh(vertices, faces), codec)
     except DeltameshError:
-        return  # a target that a tetrahedron cannot meet; what matters has been loaded
+        return  # a target that a tetrahedron cannot meet; the kernels have been loaded

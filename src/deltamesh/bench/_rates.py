@@ -1,4 +1,4 @@
-"""Tables of measurements, as CSV text, and what differs between two of them.
+"""Tables of measurements, as CSV text, and the changes between two of them.
 
 A row is text: counts in full, all else with four significant digits, for more would differ from
 machine to machine. Rows that are kept have no times, which differ from run to run.
@@ -13,8 +13,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from deltamesh.bench.measure import Measurement
+from deltamesh._geometry.bounds import POSITION_TOLERANCE
+from deltamesh.bench._measure import Measurement
 from deltamesh_formats.errors import DeltameshError
+from deltamesh_formats.printing import number
 
 Row = dict[str, str]
 
@@ -29,12 +31,15 @@ TOLERANCE: Final = 0.005
 ERROR_TOLERANCE: Final = 0.01
 # Errors that are as good as none: what decoding may differ by, in diagonals; and for angles, what
 # that makes of an edge of a 1e-4th of the diagonal, in degrees.
-_NOTHING: Final = {**dict.fromkeys(ERRORS[:4], 1e-9), **dict.fromkeys(ERRORS[4:], 1e-3)}
+_NOTHING: Final = {
+    **dict.fromkeys(ERRORS[:4], POSITION_TOLERANCE),
+    **dict.fromkeys(ERRORS[4:], 1e-3),
+}
 
 
 @dataclass(frozen=True)
 class Change:
-    """What differs between two tables.
+    """A difference between two tables.
 
     Attributes
     ----------
@@ -63,11 +68,6 @@ class Change:
         return self.verdict in ("grew", "changed", "gone")
 
 
-def number(value: float) -> str:
-    """Return four significant digits."""
-    return f"{value:.4g}"
-
-
 def row_of(measurement: Measurement) -> Row:
     """Return a measurement as text, times included."""
     one = measurement
@@ -82,7 +82,7 @@ def _sections(sizes: Mapping[str, int]) -> str:
 
 
 def as_text(rows: Iterable[Mapping[str, str]], columns: Sequence[str] = COLUMNS) -> str:
-    """Return rows as CSV, with the line ends of Unix; what is in no column is left out."""
+    """Return rows as CSV, with the line ends of Unix; values without a column are left out."""
     stream = io.StringIO()
     writer = csv.DictWriter(stream, columns, extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
@@ -96,7 +96,7 @@ def from_text(text: str) -> list[Row]:
     Raises
     ------
     DeltameshError
-        If it is no such table: a column is missing, or a number is none.
+        If a column is missing, or a value is not a number.
     """
     reader = csv.DictReader(io.StringIO(text))
     _check_columns(dict.fromkeys(reader.fieldnames or (), ""))
@@ -123,7 +123,7 @@ def _check_number(row: Row, column: str) -> None:
 
 
 def key(row: Mapping[str, str]) -> tuple[str, str]:
-    """Return what a row is of."""
+    """Return the mesh and the codec of a row."""
     return row["mesh"], row["codec"]
 
 
@@ -134,7 +134,7 @@ def changes(
     tolerance: float = TOLERANCE,
     error_tolerance: float = ERROR_TOLERANCE,
 ) -> list[Change]:
-    """Return what differs between two tables by more than it may.
+    """Return the differences between two tables that exceed the tolerances.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def _moved(old: Row, new: Row, columns: Iterable[str], tolerance: float) -> list
         allowed = tolerance * abs(a) + _NOTHING.get(column, 0.0)
         if old[column] == new[column] or abs(b - a) <= allowed:
             continue
-        verdict = "shrank" if b < a else "grew"  # what is not a number has grown
+        verdict = "shrank" if b < a else "grew"  # NaN has grown
         growth = b / a - 1 if a else math.inf
         found.append(Change(*key(new), column, old[column], new[column], verdict, growth))
     return found
