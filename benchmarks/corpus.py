@@ -17,7 +17,8 @@ import click
 
 from deltamesh._compare.welding import welded, without_isolated
 from deltamesh._mesh import TriangleMesh, triangulated
-from deltamesh_formats.meshfiles.files import FORMATS, read_mesh
+from deltamesh_formats.meshfiles.files import read_mesh
+from deltamesh_formats.meshfiles.formats import EXTENSIONS
 
 GENERATED = "torus"
 _GENERATED_PATH = Path(__file__).parent / "meshes" / "torus.ply"
@@ -81,7 +82,7 @@ def present(names: Iterable[str]) -> tuple[str, ...]:
 
 def files() -> list[Path]:
     """Return the repository's mesh and every mesh file of the folder, in the order of its names."""
-    found = (file for file in folder().rglob("*") if file.suffix[1:].lower() in FORMATS)
+    found = (file for file in folder().rglob("*") if file.suffix[1:].lower() in EXTENSIONS)
     return [_GENERATED_PATH, *sorted(found)]
 
 

@@ -430,7 +430,10 @@ def test_what_is_dropped() -> None:
 
 
 @pytest.mark.parametrize("method", ["cartesian", "refined"])
-@pytest.mark.parametrize("name", ["spot", "tank", "chair_model", "pizza"])
+@pytest.mark.parametrize(
+    "name",
+    meshes.large_are_slow(["spot", "tank", "chair_model", "pizza"], place="clean/{}.obj"),
+)
 def test_seams_of_real_meshes_never_crack(name: str, method: str) -> None:
     """One vertex stays one vertex, whatever the texture coordinates on both sides of it are."""
     mesh = meshes.real_whole(f"clean/{name}.obj")

@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import hashlib
 import os
-import subprocess
 import sys
 
+import children
 import meshes
 import numpy as np
 import oracle
@@ -234,7 +234,7 @@ def test_several_threads_in_turn_and_another_process() -> None:
     """The first thread loads the solver and ends before the second one solves."""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "PYTHONHASHSEED": "11"}
     command = [sys.executable, "-W", "error", "-c", IN_THREADS]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    done = children.run(command, env=environment, text=True)
     assert done.returncode == 0, done.stderr
     data = encode(*meshes.torus(30, 20), anchors=20, anchor_method="greedy")
     digest = hashlib.sha256(data + decode(data).vertices.tobytes()).hexdigest()

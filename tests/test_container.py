@@ -314,10 +314,10 @@ def test_text_transfer_is_recognized(old, new):
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (b"ply\nformat ascii 1.0\n", "a PLY mesh"),
-        (b"glTF\2\0\0\0", "a GLB mesh"),
-        (b"OFF\n8 6 12\n", "an OFF mesh"),
-        (b"solid cube\n", "an STL mesh"),
+        (b"ply\nformat ascii 1.0\n", r"a mesh file \(PLY\)"),
+        (b"glTF\2\0\0\0", r"a mesh file \(GLB\)"),
+        (b"OFF\n8 6 12\n", r"a mesh file \(OFF\)"),
+        (b"solid cube\n", r"a mesh file \(STL\)"),
         (b"\x89PNG\r\n\x1a\n" + bytes(50), "not a .dmesh file"),
         (b"v", "not a .dmesh file"),
     ],

@@ -294,7 +294,10 @@ def in_coding_order(F, n):
     return encode_connectivity(build_topology(F, pair_halfedges(F), n))[1].faces
 
 
-@pytest.mark.parametrize("pattern", ["away", "there and back", "random"])
+@pytest.mark.parametrize(
+    "pattern",
+    ["away", *(pytest.param(one, marks=pytest.mark.slow) for one in ("there and back", "random"))],
+)
 def test_positions_far_outside(pattern: str) -> None:
     """A crafted file: largest residuals, so that extrapolation leads to the bounds and along."""
     V, F = meshes.torus(3, 75)

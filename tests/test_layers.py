@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
-import time
 from pathlib import Path
 
+import children
 import pytest
 
 HEAVY = ("numba", "scipy", "trimesh", "rslab", "rich", "pypardiso", "distributed")
@@ -15,7 +14,7 @@ HEAVY = ("numba", "scipy", "trimesh", "rslab", "rich", "pypardiso", "distributed
 def modules_after(code: str) -> set[str]:
     """Return the top-level packages that a fresh interpreter has imported after `code`."""
     code += "\nimport sys; print('\\n', *{name.partition('.')[0] for name in sys.modules})"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = children.run([sys.executable, "-c", code], text=True, check=True)
     return set(done.stdout.splitlines()[-1].split())
 
 
@@ -61,7 +60,7 @@ def test_the_package_runs_as_the_command(line: str) -> None:
     said = []
     for module in ("deltamesh", "deltamesh_cli"):
         command = [sys.executable, "-m", module, *line.split()]
-        done = subprocess.run(command, capture_output=True, text=True)
+        done = children.run(command, text=True)
         said.append((done.returncode, done.stdout, done.stderr))
     assert said[0] == said[1]
     assert said[0][1:] != ("", "")
@@ -69,9 +68,4 @@ def test_the_package_runs_as_the_command(line: str) -> None:
 
 @pytest.mark.parametrize("line", ["--help", "info nothing.dmesh"])
 def test_help_and_info_answer_at_once(line: str) -> None:
-    def seconds() -> float:
-        start = time.perf_counter()
-        subprocess.run([sys.executable, "-m", "deltamesh_cli", *line.split()], capture_output=True)
-        return time.perf_counter() - start
-
-    assert min(seconds() for _ in range(5)) < 0.3
+    assert children.seconds_of([sys.executable, "-m", "deltamesh_cli", *line.split()]) < 0.3

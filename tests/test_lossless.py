@@ -139,7 +139,9 @@ def test_not_numbers_are_refused_by_index(bad: float) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["unstated/horse.ply", "unstated/fandisk.obj", "clean/featuretype.ply", "clean/spot.obj"],
+    meshes.large_are_slow(
+        ["unstated/horse.ply", "unstated/fandisk.obj", "clean/featuretype.ply", "clean/spot.obj"]
+    ),
 )
 def test_real_mesh(name: str) -> None:
     mesh = meshes.real(name)

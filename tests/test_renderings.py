@@ -86,6 +86,7 @@ def test_a_model_has_a_surface_and_its_errors_for_each_method() -> None:
         assert panel.text.endswith(f"max {distances.max():.1e}")
 
 
+@pytest.mark.slow
 def test_ours_is_as_large_as_draco_and_never_larger() -> None:
     pytest.importorskip("DracoPy")
     mesh = TriangleMesh(*meshes.torus(60, 40))

@@ -102,7 +102,10 @@ def test_levels_are_whole_numbers_from_one(name, most):
 
 @pytest.mark.parametrize(
     "name",
-    ["unstated/fandisk.obj", "unstated/camelhead.off", "clean/spot.obj", "clean/tank.obj"],
+    meshes.large_are_slow(
+        ["unstated/fandisk.obj", "unstated/camelhead.off", "clean/spot.obj", "clean/tank.obj"],
+        most_bytes=350_000,
+    ),
 )
 @pytest.mark.parametrize("method", METHODS)
 def test_the_bound_holds_on_real_meshes(name, method):
@@ -122,7 +125,7 @@ PUBLIC = meshes.names(most_bytes=MOST)
 
 
 @pytest.mark.skipif(not PUBLIC, reason="no folder of real meshes")
-@pytest.mark.parametrize("name", PUBLIC)
+@pytest.mark.parametrize("name", meshes.large_are_slow(PUBLIC, most_bytes=200_000))
 def test_no_vertex_of_any_real_mesh_is_beyond_the_bound(name):
     try:
         mesh = meshes.real(name)

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
-from deltamesh.batch.finding import Selection, find
-from deltamesh_cli import files, options
+from deltamesh.batch import Selection, find
+from deltamesh_cli import files
 from deltamesh_cli.failures import DONE, MISSED, attempt
 from deltamesh_cli.meshes import parsed
 from deltamesh_cli.output import print_json, shown, table
 from deltamesh_cli.progress import Stage
 from deltamesh_cli.signals import interruptible
+from deltamesh_formats.meshfiles.formats import EXTENSIONS
 
 if TYPE_CHECKING:
     from deltamesh._mesh import TriangleMesh
@@ -63,7 +64,7 @@ def _below(source: str, recursive: bool) -> list[str]:
     """Return the mesh files of a folder, sorted; none of a file."""
     if not os.path.isdir(source):
         return []
-    chosen = Selection(options.MESH_FORMATS, recursive=recursive, shallow=not recursive)
+    chosen = Selection(tuple(EXTENSIONS), recursive=recursive, shallow=not recursive)
     with attempt(source, "cannot list"):
         return find([source], chosen)
 

@@ -138,9 +138,9 @@ def save(target: PathOrFile, mesh: PolyMesh, **options: Unpack[EncodeOptions]) -
 
 def _check_extension(target: str | os.PathLike[str]) -> None:
     """Refuse to write a `.dmesh` under the name of a mesh file."""
-    from deltamesh_formats.meshfiles.files import FORMATS
+    from deltamesh_formats.meshfiles.formats import format_of_extension
 
-    extension = Path(target).suffix.lower().removeprefix(".")
-    if extension in FORMATS:
-        what = extension.upper()
-        raise OptionError(f"{os.fspath(target)}: save writes .dmesh, write_mesh writes {what}")
+    other = format_of_extension(Path(target).suffix)
+    if other is not None:
+        name = os.fspath(target)
+        raise OptionError(f"{name}: save writes .dmesh, write_mesh writes {other.title}")

@@ -85,6 +85,13 @@ def _memory_of_attributes(container: Container) -> int:
     return needed
 
 
+def memory_for_counts(vertices: int, faces: int) -> int:
+    """Estimate the memory that encoding or decoding takes, in bytes, by the dearest method."""
+    fixed = max(method.memory for method in METHODS.values())
+    per_vertex = max(method.memory_per_vertex for method in METHODS.values())
+    return fixed + per_vertex * vertices + PER_FACE * faces
+
+
 def check_limits(container: Container, counts: Counts, max_vertices: int, memory: int) -> None:
     """Refuse a file whose counts are above the limits, or cannot be true.
 

@@ -19,7 +19,7 @@ from deltamesh_formats.container.reader import read_varint, take
 from deltamesh_formats.container.texts import Division, Texts, raw_texts, read_texts, write_texts
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, located
-from deltamesh_formats.polymesh.descriptions import unkept, unused
+from deltamesh_formats.polymesh.descriptions import losses_of, unreferenced_rows
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh
 
 _Ints = NDArray[np.int64]
@@ -69,7 +69,7 @@ def annotations_of(mesh: PolyMesh, polygons: _Ints) -> Annotations | None:
         Division(p.kind, p.names, bool((p.of_face < 0).any()), p.transforms is not None)
         for p in found
     )
-    lost = unkept(
+    lost = losses_of(
         mesh,
         attributes=mesh.attributes,
         parts=kinds,
@@ -78,7 +78,7 @@ def annotations_of(mesh: PolyMesh, polygons: _Ints) -> Annotations | None:
         transforms=True,
     )
     metadata = {key: tuple(lines) for key, lines in mesh.metadata.items()}
-    texts = Texts(divisions, metadata, tuple(dict.fromkeys((*lost, *unused(mesh)))))
+    texts = Texts(divisions, metadata, tuple(dict.fromkeys((*lost, *unreferenced_rows(mesh)))))
     return None if texts.is_empty else Annotations(texts, found)
 
 

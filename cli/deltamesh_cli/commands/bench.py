@@ -102,6 +102,7 @@ deltamesh bench scans -r --check rates.csv --tolerance 0.5%
 @options.as_json
 @options.verbosity
 @options.debug
+@options.name_formats
 def command(
     sources: tuple[str, ...],
     recursive: bool,
@@ -124,9 +125,9 @@ def command(
 ) -> None:
     """Measure what becomes of mesh files: bytes, errors, seconds.
 
-    Each is encoded, decoded and compared, all in memory. A folder stands for the obj, ply, off, stl
-    and glb files in it. The options of encoding are those of deltamesh encode; method and rates may
-    be lists, or be repeated: all are tried with all. A file that fails is reported, and the rest is
+    Each is encoded, decoded and compared, all in memory. Files are {formats}; a folder stands for
+    those in it. The options of encoding are those of deltamesh encode; method and rates may be
+    lists, or be repeated: all are tried with all. A file that fails is reported, and the rest is
     measured.
 
     --save keeps the rows, and --check compares with them: bytes or errors that have grown by more

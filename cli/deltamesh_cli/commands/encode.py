@@ -198,6 +198,7 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 @options.as_json
 @options.verbosity
 @options.debug
+@options.name_formats
 def command(
     source: str,
     target: str | None,
@@ -212,7 +213,7 @@ def command(
 ) -> None:
     """Compress a mesh file into a .dmesh file.
 
-    IN is an obj, ply, off, stl or glb file.
+    IN is a mesh file: {formats}.
 
     Connectivity is kept exactly, whatever it is: polygons, edges of three faces, faces turned over,
     faces twice, degenerate faces, several vertices at one position. Without --keep-order, vertices

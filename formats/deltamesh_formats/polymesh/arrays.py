@@ -1,13 +1,13 @@
-"""Meshes from plain arrays and back: what a program has at hand, a name for each of them.
+"""Conversion of plain arrays to meshes, and of attributes of meshes to arrays by name.
 
-`from_arrays` makes a `PolyMesh` and says what is wrong with the arrays; `to_arrays` gives the
+`from_arrays` makes a `PolyMesh` and names what is wrong with the arrays; `to_arrays` returns the
 attributes of a domain by their names.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh, Role
+from deltamesh_formats.polymesh.names import distinct_names
 from deltamesh_formats.polymesh.validation import checked
 
 Named: TypeAlias = Mapping[str, ArrayLike]
@@ -172,19 +173,7 @@ def to_arrays(
     chosen = [a for a in mesh.attributes if a.domain == domain and keep(a)]
     arrays = (a.dense() for a in chosen)
     columns = (A[:, 0] if A.shape[1] == 1 else A for A in arrays)
-    return dict(zip(distinct(a.name for a in chosen), columns, strict=True))
-
-
-def distinct(names: Iterable[str]) -> list[str]:
-    """Return names of which none is there twice."""
-    found: dict[str, None] = {}
-    for name in names:
-        new, number = name, 1
-        while new in found:
-            number += 1
-            new = f"{name}_{number}"
-        found[new] = None
-    return list(found)
+    return dict(zip(distinct_names(a.name for a in chosen), columns, strict=True))
 
 
 def _numbers(values: ArrayLike, name: str, kinds: str) -> NDArray[Any]:

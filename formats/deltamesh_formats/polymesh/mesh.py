@@ -1,7 +1,7 @@
-"""The mesh as files have it: polygons, attributes, parts, and what a reader had to leave behind.
+"""Mesh as files have it: polygons, attributes, parts, and names of what a reader left out.
 
-Plain arrays in frozen dataclasses: what a reader of `deltamesh_formats.meshfiles` makes and a
-writer takes. Polygons are rows of a compressed table, corner after corner; an attribute has a row
+It is plain arrays in frozen dataclasses, which readers of `deltamesh_formats.meshfiles` return and
+writers take. Polygons are rows of a compressed table, corner after corner; an attribute has a row
 for each vertex, corner or face, or a table of rows and an index into it, so that the separate
 indices of OBJ (`f v/vt/vn`) survive. Positions are where the file puts them in space: the
 transforms of a scene are applied, and kept beside to be undone.
@@ -26,7 +26,7 @@ Precision: TypeAlias = Literal["float32", "float64"]
 
 @dataclass(frozen=True)
 class Attribute:
-    """Numbers that belong to the vertices, corners or faces.
+    """Attribute: numbers of the vertices, corners or faces.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Attribute:
 
 @dataclass(frozen=True)
 class Parts:
-    """One way in which the faces are divided and named.
+    """Division of the faces into parts with names.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class Parts:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class PolyMesh:
-    """What a mesh file holds.
+    """Mesh of polygons, with everything that a mesh file holds.
 
     Attributes
     ----------
@@ -112,11 +112,11 @@ class PolyMesh:
         "comments" (those above the first element), "obj_info", "mtllib", "header", "copyright",
         "texture_origin" ("top left" of a GLB; that of others is at the bottom left).
     lost : tuple of str
-        What the file has and this class has no place for, in words.
+        Descriptions of what the file has and this class has no place for.
     precision : {"float32", "float64"}
-        What the source holds positions in; text is float64.
+        Type of the positions in the source; that of text is float64.
     format : str
-        Of the file; "" for a mesh from elsewhere.
+        Name of the format of the file; "" for a mesh from elsewhere.
     """
 
     vertices: NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""The body of a PLY as a row of cells: its numbers when it is text, else its bytes."""
+"""Body of a PLY as a row of cells: numbers if it is text, else bytes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Binary:
-    """A body of bytes in one byte order, "<" or ">"; a cell is a byte."""
+    """Binary body in one byte order, "<" or ">"; a cell is a byte."""
 
     data: bytes
     order: str
@@ -29,7 +29,7 @@ class Binary:
         return np.frombuffer(self.data, dtype=np.uint8)
 
     def width(self, kind: str) -> int:
-        """Return how many cells a number takes."""
+        """Return the number of cells of a number of a type."""
         return int(kind[1])
 
     def whole(self, at: int, kind: str) -> int:
@@ -44,13 +44,13 @@ class Binary:
         return raw.astype(kind)
 
     def error(self, at: int, message: str) -> MeshError:
-        """Return a refusal of the record that begins at a cell."""
+        """Return an error about the record that begins at a cell."""
         return MeshError(f"{message} (at byte {at} of its body)")
 
 
 @dataclass(frozen=True)
 class Ascii:
-    """A body of text; a cell is a number. Integers of 64 bits are read from the text again."""
+    """Text body; a cell is a number. Integers of 64 bits are read from the text again."""
 
     lines: text.Lines
     unit: str = "numbers"
@@ -59,11 +59,11 @@ class Ascii:
     def cells(self) -> NDArray[np.float64]:
         """The numbers, float64."""
         tokens = np.arange(len(self.lines.token_starts))
-        found: NDArray[np.float64] = text.numbers(self.lines.buffer, self.lines, tokens)
+        found: NDArray[np.float64] = text.read_numbers(self.lines.buffer, self.lines, tokens)
         return found
 
     def width(self, kind: str) -> int:
-        """Return how many cells a number takes."""
+        """Return the number of cells of a number of a type."""
         return 1
 
     def whole(self, at: int, kind: str) -> int:
@@ -74,7 +74,7 @@ class Ascii:
         return int(value)
 
     def typed(self, block: NDArray[Any], at: Indices, kind: str) -> NDArray[Any]:
-        """Return cells as numbers of their type, and refuse what it cannot hold."""
+        """Return cells as numbers of a type; those that it cannot hold are refused."""
         if kind[0] == "f":
             with np.errstate(over="ignore"):
                 return block.astype(kind)
@@ -88,12 +88,12 @@ class Ascii:
             i, j = np.unravel_index(np.argmax(bad), bad.shape)
             token = int(at[i]) + int(j)
             name = f"{8 * limits.dtype.itemsize} bits, {'' if kind[0] == 'i' else 'un'}signed"
-            what = text.shown(self.lines.token(token))
+            what = text.quoted(self.lines.token(token))
             raise self.error(token, f"{what} is not a whole number of {name}")
         return block.astype(kind)
 
     def error(self, at: int, message: str) -> MeshError:
-        """Return a refusal of a cell, with its line."""
+        """Return an error about a cell, which names the line."""
         at = min(at, len(self.lines.token_starts) - 1)
         line = self.lines.number(int(self.lines.token_starts[at])) if at >= 0 else 1
         return MeshError(f"line {line}: {message}")

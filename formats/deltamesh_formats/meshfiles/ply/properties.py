@@ -1,4 +1,4 @@
-"""The words of PLY, for both directions (Turk, The PLY Polygon File Format, 1994)."""
+"""Types and properties of PLY by name (Turk, The PLY Polygon File Format, 1994)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 from deltamesh_formats.polymesh.mesh import Role
 
-# The names of 1994, those of later writers, and 64-bit integers, which are nobody's standard.
+# Names of 1994, those of later writers, and 64-bit integers, which no standard has.
 TYPES: Final[Mapping[str, str]] = {
     "char": "i1",
     "uchar": "u1",
@@ -38,7 +38,7 @@ INDICES: Final = ("vertex_indices", "vertex_index")
 
 
 class Group(NamedTuple):
-    """Properties that are one attribute."""
+    """Properties that make up one attribute."""
 
     name: str
     role: Role
@@ -61,21 +61,21 @@ GROUPS: Final = (
     Group("u v", "uv", ("u", "v")),
     Group("texture_u texture_v", "uv", ("texture_u", "texture_v")),
 )
-# The list of texture coordinates of a face, as VCG and its users have it.
+# List of the texture coordinates of a face, as VCG and its users name it.
 WEDGE_UV: Final = "texcoord"
 
 _ROLES: Final = re.compile(r"(normal|uv|colour)\d*")
 
 
 def role_of(name: str) -> Role:
-    """Return the role that a name of ours tells."""
+    """Return the role of an attribute by its name."""
     found = _ROLES.fullmatch(name)
     roles: dict[str, Role] = {"normal": "normal", "uv": "uv", "colour": "colour"}
     return roles[found[1]] if found else "other"
 
 
 def properties_of(name: str, width: int) -> tuple[str, ...]:
-    """Return the names of the properties that an attribute becomes."""
+    """Return the names of the properties of an attribute."""
     for group in GROUPS:
         if group.name == name and len(group.properties) == width:
             return group.properties

@@ -1,4 +1,4 @@
-"""Which output each file has."""
+"""Names of outputs, and tasks of an input and an output each."""
 
 from __future__ import annotations
 

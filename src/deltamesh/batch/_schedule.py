@@ -1,4 +1,4 @@
-"""Who starts when, and what goes together: pure functions of sizes."""
+"""Scheduling of tasks, pure functions of sizes: starting, grouping, sharing, memory."""
 
 from __future__ import annotations
 
@@ -6,42 +6,37 @@ import math
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from typing import Final, TypeVar
+from typing import TypeVar
 
-from deltamesh._limits import PER_FACE
-from deltamesh._methods import METHODS
-from deltamesh.batch.plan import Task
+from deltamesh._limits import memory_for_counts
+from deltamesh.batch._plan import Task
 from deltamesh_formats.errors import OptionError
+from deltamesh_formats.meshfiles.formats import FORMATS, format_of_extension
 
 _Item = TypeVar("_Item")
 
-# The least bytes of a file that a vertex and its two triangles take: 32-bit numbers in PLY, STL
-# and GLB (with 16-bit indices), short decimal numbers in OBJ and OFF.
-_PER_VERTEX: Final = {"ply": 38, "stl": 100, "glb": 24, "obj": 50, "off": 50}
-
-
-def memory_for_counts(vertices: int, faces: int) -> int:
-    """Estimate the memory that encoding or decoding takes, in bytes, by the dearest method."""
-    per_vertex = max(method.memory_per_vertex for method in METHODS.values())
-    return (
-        max(method.memory for method in METHODS.values())
-        + per_vertex * vertices
-        + (PER_FACE * faces)
-    )
-
 
 def memory_for_mesh_file(size: int, file_format: str) -> int:
-    """Estimate the memory that encoding a mesh file takes, in bytes, from its size in bytes.
+    """Estimate the memory that encoding a mesh file takes, in bytes.
 
-    Rather too much than too little: normals, colours and long decimal numbers make a file larger
-    than its mesh.
+    The estimate is too high rather than too low: normals, colours and long decimal numbers make a
+    file larger than its mesh.
+
+    Parameters
+    ----------
+    size : int
+        Of the file, in bytes.
+    file_format : str
+        Name or extension of its format; for an unknown one the most memory is assumed.
     """
-    vertices = size // _PER_VERTEX.get(file_format, min(_PER_VERTEX.values()))
+    known = format_of_extension(file_format)
+    formats = FORMATS.values() if known is None else [known]
+    vertices = size // min(one.bytes_per_vertex for one in formats)
     return memory_for_counts(vertices, 2 * vertices)
 
 
 def physical_memory() -> int | None:
-    """Return the memory of this machine or container in bytes; None where it is not told."""
+    """Return the memory of this machine or container in bytes; None if unknown."""
     known = []
     with suppress(AttributeError, ValueError, OSError):
         known.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
@@ -51,7 +46,7 @@ def physical_memory() -> int | None:
     return min(known, default=None)
 
 
-def cores() -> int:
+def available_cores() -> int:
     """Return how many cores this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))

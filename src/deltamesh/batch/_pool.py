@@ -1,4 +1,4 @@
-"""Tasks in worker processes of this machine, which may be killed.
+"""Work on tasks in processes of this machine, each of which may be killed.
 
 The pools of concurrent.futures and loky break when one worker dies, so does that of Pebble when
 the worker was idle, and only Pebble's can kill a task. Here each worker has a pipe of its own and
@@ -22,9 +22,9 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Final
 
-from deltamesh.batch.plan import Task
-from deltamesh.batch.schedule import startable
-from deltamesh.batch.serial import Begin, Outcome, Work, WorkerError, attempted, nobody
+from deltamesh.batch._plan import Task
+from deltamesh.batch._schedule import startable
+from deltamesh.batch._serial import Begin, Outcome, Work, WorkerError, attempted, ignore
 
 # A worker is one of many: none may start threads of its own for every core.
 ONE_THREAD: Final = {
@@ -48,7 +48,7 @@ def run_in_processes(
     memory: float = math.inf,
     timeout: float = math.inf,
     prepare: Callable[[], None] | None = None,
-    begin: Begin = nobody,
+    begin: Begin = ignore,
 ) -> Generator[Outcome]:
     """Work on tasks in `jobs` processes, each with one thread for linear algebra.
 

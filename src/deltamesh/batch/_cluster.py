@@ -1,4 +1,4 @@
-"""Tasks on a cluster that Dask distributed runs: paths travel, meshes do not.
+"""Work on tasks on a cluster of Dask distributed; paths travel, and meshes do not.
 
 M. Rocklin, "Dask: Parallel Computation with Blocked algorithms and Task Scheduling", SciPy 2015.
 The scheduler gives the task of a worker that has died to another one, and gives it up when as many
@@ -17,10 +17,10 @@ from dataclasses import replace
 from typing import Any, Final
 
 from deltamesh._version import __version__
-from deltamesh.batch.manifest import Record
-from deltamesh.batch.plan import Task
-from deltamesh.batch.schedule import groups
-from deltamesh.batch.serial import Begin, Outcome, Work, WorkerError, attempted, nobody
+from deltamesh.batch._manifest import Record
+from deltamesh.batch._plan import Task
+from deltamesh.batch._schedule import groups
+from deltamesh.batch._serial import Begin, Outcome, Work, WorkerError, attempted, ignore
 
 # A message of the scheduler takes milliseconds, and a small file takes not many more.
 GROUP_BYTES: Final = 1 << 20
@@ -111,7 +111,7 @@ def run_on_dask(
     *,
     size: int = GROUP_BYTES,
     count: int = GROUP_FILES,
-    begin: Begin = nobody,
+    begin: Begin = ignore,
 ) -> Generator[Outcome]:
     """Work on tasks on the workers of a cluster, which see the same files by absolute names.
 

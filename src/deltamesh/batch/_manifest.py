@@ -1,8 +1,8 @@
-"""The record of a run on disk: JSON Lines, only ever appended to.
+"""Manifest of a run on disk, as JSON Lines that are only appended to.
 
 A line is written and synchronized before the next step is taken: "begun" before a file is worked
 on, "done", "failed" or "skipped" when it has its output. What was running when a process was
-killed is known therefore: it has begun and not ended, and its output, if there is one, is ours.
+killed is known therefore: it has begun and not ended, and the run has written its output, if any.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ class ManifestError(DeltameshError):
     """A file that is no manifest, or one that another run is writing."""
 
 
-def key(record: Record) -> tuple[str, str]:
+def record_key(record: Record) -> tuple[str, str]:
     """Return what a record is about: source and target."""
     return record["source"], record["target"]
 
 
-def begun(source: str, target: str) -> Record:
+def begun_record(source: str, target: str) -> Record:
     """Return the record of a file that is about to be worked on."""
     return {"status": BEGUN, "source": source, "target": target}
 
@@ -104,7 +104,10 @@ def open_manifest(
         _lock(descriptor)
         if not resume:
             os.ftruncate(descriptor, 0)
-        yield {key(record): record for record in _whole_records(descriptor)}, _appender(descriptor)
+        yield (
+            {record_key(record): record for record in _whole_records(descriptor)},
+            _appender(descriptor),
+        )
     finally:
         os.close(descriptor)
 
@@ -154,7 +157,7 @@ def digest_of(path: str) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def state_of(path: str, prefix: str) -> Record:
+def file_state(path: str, prefix: str) -> Record:
     """Return size, time of the last change and SHA-256 of a file, as a part of a record."""
     stat = os.stat(path)
     return {
@@ -193,7 +196,7 @@ def still_done(record: Record, options: Record, version: str) -> bool:
     )
 
 
-def is_ours(record: Record) -> bool:
+def wrote_target(record: Record) -> bool:
     """Tell whether what has the name of the target was written by the run of the record."""
     if record["status"] == DONE:
         return unchanged(record, record["target"], "target")

@@ -1,7 +1,7 @@
-"""The vertices of a GLB: a vertex there has one row of each attribute, and belongs to one mesh.
+"""Vertices of a GLB, each with one row of each attribute, in groups that primitives share.
 
-So a vertex is repeated where its corners differ in an attribute, or belong to different objects.
-Vertices that have the same attributes, of one object, are a group: what its primitives share.
+A vertex is repeated where its corners differ in an attribute, or belong to different objects.
+Vertices of one object that have the same attributes are a group.
 """
 
 from __future__ import annotations
@@ -12,29 +12,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
+from deltamesh_formats.polymesh.permutations import rank_of
 
 Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
 class Groups:
-    """The mesh over vertices of its own.
+    """Mesh over the vertices of a GLB.
 
     Attributes
     ----------
     vertex : int64 (v,)
-        The vertex of the mesh that each is, group after group, otherwise in the mesh's order.
+        Vertex of the mesh that each repeats, group after group, and in its order within one.
     rows : list of int64 (v,)
-        The row of each attribute, -1 for none.
+        Row of each attribute, -1 for none.
     starts : int64 (g + 1,)
-        Where the vertices of each group begin.
+        First vertex of each group, and the end of the last.
     objects : int64 (g,)
-        The object of each group, -1 for none.
+        Object of each group, -1 for none.
     faces : int64 (t, 3)
         Triangles over these vertices.
     polygon : int64 (t,)
+        Polygon of the mesh that each is a part of.
     lost : tuple of str
-        Words for attributes that some elements have and their group has not.
+        Descriptions of attributes that some elements have and their group has not.
     """
 
     vertex: Indices
@@ -109,16 +111,16 @@ def _beside(
     isolated: Indices,
     own: list[NDArray[np.bool_]],
 ) -> tuple[Indices, bool]:
-    """Return a corner for each vertex without faces, to go with, and whether some do not fit.
+    """Return a corner for each isolated vertex, whose group it joins, and whether some do not fit.
 
-    It is one of the last vertex before that has a face, and the same attributes.
+    It is a corner at the last vertex before that has a face and the same attributes.
 
     Parameters
     ----------
     corners : int64 (c,)
-        The vertex of each corner of a triangle.
+        Vertex of each corner of a triangle.
     common, own : list of bool (c,), list of bool (isolated,)
-        Which attributes the corners have, and the vertices.
+        For each attribute, whether the corners and the isolated vertices have it.
     isolated : int64
     """
     pattern = np.zeros(len(corners) + len(isolated), dtype=np.int64)
@@ -145,13 +147,11 @@ def _in_order(group: Indices, object_of: Indices, vertex: Indices) -> Indices:
     first, objects = (np.full(int(group.max()) + 1, len(vertex)) for _ in range(2))
     np.minimum.at(first, group, vertex)
     objects[group] = object_of
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.lexsort([first, objects])] = np.arange(len(first))
-    return rank[group]
+    return rank_of(np.lexsort([first, objects]))[group]
 
 
 def _numbered(major: Indices, minor: NDArray[np.int64] | NDArray[np.bool_]) -> Indices:
-    """Return the number of each pair among the different pairs in their order."""
+    """Return the rank of each pair among the distinct pairs."""
     least = int(minor.min(initial=0))
     spread = int(minor.max(initial=0)) - least + 1
     low = int(major.min(initial=0))

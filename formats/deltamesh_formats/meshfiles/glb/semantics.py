@@ -1,4 +1,4 @@
-"""What attributes are called in glTF, for both directions (glTF 2.0, section 3.7.2.1)."""
+"""Names of attributes in glTF, its semantics (glTF 2.0, section 3.7.2.1)."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ _SETS: Final[dict[str, tuple[str, Role]]] = {
     "COLOR": ("colour", "colour"),
 }
 _SET: Final = re.compile(r"(TEXCOORD|COLOR)_(\d+)")
-_OURS: Final = re.compile(r"(uv|colour)(\d*)")
+_NAME: Final = re.compile(r"(uv|colour)(\d*)")
 _PLAIN: Final = {"NORMAL": "normal", "TANGENT": "tangent"}
 _SKIN: Final = re.compile(r"(JOINTS|WEIGHTS)_\d+")
-# The widths that a role has to have.
+# Widths of the attributes of each role.
 _WIDTHS: Final[dict[Role, tuple[int, ...]]] = {"uv": (2,), "colour": (3, 4), "normal": (3,)}
 
 
 def name_of(semantic: str) -> tuple[str, Role]:
-    """Return our name and role of an attribute of glTF."""
+    """Return name and role of an attribute by its semantic."""
     found = _SET.fullmatch(semantic)
     if found:
         name, role = _SETS[found[1]]
@@ -32,10 +32,10 @@ def name_of(semantic: str) -> tuple[str, Role]:
 
 
 def semantic_of(attribute: Attribute) -> str:
-    """Return glTF's name of one of our attributes; its own ones begin with "_"."""
+    """Return the semantic of an attribute; where glTF has none, it is "_" and the name."""
     name, real = attribute.name, attribute.values.dtype.kind == "f"
     if attribute.role != "other" and attribute.width in _WIDTHS[attribute.role]:
-        found = _OURS.fullmatch(name)
+        found = _NAME.fullmatch(name)
         if found and (real or attribute.normalized):
             key = "TEXCOORD" if found[1] == "uv" else "COLOR"
             return f"{key}_{int(found[2] or 0)}"

@@ -1,4 +1,4 @@
-"""What the conversions share: arrays by name, names of parts, options, warnings."""
+"""Shared parts of the conversions: arrays by name, names of parts, options, warnings."""
 
 from __future__ import annotations
 
@@ -10,22 +10,23 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh.arrays import attribute_of, distinct
+from deltamesh_formats.polymesh.arrays import attribute_of
 from deltamesh_formats.polymesh.kinds import Kind
 from deltamesh_formats.polymesh.mesh import Attribute, Domain, Parts, PolyMesh
+from deltamesh_formats.polymesh.names import distinct_names
 
 KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
 
 Arrays = list[tuple[str, NDArray[Any]]]
 
 
-def named(arrays: Arrays) -> dict[str, NDArray[Any]]:
+def by_name(arrays: Arrays) -> dict[str, NDArray[Any]]:
     """Return arrays by name; (rows, 1) becomes (rows,), and a name that is taken gets a number."""
     columns = (A[:, 0] if A.ndim == 2 and A.shape[1] == 1 else A for _, A in arrays)
-    return dict(zip(distinct(name for name, _ in arrays), columns, strict=True))
+    return dict(zip(distinct_names(name for name, _ in arrays), columns, strict=True))
 
 
-def dense(mesh: PolyMesh, domain: Domain, without: Iterable[Attribute] = ()) -> Arrays:
+def dense_arrays(mesh: PolyMesh, domain: Domain, without: Iterable[Attribute] = ()) -> Arrays:
     """Return names and rows, (count, width), of the attributes of a domain, but for some."""
     left = [a for a in mesh.attributes if a.domain == domain]
     return [(a.name, a.dense()) for a in left if not any(a is one for one in without)]
@@ -73,13 +74,13 @@ def names_key(kind: Kind) -> str:
     return f"{kind}_names"
 
 
-def in_order(options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return options of `encode` of which `keep_order` holds unless it is given."""
+def keeping_order(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return options of `encode`, with `keep_order` unless it is given."""
     return {"keep_order": True, **options}
 
 
-def tell(lost: Iterable[str], where: str) -> None:
-    """Warn of what is not kept, naming it."""
+def warn_of_losses(lost: Iterable[str], where: str) -> None:
+    """Warn of losses, unless there are none, and name them."""
     words = ", ".join(dict.fromkeys(lost))
     if words:
         warnings.warn(f"not kept in {where}: {words}", stacklevel=3)

@@ -1,12 +1,12 @@
-"""Tasks one after the other, and what all ways to do them share."""
+"""Work on tasks one after the other, and the parts that all engines share."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable
 from typing import TypeAlias
 
-from deltamesh.batch.manifest import Record
-from deltamesh.batch.plan import Task
+from deltamesh.batch._manifest import Record
+from deltamesh.batch._plan import Task
 from deltamesh_formats.errors import DeltameshError
 
 Work: TypeAlias = Callable[[Task], Record]
@@ -18,8 +18,8 @@ class WorkerError(DeltameshError):
     """A worker could not do its work: it was killed, it crashed, or it raised."""
 
 
-def nobody(tasks: list[Task]) -> None:
-    """Tell nobody that tasks begin."""
+def ignore(tasks: list[Task]) -> None:
+    """Do nothing when tasks begin."""
 
 
 def attempted(work: Work, task: Task) -> Record | Exception:
@@ -30,7 +30,7 @@ def attempted(work: Work, task: Task) -> Record | Exception:
         return WorkerError(f"{type(error).__name__}: {error}")
 
 
-def run_here(tasks: Iterable[Task], work: Work, *, begin: Begin = nobody) -> Generator[Outcome]:
+def run_here(tasks: Iterable[Task], work: Work, *, begin: Begin = ignore) -> Generator[Outcome]:
     """Work on one task after the other, in this process.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Several meshes as one, one after the other."""
+"""Concatenation of several meshes into one."""
 
 from __future__ import annotations
 
@@ -13,11 +13,16 @@ from deltamesh_formats.polymesh.kinds import Kind
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 
 
-def joined(meshes: Sequence[PolyMesh]) -> PolyMesh:
-    """Return the vertices, polygons, attributes and parts of meshes, at least one, as one mesh.
+def concatenate(meshes: Sequence[PolyMesh]) -> PolyMesh:
+    """Return one mesh of the vertices, polygons, attributes and parts of several.
 
-    Attributes of one domain, name, role, type and width become one; elements of a mesh that has
-    none of that name have no row. Parts of one kind are counted on. Metadata are the first's.
+    Attributes of one domain, name, role, type and width become one; elements of a mesh without it
+    have no row. Parts of one kind follow each other. Metadata are those of the first mesh.
+
+    Parameters
+    ----------
+    meshes : sequence of PolyMesh
+        At least one.
     """
     points = _starts([len(mesh.vertices) for mesh in meshes])
     corners = _starts([len(mesh.corners) for mesh in meshes])
@@ -47,7 +52,7 @@ def joined(meshes: Sequence[PolyMesh]) -> PolyMesh:
 
 
 def _starts(counts: Sequence[int]) -> NDArray[np.int64]:
-    """Return where each begins, and the end of all."""
+    """Return the first element of each mesh, and the end of the last."""
     return np.cumsum([0, *counts], dtype=np.int64)
 
 

@@ -1,4 +1,4 @@
-"""Which files: names, folders and patterns in, a sorted list of files out."""
+"""Search for files: names, folders and patterns in, a sorted list of files out."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MAGIC = frozenset("*?[")
 
 @dataclass(frozen=True)
 class Selection:
-    """What is taken.
+    """Rules by which files are taken.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ def find(
     patterns : bool
         Whether `*`, `?` and `[` mean anything in names of files that are not there.
     failed : callable, optional
-        Told of each folder that cannot be listed. Without it the error is raised.
+        Called with the error of each folder that cannot be listed; without it, the error is raised.
 
     Returns
     -------

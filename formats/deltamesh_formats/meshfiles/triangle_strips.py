@@ -1,4 +1,4 @@
-"""Triangle strips."""
+"""Triangles of triangle strips."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def from_strips(indices: NDArray[np.int64]) -> NDArray[np.int64]:
+def triangles_of_strips(indices: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the triangles of strips, int64 (t, 3).
 
-    Every second triangle of a strip is turned round, so that all face the same side. Triangles
-    that have a vertex twice only join two strips, and are left out.
+    The winding of every second triangle of a strip is reversed, so that all face the same side.
+    Triangles that have a vertex twice only join two strips, and are left out.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The statements of OBJ, for both directions (Wavefront, Object Files, version 3.0)."""
+"""Statements of OBJ that the reader and the writer know (Wavefront, Object Files, version 3.0)."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from typing import Final
 
 from deltamesh_formats.polymesh.kinds import Kind
 
-# What names the faces below it.
+# Statements that name the faces below them.
 PARTS: Final[Mapping[Kind, bytes]] = {
     "object": b"o",
     "group": b"g",
     "material": b"usemtl",
     "smoothing": b"s",
 }
-# What turns smoothing off.
+# Names of "s" that turn smoothing off.
 OFF: Final = ("off", "0")
 KEPT: Final = frozenset([b"v", b"vt", b"vn", b"f", b"fo", b"mtllib", *PARTS.values()])
-# What is not kept, and what to call it.
+# Statements that are not kept, by what they are called among the losses.
 OTHERS: Final[Mapping[str, tuple[bytes, ...]]] = {
     "points": (b"p",),
     "lines": (b"l",),

@@ -1,4 +1,4 @@
-"""The records of a PLY element as columns.
+"""Reader of the records of a PLY element, as columns.
 
 Text and bytes are read by the same code: a body is a row of cells, which are its numbers or its
 bytes. Records without lists, or whose lists have the same lengths in all records, are one matrix
@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles.ply.bodies import Ascii, Binary, Indices
+from deltamesh_formats.meshfiles.ply.body import Ascii, Binary, Indices
 from deltamesh_formats.meshfiles.ply.header import Element, Property
 
 
 class Column(NamedTuple):
-    """The values of a property, in the order of the records.
+    """Values of a property, in the order of the records.
 
     Attributes
     ----------
@@ -38,14 +38,14 @@ def read_rows(body: Binary | Ascii, at: int, element: Element) -> tuple[dict[str
     ----------
     body : Binary or Ascii
     at : int
-        The cell where they begin.
+        First cell of the records.
     element : Element
 
     Returns
     -------
     columns : dict of str to Column
     end : int
-        The cell after them.
+        First cell after them.
 
     Raises
     ------
@@ -93,7 +93,13 @@ def _cells(body: Binary | Ascii, prop: Property, count: int) -> int:
 
 
 def _counts_of(body: Binary | Ascii, at: int, properties: list[Property]) -> list[int]:
-    """Return the lengths of the lists of a record, 0 for what is no list; IndexError at the end."""
+    """Return the lengths of the lists of a record, 0 for other properties.
+
+    Raises
+    ------
+    IndexError
+        At the end of the body.
+    """
     counts = []
     for prop in properties:
         count = 0
@@ -113,7 +119,7 @@ def _counts_of(body: Binary | Ascii, at: int, properties: list[Property]) -> lis
 def _are_alike(
     body: Binary | Ascii, starts: Indices, properties: list[Property], counts: list[int], width: int
 ) -> bool:
-    """Tell whether the lists of all records have the lengths of the first one's."""
+    """Tell whether the lists of all records are as long as those of the first."""
     offset, first = 0, int(starts[0])
     matrix = body.cells[first : first + len(starts) * width].reshape(len(starts), width)
     for prop, count in zip(properties, counts, strict=True):
@@ -128,7 +134,7 @@ def _are_alike(
 def _walk(
     body: Binary | Ascii, at: int, n: int, properties: list[Property]
 ) -> tuple[Indices, Indices, int]:
-    """Return where each record begins, the lengths of its lists, and where the last one ends."""
+    """Return the first cell and the lengths of lists of each record, and the end of the last."""
     starts, lengths = [], []
     for _ in range(n):
         counts = _counts_of(body, at, properties)
