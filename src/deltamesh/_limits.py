@@ -6,7 +6,13 @@ from dataclasses import dataclass
 
 from deltamesh._methods import METHODS
 from deltamesh_formats.container.container import Container, Section
-from deltamesh_formats.container.layout import ATTRIBUTES, POLYGONS
+from deltamesh_formats.container.layout import (
+    ATTRIBUTES,
+    CONNECTIVITY,
+    COPIES,
+    POLYGONS,
+    STITCHES,
+)
 from deltamesh_formats.container.texts import text_size, texts_of
 from deltamesh_formats.errors import FormatError, LimitError
 
@@ -105,16 +111,18 @@ def check_limits(container: Container, counts: Counts, max_vertices: int, memory
     n, m = container.vertices, container.triangles
     if n > max_vertices:
         raise LimitError(f"{n} vertices are more than the limit of {max_vertices}")
-    section, used = container.sections["CONN"], counts.points - counts.isolated
+    section, used = container.sections[CONNECTIVITY], counts.points - counts.isolated
     if m == 0:
-        raise FormatError("a file without faces", section.offset)
-    if counts.faces > _most(section) or not used <= counts.vertices <= 3 * counts.faces:
-        raise FormatError(f"{n} vertices and {m} faces do not fit into this file", section.offset)
+        raise FormatError("a mesh of 0 triangles", section.offset)
+    if not used <= counts.vertices <= 3 * counts.faces:
+        manifold = f"{counts.vertices} vertices and {counts.faces} faces of the manifold"
+        raise FormatError(f"{manifold} for {used} points", section.offset)
+    _check_held(container, CONNECTIVITY, counts.faces, "faces of the manifold")
     method = METHODS[container.parameters.method].layout
     bits = 3 if method.exact else 1  # a coordinate has one or more
     _check_held(container, method.geometry[0], counts.isolated, "isolated vertices", bits)
-    _check_held(container, "STCH", m - counts.faces, "faces beside the manifold")
-    _check_held(container, "COPY", n - counts.points, "copies of vertices")
+    _check_held(container, STITCHES, m - counts.faces, "faces beyond the manifold")
+    _check_held(container, COPIES, n - counts.points, "vertices beyond the points")
     _check_memory(_memory_of_counts(container), memory)
     _check_memory(memory_needed(container), memory)
 
@@ -126,8 +134,9 @@ def _check_memory(needed: int, memory: int) -> None:
 
 def _check_held(container: Container, name: str, count: int, what: str, bits: int = 1) -> None:
     if count and bits * count > _most(container.sections[name]):
-        offset = container.sections[name].offset
-        raise FormatError(f"{count} {what} do not fit into this file", offset)
+        section = container.sections[name]
+        message = f"{name}: {count} {what} do not fit into {len(section.payload)} bytes"
+        raise FormatError(message, section.offset)
 
 
 def _most(section: Section) -> int:
