@@ -17,7 +17,7 @@ from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Meta, Parameters
 from deltamesh_formats.container.reader import read_container, read_varint
 from deltamesh_formats.container.writer import write_container, write_varint
-from deltamesh_formats.errors import FormatError, MeshError
+from deltamesh_formats.errors import FormatError, MeshError, located
 
 HIGHPASS = Parameters(
     "highpass", True, "farthest", 8, 0.001, (-1.0, 0.5, 2.0), 0.25, 2**64 - 1, 200, 3
@@ -87,6 +87,19 @@ def test_payloads_are_views_of_any_buffer():
     container = read_container(memoryview(bytearray(data)))
     assert isinstance(container.sections["DELT"].payload, memoryview)
     assert container == read_container(data)
+
+
+def test_offsets_count_from_where_the_bytes_are():
+    for inner, outer in ((None, 40), (0, 40), (7, 47)):
+        with pytest.raises(FormatError) as caught, located(40, "ATTR: "):
+            raise FormatError("empty palette", inner)
+        assert (caught.value.reason, caught.value.offset) == ("ATTR: empty palette", outer)
+        assert str(caught.value) == f"ATTR: empty palette (at byte {outer})"
+    with pytest.raises(FormatError) as caught, located(100), located(20, "a: "), located(3):
+        raise FormatError("fault", 1)
+    assert (caught.value.reason, caught.value.offset) == ("a: fault", 124)
+    with pytest.raises(MeshError, match="^no faces$"), located(40):
+        raise MeshError("no faces")
 
 
 PINNED = bytes.fromhex(
