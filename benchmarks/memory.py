@@ -74,7 +74,7 @@ def measured(name: str, folder: Path, method: str, solver: str, base: int) -> tu
     file.write_bytes(data)
     container = read_container(data)
     peak, estimate = _peak(file, solver), memory_needed(container)
-    n, m = container.vertices, container.faces
+    n, m = container.vertices, container.triangles
     return (
         name,
         method,

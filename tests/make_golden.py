@@ -350,7 +350,7 @@ def long_varint(data):
     start = next(iter(container.sections.values())).offset
     vertices = bytearray(write_varint(container.vertices))
     vertices[-1] |= 0x80
-    raw = data[:12] + bytes(vertices) + b"\0" + write_varint(container.faces)
+    raw = data[:12] + bytes(vertices) + b"\0" + write_varint(container.triangles)
     return raw + zlib.crc32(raw).to_bytes(4, "little") + data[start:]
 
 
@@ -409,13 +409,13 @@ def refused():
         "version-3": forging.with_header(h, version=3),
         "reserved-bit": forging.with_header(h, reserved=0x8000),
         "long-varint": long_varint(h),
-        "terabytes": forging.forged(h, vertices=2**38, faces=2**39),
-        "too-many-faces": forging.forged(h, faces=2**30),
+        "terabytes": forging.forged(h, vertices=2**38, triangles=2**39),
+        "too-many-faces": forging.forged(h, triangles=2**30),
         "too-many-isolated": forging.forged(c, vertices=2**25, parameters={"isolated": 2**25 - n}),
         "too-many-anchors": forging.forged(h, parameters={"anchor_count": n - 1}),
         "one-vertex-less": forging.forged(h, vertices=n - 1),
-        "one-face-more": forging.forged(h, faces=m + 1),
-        "no-faces": forging.forged(h, faces=0),
+        "one-face-more": forging.forged(h, triangles=m + 1),
+        "no-faces": forging.forged(h, triangles=0),
     }
     frames = {
         "conn-missing": with_section(h, "CONN", b""),

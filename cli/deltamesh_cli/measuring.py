@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from deltamesh.batch import Selection, find
+from deltamesh.bench import PEER_NAMES
 from deltamesh_cli import files
 from deltamesh_cli.failures import DONE, MISSED, attempt
 from deltamesh_cli.meshes import parsed
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from deltamesh._mesh import TriangleMesh
     from deltamesh.bench import Change, Codec, Measurement, Row
 
-PEERS: Final = ("draco", "meshopt", "zstd")
 PEER_BITS: Final = (10, 11, 12)
 
 # What a table shows: heading and column of a row.
@@ -110,7 +110,7 @@ def measured(name: str, path: str, mesh: TriangleMesh, codec: Codec, stage: Stag
 def _warm_up(method: str) -> None:
     from deltamesh import bench
 
-    if method not in PEERS:
+    if method not in PEER_NAMES:
         bench.warm_up(bench.codec_of(method))
 
 
@@ -123,7 +123,7 @@ def peer_labels(names: Iterable[str], bits: Sequence[int]) -> list[str]:
 
 def any_peer(labels: Iterable[str]) -> bool:
     """Tell whether one of these is another codec than ours."""
-    return any(label.partition(" ")[0] in PEERS for label in labels)
+    return any(label.partition(" ")[0] in PEER_NAMES for label in labels)
 
 
 def skipped(labels: Iterable[str]) -> set[str]:

@@ -18,7 +18,7 @@ from deltamesh_formats.container.layout import MAGIC
 from deltamesh_formats.meshfiles.formats import format_of_beginning, format_of_extension
 
 if TYPE_CHECKING:
-    from deltamesh_formats.container.layout import Container
+    from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
 
@@ -96,19 +96,19 @@ def container_of(name: str, data: bytes, what: str) -> Container:
         return read_container(data)
 
 
-def decoded(name: str, data: bytes, stage: Stage, **parameters: Any) -> PolyMesh:
+def decoded(name: str, container: Container, stage: Stage, **parameters: Any) -> PolyMesh:
     """Return the mesh of a `.dmesh` file; `parameters` are the keywords of `deltamesh.decode`.
 
     Raises
     ------
     Failure
-        The bytes are not a valid file, or need more than the limits.
+        It cannot be decoded, or needs more than the limits.
     """
     with attempt(name, "cannot decode"):
         import deltamesh
 
         given = options.given(parameters)
-        return interruptible(lambda: deltamesh.decode(data, progress=stage, **given))
+        return interruptible(lambda: deltamesh.decode(container, progress=stage, **given))
 
 
 def load_any(name: str, file_format: str | None, stage: Stage, **parameters: Any) -> Loaded:
@@ -125,7 +125,7 @@ def load_any(name: str, file_format: str | None, stage: Stage, **parameters: Any
     data = files.read_input(name)
     if data[: len(MAGIC)] == MAGIC:
         container = container_of(name, data, "cannot decode")
-        return Loaded(decoded(name, data, stage, **parameters), len(data), container)
+        return Loaded(decoded(name, container, stage, **parameters), len(data), container)
     found = parsed(name, data, file_format, stage)
     with attempt(name, "cannot read"):
         return Loaded(checked(found, LARGEST), len(data), None)

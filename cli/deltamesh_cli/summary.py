@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from deltamesh_cli.output import shown
-from deltamesh_formats.container.layout import ORDER, Container, Meta, Parameters
+from deltamesh_formats.container.container import Container, Meta, Parameters
+from deltamesh_formats.container.layout import ORDER
 from deltamesh_formats.container.summary import (
     achieved,
     attributes_of,
@@ -40,7 +41,7 @@ def as_object(name: str, container: Container) -> dict[str, object]:
         "version": container.version,
         "bytes": container.size,
         "vertices": n,
-        "faces": container.faces,
+        "faces": container.triangles,
         "polygons": polygons(container),
         "bits_per_vertex": bits_per_vertex(container.size, n),
         "parameters": _parameters(parameters),

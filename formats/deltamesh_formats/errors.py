@@ -7,6 +7,9 @@ solver.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class DeltameshError(Exception):
     """Base of everything that deltamesh raises on purpose."""
@@ -31,6 +34,29 @@ class FormatError(DeltameshError, ValueError):
         super().__init__(message if offset is None else f"{message} (at byte {offset})")
         self.reason = message
         self.offset = offset
+
+
+@contextmanager
+def located(start: int, prefix: str = "") -> Iterator[None]:
+    """Context in which offsets of a `FormatError` count from byte `start` of what is outside it.
+
+    Parameters
+    ----------
+    start : int
+        Where the bytes that are read inside begin, in those that are read outside.
+    prefix : str
+        Put before the message.
+
+    Raises
+    ------
+    FormatError
+        The one that was raised inside, with the offset that it has outside.
+    """
+    try:
+        yield
+    except FormatError as error:
+        offset = start + (error.offset or 0)
+        raise FormatError(prefix + error.reason, offset) from None
 
 
 class LimitError(DeltameshError):

@@ -19,6 +19,8 @@ from deltamesh._options import (
 )
 from deltamesh._pipeline import Progress, decode_mesh, encode_mesh, silent
 from deltamesh._sources import Bytes, bytes_of
+from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.arrays import unchecked
 from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -201,7 +203,7 @@ def _checked(mesh: PolyMesh | ArrayLike, faces: Faces | None) -> PolyMesh:
 
 
 def decode(
-    data: Bytes,
+    data: Bytes | Container,
     *,
     solver: str = "auto",
     threads: int | None = None,
@@ -213,7 +215,7 @@ def decode(
 
     Parameters
     ----------
-    data : bytes-like
+    data : bytes-like, or what `deltamesh.info` returned
         The whole file; a bytearray, mmap or array of bytes is not copied.
     solver : {"auto", "rslab", "pardiso", "scipy"}
     threads : int, optional
@@ -246,7 +248,7 @@ def decode(
     D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
     """
     return decode_mesh(
-        bytes_of(data),
+        data if isinstance(data, Container) else read_container(bytes_of(data)),
         solver=solver,
         threads=threads,
         max_vertices=max_vertices,

@@ -12,16 +12,17 @@ from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh._options import EncodeOptions
 from deltamesh._sources import Source, read_file, read_source
 from deltamesh_formats.atomic import PathOrFile, write_file
-from deltamesh_formats.container.layout import Container
+from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import OptionError
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
 
 def info(source: Source) -> Container:
-    """Return what a file says of itself: counts, sections, parameters, achieved errors.
+    """Return the container of a file: counts, sections, parameters, achieved errors.
 
-    Every checksum of the bytes is verified; nothing is decoded.
+    Every checksum of the bytes is verified; nothing is decoded. `decode` takes what is returned,
+    and does not read the file again.
 
     Parameters
     ----------
@@ -35,7 +36,7 @@ def info(source: Source) -> Container:
 
 
 def verify(
-    source: Source,
+    source: Source | Container,
     *,
     solver: str = "auto",
     threads: int | None = None,
@@ -43,11 +44,11 @@ def verify(
     memory: int = DEFAULT_MEMORY,
     progress: Callable[[str], None] | None = None,
 ) -> Container:
-    """Decode a file and return what it says of itself; damage of any kind raises.
+    """Decode a file and return its container; damage of any kind raises.
 
     Parameters
     ----------
-    source : path, binary file object or bytes-like
+    source : path, binary file object, bytes-like, or what `info` returned
     solver, threads, max_vertices, memory, progress
         As in `deltamesh.decode`.
 
@@ -57,16 +58,16 @@ def verify(
     """
     from deltamesh._codec import decode
 
-    data = read_source(source)
+    container = source if isinstance(source, Container) else info(source)
     decode(
-        data,
+        container,
         solver=solver,
         threads=threads,
         max_vertices=max_vertices,
         memory=memory,
         progress=progress,
     )
-    return read_container(data)
+    return container
 
 
 def load(

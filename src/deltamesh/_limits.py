@@ -5,7 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from deltamesh._methods import METHODS
-from deltamesh_formats.container.layout import ATTRIBUTES, POLYGONS, Container, Section
+from deltamesh_formats.container.container import Container, Section
+from deltamesh_formats.container.layout import (
+    ATTRIBUTES,
+    CONNECTIVITY,
+    COPIES,
+    POLYGONS,
+    STITCHES,
+)
 from deltamesh_formats.container.texts import text_size, texts_of
 from deltamesh_formats.errors import FormatError, LimitError
 
@@ -65,7 +72,7 @@ def _memory_of_counts(container: Container) -> int:
     method = METHODS[container.parameters.method]
     per_face = PER_FACE + (PER_GLUED_FACE if POLYGONS in container.sections else 0)
     needed = method.memory + method.memory_per_vertex * container.vertices
-    needed += per_face * container.faces
+    needed += per_face * container.triangles
     return needed + _memory_of_attributes(container) + PER_TEXT_BYTE * text_size(container)
 
 
@@ -74,7 +81,8 @@ def _memory_of_attributes(container: Container) -> int:
         return 0
     from deltamesh_formats.container.attribute_table import entries_of  # which needs numpy
 
-    counts = {"vertex": container.vertices, "corner": 3 * container.faces, "face": container.faces}
+    n, m = container.vertices, container.triangles
+    counts = {"vertex": n, "corner": 3 * m, "face": m}
     needed = 0
     for entry in entries_of(container):
         columns = 3 * -(-entry.columns // 3)
@@ -100,19 +108,21 @@ def check_limits(container: Container, counts: Counts, max_vertices: int, memory
     FormatError
         For no faces, or more elements than the bytes of a section can hold.
     """
-    n, m = container.vertices, container.faces
+    n, m = container.vertices, container.triangles
     if n > max_vertices:
         raise LimitError(f"{n} vertices are more than the limit of {max_vertices}")
-    section, used = container.sections["CONN"], counts.points - counts.isolated
+    section, used = container.sections[CONNECTIVITY], counts.points - counts.isolated
     if m == 0:
-        raise FormatError("a file without faces", section.offset)
-    if counts.faces > _most(section) or not used <= counts.vertices <= 3 * counts.faces:
-        raise FormatError(f"{n} vertices and {m} faces do not fit into this file", section.offset)
+        raise FormatError("a mesh of 0 triangles", section.offset)
+    if not used <= counts.vertices <= 3 * counts.faces:
+        manifold = f"{counts.vertices} vertices and {counts.faces} faces of the manifold"
+        raise FormatError(f"{manifold} for {used} points", section.offset)
+    _check_held(container, CONNECTIVITY, counts.faces, "faces of the manifold")
     method = METHODS[container.parameters.method].layout
     bits = 3 if method.exact else 1  # a coordinate has one or more
     _check_held(container, method.geometry[0], counts.isolated, "isolated vertices", bits)
-    _check_held(container, "STCH", m - counts.faces, "faces beside the manifold")
-    _check_held(container, "COPY", n - counts.points, "copies of vertices")
+    _check_held(container, STITCHES, m - counts.faces, "faces beyond the manifold")
+    _check_held(container, COPIES, n - counts.points, "vertices beyond the points")
     _check_memory(_memory_of_counts(container), memory)
     _check_memory(memory_needed(container), memory)
 
@@ -124,8 +134,9 @@ def _check_memory(needed: int, memory: int) -> None:
 
 def _check_held(container: Container, name: str, count: int, what: str, bits: int = 1) -> None:
     if count and bits * count > _most(container.sections[name]):
-        offset = container.sections[name].offset
-        raise FormatError(f"{count} {what} do not fit into this file", offset)
+        section = container.sections[name]
+        message = f"{name}: {count} {what} do not fit into {len(section.payload)} bytes"
+        raise FormatError(message, section.offset)
 
 
 def _most(section: Section) -> int:

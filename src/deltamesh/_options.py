@@ -9,11 +9,12 @@ from numbers import Integral
 from typing import TypedDict
 
 from deltamesh._methods import AUTO, BOUNDS, METHOD_OPTIONS, METHODS, RATES
+from deltamesh_formats.container import layout
 from deltamesh_formats.container.layout import MethodLayout
 from deltamesh_formats.errors import OptionError
 
 CHOICES = (AUTO, *METHODS)
-ANCHOR_METHODS = ("farthest", "greedy", "random")
+ANCHOR_METHODS = tuple(sorted(filter(None, layout.ANCHOR_METHODS)))
 # What is asked for by default: bits a coordinate, and a step in diagonals of the bounding box. The
 # range of the deltas is no scale to go by: one vertex of high valence makes it a thousand times
 # what it is elsewhere.
@@ -27,12 +28,13 @@ SOLVERS = ("auto", "rslab", "pardiso", "scipy")
 DEFAULT_QUALITY, MAX_QUALITY = 5, 9
 # How long to search for fewer bytes: not at all, among the likeliest, among all.
 DEFAULT_EFFORT, MAX_EFFORT = 2, 3
-MAX_BITS = 30
+MAX_BITS = layout.MAX_GRID_BITS
 # Of texture coordinates, of the largest extent, and of both coordinates of a normal.
-DEFAULT_BITS_UV, MAX_BITS_UV = 12, 29
-DEFAULT_BITS_NORMAL, MIN_BITS_NORMAL, MAX_BITS_NORMAL = 10, 2, 30
+DEFAULT_BITS_UV, MAX_BITS_UV = 12, layout.MAX_LIMB_BITS
+DEFAULT_BITS_NORMAL = 10
+MIN_BITS_NORMAL, MAX_BITS_NORMAL = layout.MIN_NORMAL_BITS, layout.MAX_NORMAL_BITS
 MAX_THREADS = 1024
-MAX_NAME = 255
+MAX_NAME = layout.STRING_MAX_BYTES
 
 
 class EncodeOptions(TypedDict, total=False):
@@ -115,7 +117,7 @@ class Options:
         if self.threads is not None:
             _require_within("threads", self.threads, 1, MAX_THREADS)
         fits = self.source_format.isprintable() and len(self.source_format.encode()) <= MAX_NAME
-        _require(fits, "source_format must be printable, and at most 255 bytes")
+        _require(fits, f"source_format must be printable, and at most {MAX_NAME} bytes")
 
     def _check_rate(self) -> None:
         # Options with defaults may be left as they are with any method.

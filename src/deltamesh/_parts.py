@@ -18,7 +18,7 @@ from deltamesh_formats.container.packed import packed, unpacked
 from deltamesh_formats.container.reader import read_varint, take
 from deltamesh_formats.container.texts import Division, Texts, raw_texts, read_texts, write_texts
 from deltamesh_formats.container.writer import write_varint
-from deltamesh_formats.errors import FormatError
+from deltamesh_formats.errors import FormatError, located
 from deltamesh_formats.polymesh.descriptions import losses_of, unreferenced_rows
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh
 
@@ -117,7 +117,8 @@ def decode_parts(payload: memoryview, count: int, elements: Callable[[], Element
         stream, start, at = _stream(payload, at)
         labels = np.zeros(count, dtype=np.int64)  # as of an empty stream
         if stream:
-            labels = _labels(stream, start, elements())
+            with located(start):
+                labels = decode_labels(stream, elements())
         stream, start, at = _stream(payload, at)
         of_face = _decode_order(stream, start, division, int(labels.max(initial=-1)) + 1)[labels]
         transforms = None
@@ -133,13 +134,6 @@ def _stream(payload: memoryview, at: int) -> tuple[bytes, int, int]:
     """Return a stream, where it begins, and the position after it."""
     size, start = read_varint(payload, at)
     return bytes(take(payload, start, size)), start, start + size
-
-
-def _labels(stream: bytes, start: int, elements: Elements) -> _Ints:
-    try:
-        return decode_labels(stream, elements)
-    except FormatError as error:
-        raise FormatError(error.reason, start + (error.offset or 0)) from None
 
 
 def _arrays(parts: Parts) -> tuple[_Ints, ...]:

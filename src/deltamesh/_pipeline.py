@@ -36,8 +36,10 @@ from deltamesh._shape.encoding import Origin, encode_gluing, encode_structure
 from deltamesh._shape.polygons import Sources, sources_of
 from deltamesh._shape.structure import Structure
 from deltamesh._version import __version__
-from deltamesh_formats.container.layout import METHODS, Container, Meta, Parameters
-from deltamesh_formats.container.reader import payload_of, read_container
+from deltamesh_formats.container.building import build_container
+from deltamesh_formats.container.container import Container, Meta, Parameters
+from deltamesh_formats.container.layout import METHODS
+from deltamesh_formats.container.reader import payload_of
 from deltamesh_formats.container.writer import write_container
 from deltamesh_formats.errors import FormatError, MeshError
 from deltamesh_formats.polymesh.dropping import without
@@ -95,7 +97,7 @@ def encode_mesh(
     payloads |= {**gluing, **trial.payloads, **beside}
     n, m = len(structure.points), len(structure.faces)
     single = mesh.precision == "float32"
-    data = write_container(
+    container = build_container(
         n,
         m,
         replace(trial.parameters, single=single),
@@ -103,6 +105,7 @@ def encode_mesh(
         _meta(trial.errors, diagonal(mesh.vertices[origin.points]), options.source_format),
         content.digest(),
     )
+    data = write_container(container)
     return _encoded(data, mesh, content, sources, content.mesh(trial.vertices, single))
 
 
@@ -172,7 +175,7 @@ def _encoded(
 
 
 def decode_mesh(
-    data: bytes | bytearray | memoryview,
+    container: Container,
     *,
     solver: str,
     threads: int | None,
@@ -181,7 +184,6 @@ def decode_mesh(
     progress: Progress = silent,
 ) -> PolyMesh:
     """Decompress a file; see `codec.decode`."""
-    container = read_container(data)
     content = read_content(container, max_vertices, memory, progress)
     if content.digest() != container.digest:
         offset = container.sections["CHEK"].offset

@@ -33,13 +33,15 @@ def test_help_and_info_import_click_only(line: str) -> None:
 
 
 def test_info_of_a_file_imports_no_codec(tmp_path: Path) -> None:
-    from deltamesh_formats.container.layout import Parameters
+    from deltamesh_formats.container.building import build_container
+    from deltamesh_formats.container.container import Parameters
     from deltamesh_formats.container.writer import write_container
 
     parameters = Parameters("cartesian", True, None, 8, 0.5, (0.0, 0.0, 0.0), 0.0, 0, 0, 0)
     payloads = {"CONN": b"\x01", "CART": b"\x02"}
     path = tmp_path / "small.dmesh"
-    path.write_bytes(write_container(3, 1, parameters, payloads, None, bytes(8)))
+    container = build_container(3, 1, parameters, payloads, None, bytes(8))
+    path.write_bytes(write_container(container))
     code = f"from deltamesh_cli.program import run\nassert run(['info', {str(path)!r}]) == 0"
     assert not modules_after(code) & {*HEAVY, "numpy"}
 

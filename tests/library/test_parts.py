@@ -20,7 +20,7 @@ from hypothesis.extra import numpy as nps
 
 import deltamesh
 from deltamesh._limits import memory_needed
-from deltamesh_formats.container import packed, texts
+from deltamesh_formats.container import layout, packed, texts
 from deltamesh_formats.container.layout import MAX_TEXT
 from deltamesh_formats.container.listing import text_lines, texts_object
 from deltamesh_formats.container.reader import read_container
@@ -54,7 +54,7 @@ def divisions(draw: st.DrawFn, kind: str, faces: int) -> Parts:
 def told_meshes(draw: st.DrawFn) -> PolyMesh:
     """Triangles of any kind with parts, metadata and losses."""
     V, F = draw(strategies.complexes())
-    kinds = draw(st.lists(st.sampled_from(texts.KINDS), unique=True))
+    kinds = draw(st.lists(st.sampled_from(list(layout.KINDS)), unique=True))
     return replace(
         from_triangles(V, F),
         parts=tuple(draw(divisions(kind, len(F))) for kind in kinds),
@@ -65,7 +65,7 @@ def told_meshes(draw: st.DrawFn) -> PolyMesh:
 
 
 def test_every_kind_has_a_number() -> None:
-    assert get_args(Kind) == texts.KINDS
+    assert set(get_args(Kind)) == set(layout.KINDS)
 
 
 def bits(transforms: Any) -> Any:
@@ -163,9 +163,9 @@ def test_a_part_costs_little_beside_its_name() -> None:
 def test_repetitive_text_is_deflated() -> None:
     names = [f"Object_{i:04}_LOD0_Material" for i in range(400)]
     block = texts.write_texts(Texts((), {"comments": tuple(names)}, ()))
-    assert block[0] == packed.DEFLATED
+    assert block[0] == layout.BLOCK_DEFLATED
     assert len(block) < sum(map(len, names)) / 4
-    assert texts.write_texts(Texts((), {"a": ("b",)}, ()))[0] == packed.PLAIN
+    assert texts.write_texts(Texts((), {"a": ("b",)}, ()))[0] == layout.BLOCK_PLAIN
 
 
 @given(st.binary(max_size=40).map(lambda data: data * 9) | st.binary())
@@ -213,7 +213,7 @@ def refused(data: bytes, message: str) -> FormatError:
 
 
 def plain(raw: bytes) -> bytes:
-    return bytes([packed.PLAIN]) + write_varint(len(raw)) + raw
+    return bytes([layout.BLOCK_PLAIN]) + write_varint(len(raw)) + raw
 
 
 def deflated(raw: bytes, size: int, more: bytes = b"") -> bytes:
@@ -226,24 +226,24 @@ ONE_GROUP = b"\1\2\1\1a\0\0"  # one division, groups, one name, "a"; no metadata
 PARTLY = b"\1\x0a\1\1a\0\0"
 ZEROS = b"\0" * 600
 WHOLE = {
-    "nothing": (plain(b"\0\0\0"), "a text of nothing"),
+    "nothing": (plain(b"\0\0\0"), "no parts, metadata or losses in the text"),
     "no payload": (b"", "truncated"),
-    "form": (b"\2" + write_varint(7) + ONE_GROUP + b"\0\0", "form 2"),
+    "form": (b"\2" + write_varint(7) + ONE_GROUP + b"\0\0", "unknown form 2 of a block"),
     "short": (plain(ONE_GROUP[:-1]), "in the text, truncated"),
-    "long": (plain(ONE_GROUP + b"\0"), "after the end of the text"),
-    "kind": (plain(b"\1\5\0\0\0"), "kind 5 are unknown"),
-    "reserved": (plain(b"\1\x22\0\0\0"), "kind 34 are unknown"),
-    "kind twice": (plain(b"\2\2\0\2\0\0\0"), "a second time"),
-    "key twice": (plain(b"\0\2\1a\0\1a\0\0"), "a second time"),
+    "long": (plain(ONE_GROUP + b"\0"), "1 bytes follow the end of the text"),
+    "kind": (plain(b"\1\5\0\0\0"), "in the text, unknown kind of parts 5"),
+    "reserved": (plain(b"\1\x22\0\0\0"), "in the text, parts of kind group: reserved bits are set"),
+    "kind twice": (plain(b"\2\2\0\2\0\0\0"), "parts of kind group come a second time"),
+    "key twice": (plain(b"\0\2\1a\0\1a\0\0"), "metadata key 'a' comes a second time"),
     "not UTF-8": (plain(b"\0\0\1\1\xff"), "not UTF-8"),
     "overlong UTF-8": (plain(b"\0\0\1\2\xc0\x80"), "not UTF-8"),
     "many names": (plain(b"\1\2\xff\xff\xff\x7f\0\0"), "in the text, truncated"),
     "size beyond": (b"\0" + write_varint(MAX_TEXT + 1) + ONE_GROUP, "more than 16777216"),
-    "size too small": (deflated(b"\0\1\1a" + ZEROS, 500), "another size"),
-    "size too large": (deflated(b"\0\1\1a" + ZEROS, 700), "another size"),
-    "after deflate": (deflated(b"\0\1\1a" + ZEROS, 604, b"\0"), "another size"),
-    "not shorter": (deflated(b"\0\0\1\1a", 5), "as many bytes"),
-    "no deflate": (b"\1\x09\2\xff\xff", "no deflate stream"),
+    "size too small": (deflated(b"\0\1\1a" + ZEROS, 500), "another size than 500 bytes"),
+    "size too large": (deflated(b"\0\1\1a" + ZEROS, 700), "another size than 700 bytes"),
+    "after deflate": (deflated(b"\0\1\1a" + ZEROS, 604, b"\0"), "another size than 604 bytes"),
+    "not shorter": (deflated(b"\0\0\1\1a", 5), "a block of 5 bytes deflated to"),
+    "no deflate": (b"\1\x09\2\xff\xff", "invalid deflate stream"),
     "no labels": (plain(ONE_GROUP), "truncated"),
     "trailing": (plain(ONE_GROUP) + b"\0\0\0", "after the last parts"),
     "zero in labels": (plain(ONE_GROUP) + b"\1\0\0", "zero byte at the end"),

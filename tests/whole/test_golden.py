@@ -70,7 +70,7 @@ def test_golden_file_tells_of_itself(name: str) -> None:
         assert container.vertices == len(expected["vertices"])
         polygons = len(expected["offsets"]) - 1 if "offsets" in expected else None
         faces = expected["faces"] if polygons is None else expected["corners"][2 * polygons :]
-        assert container.faces == len(faces)
+        assert container.triangles == len(faces)
     assert name.startswith(container.parameters.method)
     assert container.meta is not None
 

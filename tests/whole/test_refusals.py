@@ -158,8 +158,8 @@ def assert_refused_cheaply(data, error=(FormatError, LimitError), **options):
 def test_huge_counts(name: str, count: int) -> None:
     data = FILES[name]
     few = read_container(data).vertices
-    assert_refused_cheaply(forging.forged(data, vertices=count, faces=min(2 * count, 2**40)))
-    assert_refused_cheaply(forging.forged(data, faces=count))
+    assert_refused_cheaply(forging.forged(data, vertices=count, triangles=min(2 * count, 2**40)))
+    assert_refused_cheaply(forging.forged(data, triangles=count))
     assert_refused_cheaply(forging.forged(data, vertices=count))
     for vertices, isolated in ((count, count - few), (count, count), (count, few)):
         many = {"isolated": isolated}
@@ -181,10 +181,10 @@ def test_wrong_counts(name: str, change: int) -> None:
     """Off by little: the payloads of another mesh."""
     data = FILES[name]
     container = read_container(data)
-    n, m, p = container.vertices, container.faces, container.parameters
+    n, m, p = container.vertices, container.triangles, container.parameters
     refusal(forging.forged(data, vertices=n + change))
-    refusal(forging.forged(data, faces=m + change))
-    refusal(forging.forged(data, vertices=n + change, faces=m + 2 * change))
+    refusal(forging.forged(data, triangles=m + change))
+    refusal(forging.forged(data, vertices=n + change, triangles=m + 2 * change))
     if p.isolated + change >= 0:
         more = {"isolated": p.isolated + change}
         refusal(forging.forged(data, parameters=more))
@@ -198,11 +198,11 @@ def test_no_faces(name: str) -> None:
     """No encoder writes a cloud of points."""
     data = FILES[name]
     nothing = {"CONN": b"\0\0\0"}
-    refusal(forging.forged(data, faces=0))
+    refusal(forging.forged(data, triangles=0))
     for n in (0, 1, 5):
         parameters = {"isolated": n} | ({"anchor_count": 0} if n == 0 else {})
         parameters |= {"anchor_count": min(n, read_container(data).parameters.anchor_count)}
-        empty = forging.forged(data, vertices=n, faces=0, parameters=parameters, **nothing)
+        empty = forging.forged(data, vertices=n, triangles=0, parameters=parameters, **nothing)
         refusal(empty)
         method = read_container(data).parameters.method
         payloads = {"cartesian": {"CART": b""}, "lossless": {"EXAC": EMPTY_FORMS}}
@@ -244,7 +244,7 @@ def test_needed_memory_grows_with_the_counts() -> None:
     """And with a factor: bytes per vertex are at least those of the arrays themselves."""
     small, large = (read_container(encode(*meshes.icosphere(k), method="highpass")) for k in (1, 3))
     difference = memory_needed(large) - memory_needed(small)
-    assert difference > 24 * (large.vertices - small.vertices + large.faces - small.faces)
+    assert difference > 24 * (large.vertices - small.vertices + large.triangles - small.triangles)
 
 
 # ---- Payloads under right checksums ------------------------------------------------------------
@@ -320,7 +320,7 @@ def test_payloads_that_agree_with_their_digest(place: tuple[str, str], payload: 
     except (FormatError, LimitError, SolveError):
         return
     container = read_container(data)
-    assert mesh.triangles.shape == (container.faces, 3)
+    assert mesh.triangles.shape == (container.triangles, 3)
     assert ((mesh.triangles >= 0) & (mesh.triangles < container.vertices)).all()
     assert mesh.vertices.shape == (container.vertices, 3)
     assert np.isfinite(mesh.vertices).all()

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from test_spec import assert_same
 
 from deltamesh import encode
-from deltamesh_formats.container import texts
+from deltamesh_formats.container import layout
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -28,7 +28,7 @@ METHODS = ("cartesian", "highpass", "lossless", "refined")
 @st.composite
 def told_polygons(draw: st.DrawFn) -> PolyMesh:
     mesh = draw(test_polygons.soups())
-    kinds = draw(st.lists(st.sampled_from(texts.KINDS), unique=True, max_size=2))
+    kinds = draw(st.lists(st.sampled_from(list(layout.KINDS)), unique=True, max_size=2))
     count = len(mesh.sizes)
     return replace(
         mesh,

@@ -18,7 +18,7 @@ from deltamesh_cli.commands.decode import decode_into
 from deltamesh_cli.commands.encode import encode_file
 from deltamesh_cli.failures import Failure, as_object, attempt
 from deltamesh_cli.meshes import container_of
-from deltamesh_formats.container.layout import Container
+from deltamesh_formats.container.container import Container
 
 _TETRAHEDRON: Final = b"""OFF
 4 4 0
@@ -91,7 +91,7 @@ def work(job: Job, task: Task) -> Record:
         **before,
         **after,
         "vertices": container.vertices,
-        "faces": container.faces,
+        "faces": container.triangles,
         "not_kept": list(lost),
         "errors": None if container.meta is None else summary.errors(container.meta),
         "seconds": time.perf_counter() - start,
@@ -121,18 +121,18 @@ def failed(job: Job, task: Task, failure: Failure, seconds: float | None = None)
 
 def _encode(job: Job, task: Task) -> tuple[Container, tuple[str, ...]]:
     source, target = task.source, task.target
-    _, data, lost = encode_file(
+    _, container, lost = encode_file(
         source, target, job.file_format, _silent, job.parameters, force=task.overwrite
     )
-    return container_of(target, data, job.what), lost
+    return container, lost
 
 
 def _decode(job: Job, task: Task) -> tuple[Container, tuple[str, ...]]:
-    data = files.read_input(task.source)
-    container = container_of(task.source, data, job.what)
-    file_format = job.file_format or files.extension(task.target)
+    source, target = task.source, task.target
+    container = container_of(source, files.read_input(source), job.what)
+    file_format = job.file_format or files.extension(target)
     _, lost = decode_into(
-        task.target, file_format, task.source, data, _silent, job.parameters, force=task.overwrite
+        target, file_format, source, container, _silent, job.parameters, force=task.overwrite
     )
     return container, lost
 

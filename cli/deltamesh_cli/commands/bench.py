@@ -13,6 +13,7 @@ from click.core import ParameterSource
 
 from deltamesh._methods import BOUNDS, RATES
 from deltamesh._options import Options
+from deltamesh.bench import PEER_NAMES
 from deltamesh_cli import files, measuring, options
 from deltamesh_cli.commands.encode import command as encode
 from deltamesh_cli.failures import DONE, tried
@@ -54,9 +55,9 @@ deltamesh bench scans -r --check rates.csv --tolerance 0.5%
 )
 @click.option(
     "--peers",
-    type=options.several(click.Choice(measuring.PEERS)),
+    type=options.several(click.Choice(PEER_NAMES)),
     metavar="PEER,...",
-    help=f"Measure other codecs as well: {', '.join(measuring.PEERS)}. What is not installed (extra"
+    help=f"Measure other codecs as well: {', '.join(PEER_NAMES)}. What is not installed (extra"
     " `bench`) is skipped.",
 )
 @click.option(

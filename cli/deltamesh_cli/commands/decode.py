@@ -15,6 +15,7 @@ from deltamesh_cli.progress import Stage, progress
 from deltamesh_formats.meshfiles.formats import FORMATS, format_of_extension
 
 if TYPE_CHECKING:
+    from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
 # What a file that names no format of its own is written as: binary, exact, read by everything.
@@ -78,14 +79,13 @@ def command(
     files.check_usage(target, as_json)
 
     def decode(source: str) -> None:
-        data = files.read_input(source)
-        container = container_of(source, data, "cannot decode")
+        container = container_of(source, files.read_input(source), "cannot decode")
         stored = container.meta.source if container.meta is not None else ""
         name, file_format = destination(source, target, output_format, stored)
         files.check_output(source, name, force=force, text=FORMATS[file_format].is_text)
         with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
             mesh, lost = decode_into(
-                name, file_format, source, data, stage, parameters, force=force
+                name, file_format, source, container, stage, parameters, force=force
             )
         note_not_kept(name, lost, quiet=quiet)
         if as_json or not (quiet or name == files.STDIO):
@@ -98,13 +98,13 @@ def decode_into(
     target: str,
     file_format: str,
     source: str,
-    data: bytes,
+    container: Container,
     stage: Stage,
     parameters: dict[str, Any],
     *,
     force: bool,
 ) -> tuple[PolyMesh, tuple[str, ...]]:
-    """Write the mesh of a `.dmesh` file, whose bytes are `data`.
+    """Write the mesh of a `.dmesh` file.
 
     Returns
     -------
@@ -116,7 +116,7 @@ def decode_into(
     ------
     Failure
     """
-    mesh = decoded(source, data, stage, **parameters)
+    mesh = decoded(source, container, stage, **parameters)
     stage("writing")
     return mesh, write_mesh_file(target, mesh, file_format, force=force)
 

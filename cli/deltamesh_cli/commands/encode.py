@@ -23,13 +23,15 @@ from deltamesh._options import (
 )
 from deltamesh_cli import files, options, summary
 from deltamesh_cli.failures import attempt, each
-from deltamesh_cli.meshes import note_not_kept, parsed
+from deltamesh_cli.meshes import container_of, note_not_kept, parsed
 from deltamesh_cli.output import print_json, shown
 from deltamesh_cli.progress import Stage, progress
 from deltamesh_cli.signals import interruptible
+from deltamesh_formats.container.texts import texts_of
 from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
+    from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
 _EXAMPLES = """\
@@ -249,12 +251,12 @@ def command(
         files.check_input(source)
         files.check_output(source, target, force=force)
         with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
-            size, data, lost = encode_file(
+            size, container, lost = encode_file(
                 source, target, input_format, stage, parameters, force=force
             )
         note_not_kept(source, lost, quiet=quiet)
         if as_json or not (quiet or target == files.STDIO):
-            _print_summary((source, size), target, data, as_json=as_json)
+            _print_summary((source, size), target, container, as_json=as_json)
 
     each([source], encode, as_json=as_json)
 
@@ -285,15 +287,15 @@ def encode_file(
     parameters: dict[str, Any],
     *,
     force: bool,
-) -> tuple[int, bytes, tuple[str, ...]]:
+) -> tuple[int, Container, tuple[str, ...]]:
     """Compress one file into another.
 
     Returns
     -------
     size : int
         Bytes of the first.
-    data : bytes
-        The second.
+    container : Container
+        Of the second.
     lost : tuple of str
         Words for what is not kept.
 
@@ -306,7 +308,8 @@ def encode_file(
     with attempt(source, "cannot encode"):
         data = interruptible(lambda: _encoded(mesh, stage, parameters))
     files.write_output(target, data, force=force)
-    return len(original), data, _not_kept(data)
+    container = container_of(target, data, "cannot encode")
+    return len(original), container, texts_of(container).lost
 
 
 def _encoded(mesh: PolyMesh, stage: Stage, parameters: dict[str, Any]) -> bytes:
@@ -320,19 +323,10 @@ def _encoded(mesh: PolyMesh, stage: Stage, parameters: dict[str, Any]) -> bytes:
     )
 
 
-def _not_kept(data: bytes) -> tuple[str, ...]:
-    """Return words for what of the source is not in a `.dmesh` file."""
-    from deltamesh_formats.container.reader import read_container
-    from deltamesh_formats.container.texts import texts_of
-
-    return texts_of(read_container(data)).lost
-
-
-def _print_summary(source: tuple[str, int], target: str, data: bytes, *, as_json: bool) -> None:
+def _print_summary(
+    source: tuple[str, int], target: str, container: Container, *, as_json: bool
+) -> None:
     """Print what became of `source`, a name and a size in bytes."""
-    from deltamesh_formats.container.reader import read_container
-
-    container = read_container(data)
     name, size = source
     if as_json:
         print_json({"source": name, "source_bytes": size, **summary.as_object(target, container)})

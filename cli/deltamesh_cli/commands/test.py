@@ -8,7 +8,6 @@ import click
 
 from deltamesh_cli import files, options
 from deltamesh_cli.failures import attempt, each
-from deltamesh_cli.meshes import container_of
 from deltamesh_cli.output import print_json, shown
 from deltamesh_cli.progress import progress
 from deltamesh_cli.signals import interruptible
@@ -52,10 +51,9 @@ def command(
             import deltamesh
 
             given = options.given(parameters)
-            interruptible(lambda: deltamesh.verify(data, progress=stage, **given))
-        container = container_of(source, data, "cannot read")
+            container = interruptible(lambda: deltamesh.verify(data, progress=stage, **given))
         if as_json:
-            counts = {"vertices": container.vertices, "faces": container.faces}
+            counts = {"vertices": container.vertices, "faces": container.triangles}
             print_json({"file": source, "ok": True, "bytes": container.size, **counts})
         elif not quiet:
             click.echo(f"{shown(source)}: OK")

@@ -1,54 +1,41 @@
-"""The table at the beginning of ATTR: what the attributes of a file are and how they are coded.
+"""Table of attributes at the beginning of ATTR: their names, types and codings; SPEC.md 5.14.
 
 Plain bytes, so that programs can list attributes without decoding any. `read_table` and
-`write_table` are mirrors; SPEC.md 5.14 has the fields.
+`write_table` are mirrors.
 """
 
 from __future__ import annotations
 
 import math
 import struct
-from dataclasses import dataclass
-from typing import Any, Final, Literal, TypeAlias, get_args
+from dataclasses import dataclass, replace
+from typing import Any, Final
 
 import numpy as np
 
-from deltamesh_formats.container.layout import ATTRIBUTES, CRC_SIZE, Container
-from deltamesh_formats.container.reader import read_varint, take
+from deltamesh_formats.container import layout
+from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.layout import OWN_WEDGES, WEDGES_OF, Coding
+from deltamesh_formats.container.reader import payload_of, read_varint, take
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import Domain, Role
 
-Coding: TypeAlias = Literal["integer", "exact", "grid", "octahedral"]
-
-DOMAINS: Final[tuple[Domain, ...]] = get_args(Domain)
-ROLES: Final[tuple[Role, ...]] = get_args(Role)
-CODINGS: Final[tuple[Coding, ...]] = get_args(Coding)
-# Complex numbers are two real ones.
-TYPES: Final = tuple(
-    np.dtype(code)
-    for code in ("?", "u1", "u2", "u4", "u8", "i1", "i2", "i4", "i8", "f2", "f4", "f8", "c8", "c16")
-)
+_DOMAINS: Final = {code: name for name, code in layout.DOMAINS.items()}
+_ROLES: Final = {code: name for name, code in layout.ROLES.items()}
+_CODINGS: Final = {code: name for name, code in layout.CODINGS.items()}
+_TYPES: Final = {code: np.dtype(name) for name, code in layout.TYPES.items()}
 # Surrogates, which stand for bytes of a name that was no UTF-8, are spelled like other code points.
 _NAMES: Final = "surrogatepass"
-# Of each coding, the kinds of types that it is for.
+# Kinds of numpy types that each coding is for.
 _FITTING: Final = {"integer": "bui", "exact": "fc", "grid": "f", "octahedral": "f"}
 
-# Bits of the second byte.
-_NORMALIZED, _PARTLY, _PALETTE, _MIXED, _CODING_AT, _FIRST_NONE = 1, 2, 4, 8, 4, 64
+# What is left of a byte after shifting.
+_DOMAIN: Final = (1 << layout.ROLE_AT) - 1
+_ROLE: Final = (1 << layout.TYPE_AT - layout.ROLE_AT) - 1
 _CODING: Final = 3
-
-# A residual of such numbers is below 2^30: its length ends with a bit of zero, so that no number of
-# elements takes no bytes.
-MAX_LIMB_BITS: Final = 29
-MIN_NORMAL_BITS: Final = 2
-MAX_NORMAL_BITS: Final = 30
-
-# What the corners of an attribute are coded by, where it is not the classes of attribute k, k + 2.
-OWN_CLASSES, FACES = 0, 1
-
-_INTEGER: Final = struct.Struct("<QBB")
-_F64: Final = struct.Struct("<d")
+_INTEGER: Final = layout.struct_of(layout.INTEGER_FIELDS)
+_F64: Final = layout.STRUCT_CODES["f64"]
 
 
 @dataclass(frozen=True)
@@ -65,16 +52,16 @@ class Entry:
         Numbers a row.
     coding : {"integer", "exact", "grid", "octahedral"}
     partly : bool
-        Whether there are vertices, faces or classes of corners without a value.
+        Whether there are owners (vertices, polygons or wedges) without a value.
     first_none : bool
         Whether the first of them has none.
     palette : int or None
-        Number of different rows, where each element names one of these.
+        Number of different rows, where each owner names one of these.
     mixed : bool
         Whether the second column is taken from the first and the third.
-    classes : int
-        Of an attribute of corners, what has values: classes of its own (0), faces (1), the classes
-        of attribute k (k + 2).
+    wedges : int
+        Of an attribute of corners, the owners of its values: wedges of its own (OWN_WEDGES),
+        polygons (POLYGON_OWNERS), or the wedges of attribute k (k + WEDGES_OF).
     origin : tuple
         Of integers, one number; of a grid, one a column.
     bits : int
@@ -88,7 +75,7 @@ class Entry:
         The largest difference between a number and what becomes of it; of normals, the largest
         angle, in degrees.
     sizes : tuple of int
-        Bytes of each stream: of the classes, of what elements have a value, of their rows in the
+        Bytes of each stream: of the wedges, of the owners that have a value, of their rows in the
         palette, each if it is there; then of every three columns.
     """
 
@@ -103,7 +90,7 @@ class Entry:
     first_none: bool = False
     palette: int | None = None
     mixed: bool = False
-    classes: int = OWN_CLASSES
+    wedges: int = OWN_WEDGES
     origin: tuple[float, ...] = ()
     bits: int = 0
     limbs: int = 1
@@ -131,7 +118,7 @@ class Entry:
     @property
     def streams(self) -> int:
         """Number of streams."""
-        own = self.domain == "corner" and self.classes == OWN_CLASSES
+        own = self.domain == "corner" and self.wedges == OWN_WEDGES
         return own + self.partly + (self.palette is not None) + -(-self.columns // 3)
 
     @property
@@ -147,12 +134,15 @@ def write_table(entries: tuple[Entry, ...]) -> bytes:
 
 def _written(e: Entry) -> bytes:
     name = e.name.encode(errors=_NAMES)
-    flags = _NORMALIZED * e.normalized | _PARTLY * e.partly | _PALETTE * (e.palette is not None)
-    flags |= _FIRST_NONE * e.first_none | _MIXED * e.mixed | CODINGS.index(e.coding) << _CODING_AT
-    what = DOMAINS.index(e.domain) | ROLES.index(e.role) << 2 | TYPES.index(e.dtype) << 4
+    what = layout.DOMAINS[e.domain] | layout.ROLES[e.role] << layout.ROLE_AT
+    what |= layout.TYPES[e.dtype.name] << layout.TYPE_AT
+    flags = layout.CODINGS[e.coding] << layout.CODING_AT
+    flags |= layout.NORMALIZED * e.normalized | layout.MIXED * e.mixed
+    flags |= layout.PARTLY * e.partly | layout.FIRST_NONE * e.first_none
+    flags |= layout.PALETTE * (e.palette is not None)
     parts = [write_varint(len(name)), name, bytes([what, flags]), write_varint(e.width)]
     if e.domain == "corner":
-        parts.append(write_varint(e.classes))
+        parts.append(write_varint(e.wedges))
     if e.palette is not None:
         parts.append(write_varint(e.palette))
     if e.coding == "integer":
@@ -171,15 +161,11 @@ def entries_of(container: Container) -> tuple[Entry, ...]:
     ------
     FormatError
     """
-    section = container.sections.get(ATTRIBUTES)
+    section = container.sections.get(layout.ATTRIBUTES)
     if section is None:
         return ()
-    try:
-        return read_table(section.payload)[0]
-    except FormatError as error:
-        start = section.offset + section.size - CRC_SIZE - len(section.payload)
-        reason = f"{ATTRIBUTES}: {error.reason}"
-        raise FormatError(reason, start + (error.offset or 0)) from None
+    with payload_of(section) as payload:
+        return read_table(payload)[0]
 
 
 def read_table(payload: bytes | memoryview) -> tuple[tuple[Entry, ...], int]:
@@ -193,70 +179,86 @@ def read_table(payload: bytes | memoryview) -> tuple[tuple[Entry, ...], int]:
     count, at = read_varint(payload, 0)
     entries: list[Entry] = []
     if not count:
-        raise FormatError("a section of no attributes", 0)
+        raise FormatError("a table of 0 attributes", 0)
     for _ in range(count):
         entry, at = _read(payload, at, entries)
         entries.append(entry)
     total = sum(entry.size for entry in entries)
     if total != len(payload) - at:
-        raise FormatError(f"attributes of {total} bytes, where {len(payload) - at} are left", at)
+        left = len(payload) - at
+        raise FormatError(f"streams of {total} bytes in all, where {left} are left", at)
     return tuple(entries), at
 
 
 def _read(payload: bytes | memoryview, at: int, before: list[Entry]) -> tuple[Entry, int]:
-    start = at
-    length, at = read_varint(payload, at)
-    try:
-        name = bytes(take(payload, at, length)).decode(errors=_NAMES)
-    except UnicodeDecodeError as error:
-        raise FormatError("a name that is not UTF-8", at + error.start) from None
-    at += length
+    start, number = at, len(before)
+    name, at = _read_name(payload, at, number)
     what, flags = take(payload, at, 2)
-    domain, role, kind = what & 3, what >> 2 & 3, what >> 4
-    if domain >= len(DOMAINS) or kind >= len(TYPES) or flags > 127:
-        raise FormatError("an attribute of a kind that there is not", at)
+    domain, role = what & _DOMAIN, what >> layout.ROLE_AT & _ROLE
+    kind, coding = what >> layout.TYPE_AT, flags >> layout.CODING_AT & _CODING
+    for field, code, known in (("domain", domain, _DOMAINS), ("type", kind, _TYPES)):
+        if code not in known:
+            raise FormatError(f"attribute {number}: unknown {field} {code}", at)
+    if flags >= 2 * layout.FIRST_NONE:
+        raise FormatError(f"attribute {number}: reserved bits of flags are set", at)
     width, at = read_varint(payload, at + 2)
     fields: dict[str, Any] = {}
-    if DOMAINS[domain] == "corner":
-        fields["classes"], at = read_varint(payload, at)
-    if flags & _PALETTE:
+    if _DOMAINS[domain] == "corner":
+        fields["wedges"], at = read_varint(payload, at)
+    if flags & layout.PALETTE:
         fields["palette"], at = read_varint(payload, at)
-    coding = CODINGS[flags >> _CODING_AT & _CODING]
-    if coding == "integer":
-        origin, bits, limbs = _INTEGER.unpack(take(payload, at, _INTEGER.size))
-        fields |= {"origin": (origin,), "bits": bits, "limbs": limbs}
-        at += _INTEGER.size
-    elif coding != "exact":
-        fields["bits"] = take(payload, at, 1)[0]
-        (fields["error"],), at = _floats(payload, at + 1, 1)
-    if coding == "grid":
-        (fields["density"], *origins), at = _floats(payload, at, 1 + width)
-        fields["origin"] = tuple(origins)
+    coded, at = _read_coding(payload, at, _CODINGS[coding], width)
     entry = Entry(
-        *(
-            name,
-            DOMAINS[domain],
-            ROLES[role],
-            TYPES[kind],
-            width,
-            bool(flags & _NORMALIZED),
-            coding,
-        ),
-        partly=bool(flags & _PARTLY),
-        first_none=bool(flags & _FIRST_NONE),
-        mixed=bool(flags & _MIXED),
+        name,
+        _DOMAINS[domain],
+        _ROLES[role],
+        _TYPES[kind],
+        width,
+        bool(flags & layout.NORMALIZED),
+        _CODINGS[coding],
+        partly=bool(flags & layout.PARTLY),
+        first_none=bool(flags & layout.FIRST_NONE),
+        mixed=bool(flags & layout.MIXED),
         **fields,
+        **coded,
     )
-    fault = _fault(entry) or _fault_of_classes(entry, before)
+    fault = _fault(entry) or _fault_of_owners(entry, before)
     if fault:
-        raise FormatError(f"attribute {len(before)}: {fault}", start)
+        raise FormatError(f"attribute {number}: {fault}", start)
     if entry.streams > len(payload) - at:
-        raise FormatError("truncated: the sizes of an attribute's streams", len(payload))
+        raise FormatError(f"truncated: attribute {number}: sizes of its streams", len(payload))
     sizes = []
     for _ in range(entry.streams):
         size, at = read_varint(payload, at)
         sizes.append(size)
-    return Entry(**{**vars(entry), "sizes": tuple(sizes)}), at
+    return replace(entry, sizes=tuple(sizes)), at
+
+
+def _read_name(payload: bytes | memoryview, at: int, number: int) -> tuple[str, int]:
+    length, start = read_varint(payload, at)
+    try:
+        name = bytes(take(payload, start, length)).decode(errors=_NAMES)
+    except UnicodeDecodeError as error:
+        message = f"attribute {number}: its name is not UTF-8"
+        raise FormatError(message, start + error.start) from None
+    return name, start + length
+
+
+def _read_coding(
+    payload: bytes | memoryview, at: int, coding: Coding, width: int
+) -> tuple[dict[str, Any], int]:
+    """Return the fields that only some codings have."""
+    if coding == "integer":
+        origin, bits, limbs = _INTEGER.unpack(take(payload, at, _INTEGER.size))
+        return {"origin": (origin,), "bits": bits, "limbs": limbs}, at + _INTEGER.size
+    if coding == "exact":
+        return {}, at
+    bits = take(payload, at, 1)[0]
+    (error,), at = _floats(payload, at + 1, 1)
+    if coding == "octahedral":
+        return {"bits": bits, "error": error}, at
+    (density, *origins), at = _floats(payload, at, 1 + width)
+    return {"bits": bits, "error": error, "density": density, "origin": tuple(origins)}, at
 
 
 def _floats(payload: bytes | memoryview, at: int, count: int) -> tuple[tuple[float, ...], int]:
@@ -266,32 +268,40 @@ def _floats(payload: bytes | memoryview, at: int, count: int) -> tuple[tuple[flo
 
 
 def _fault(e: Entry) -> str:
-    """Tell what is wrong with an entry by the rules of SPEC.md 5.14; else ""."""
+    """Return the fault of an entry by the rules of SPEC.md 5.14; "" if it has none."""
     if e.dtype.kind not in _FITTING[e.coding]:
-        return f"numbers of type {e.dtype} coded as {e.coding}"
+        return f"type {e.dtype} with coding {e.coding}"
     if e.mixed and (e.coding not in ("integer", "grid") or e.width < 3 or e.limbs > 1):
-        return "columns that cannot be taken from each other"
+        return f"mixed columns with coding {e.coding}, width {e.width} and {e.limbs} limbs"
     if e.coding == "integer":
-        fits = 1 <= e.bits <= MAX_LIMB_BITS and 1 <= e.limbs <= -(-64 // e.bits)
+        fits = 1 <= e.bits <= layout.MAX_LIMB_BITS and 1 <= e.limbs <= -(-64 // e.bits)
         return "" if fits else f"{e.limbs} limbs of {e.bits} bits"
     if e.coding == "octahedral":
-        fits = e.width == 3 and MIN_NORMAL_BITS <= e.bits <= MAX_NORMAL_BITS
-        if not fits or e.palette is not None:
-            return f"normals of {e.width} numbers and {e.bits} bits"
-    if not all(map(math.isfinite, (e.error, e.density, *e.origin))):
-        return "a grid that is not finite"
-    if e.error < 0 or (e.coding == "grid" and not e.density > 0):
-        return f"a grid of {e.density} points a unit and an error of {e.error}"
+        if e.width != 3:
+            return f"octahedral coding with width {e.width}"
+        if e.palette is not None:
+            return "octahedral coding with a palette"
+        if not layout.MIN_NORMAL_BITS <= e.bits <= layout.MAX_NORMAL_BITS:
+            return f"normals of {e.bits} bits"
+    for field, values in (("error", (e.error,)), ("density", (e.density,)), ("origin", e.origin)):
+        for value in values:
+            if not math.isfinite(value) or (field == "error" and value < 0):
+                return f"{field} {value}"
+    if e.coding == "grid" and not e.density > 0:
+        return f"density {e.density}"
     return ""
 
 
-def _fault_of_classes(e: Entry, before: list[Entry]) -> str:
-    if e.palette == 0 or (e.first_none and not e.partly):
-        return "nothing where there should be something"
-    if e.domain != "corner" or e.classes <= FACES:
+def _fault_of_owners(e: Entry, before: list[Entry]) -> str:
+    if e.palette == 0:
+        return "empty palette"
+    if e.first_none and not e.partly:
+        return "first_none without partly"
+    if e.domain != "corner" or e.wedges < WEDGES_OF:
         return ""
-    other = e.classes - 2
-    own = other < len(before) and before[other].domain == "corner"
-    if own and before[other].classes == OWN_CLASSES:
-        return ""
-    return f"corners that go by attribute {other}"
+    other = e.wedges - WEDGES_OF
+    if other >= len(before):
+        return f"wedges of attribute {other}, which does not come before it"
+    if before[other].domain != "corner" or before[other].wedges != OWN_WEDGES:
+        return f"wedges of attribute {other}, which has none of its own"
+    return ""

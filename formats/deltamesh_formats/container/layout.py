@@ -1,16 +1,20 @@
-"""Every constant of the `.dmesh` container, in the order of SPEC.md, and the plain data it holds.
+"""Constants of the `.dmesh` container, in the order of SPEC.md.
 
 `reader` and `writer` are mirror images over these tables; a test compares them with the byte
-tables of SPEC.md, so none of the three can drift.
+tables of SPEC.md, so none of the three can drift. A number that a file holds is written out here
+and never changes; no order of names elsewhere stands for one.
 """
 
 from __future__ import annotations
 
-import math
 import struct
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field
-from typing import Final, NamedTuple
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias
+
+if TYPE_CHECKING:
+    from deltamesh_formats.polymesh.kinds import Kind
+    from deltamesh_formats.polymesh.mesh import Domain, Role
 
 
 class Field(NamedTuple):
@@ -26,12 +30,20 @@ class Field(NamedTuple):
 STRUCT_CODES: Final[Mapping[str, struct.Struct]] = {
     "u8": struct.Struct("<B"),
     "u16": struct.Struct("<H"),
+    "i16": struct.Struct("<h"),
     "u32": struct.Struct("<I"),
     "u64": struct.Struct("<Q"),
     "f32": struct.Struct("<f"),
     "f64": struct.Struct("<d"),
-    "bytes8": struct.Struct("8s"),
+    "bytes8": struct.Struct("<8s"),
 }
+
+
+def struct_of(fields: Iterable[Field]) -> struct.Struct:
+    """Return what packs a byte table of fixed size."""
+    codes = (STRUCT_CODES[kind].format.removeprefix("<") for _, kind in fields)
+    return struct.Struct("<" + "".join(codes))
+
 
 # Nine bytes hold 63 bits: a value always fits a signed 64-bit integer.
 VARINT_MAX_BYTES: Final = 9
@@ -51,7 +63,7 @@ HEADER_FIELDS: Final = (
     Field("version", "u16"),
     Field("reserved", "u16"),
     Field("vertices", "varint"),
-    Field("faces", "varint"),
+    Field("triangles", "varint"),
     Field("crc", "u32"),
 )
 # Far above any mesh, and far below where 3 * count * 8 bytes would overflow 64 bits.
@@ -198,15 +210,113 @@ META_FIELDS: Final = (
     Field("source", "string"),
 )
 
+# SPEC.md#53-anch
+
+# Bits of a coordinate of a grid point: what the entropy coder takes, |value| < 2^31, with a bit to
+# spare for diffused errors.
+MAX_GRID_BITS: Final = 30
+
 # SPEC.md#57-chek
 
 CHECK_FIELDS: Final = (Field("digest", "bytes8"),)
 DIGEST_SIZE: Final = 8
 
+# SPEC.md#511-ordr
+
+# `plan`: bits 0 and 1, the anchor of a polygon; the newest neighbour is the anchor of a vertex, not
+# the oldest; polygons come first.
+PLAN_ANCHOR: Final = 3
+PLAN_NEWEST: Final = 4
+PLAN_POLYGONS_FIRST: Final = 8
+POLYGON_ANCHORS: Final[Mapping[str, int]] = {"first": 0, "oldest": 1, "newest": 2}
+
+# SPEC.md#512-exac
+
+# Bits of a raw number, which the first byte has.
+RAW_WIDTHS: Final[Mapping[str, int]] = {"binary32": 32, "binary64": 64}
+# Fields of a column, and of each of its number formats; `flags`: bits 0 and 1, how many formats.
+COLUMN_FIELDS: Final = (Field("flags", "u8"), Field("grid", "i16"))
+FORMAT_FIELDS: Final = (
+    Field("base", "u8"),
+    Field("places", "i16"),
+    Field("digits", "u8"),
+    Field("usual", "u8"),
+)
+COLUMN_FORMATS: Final = 3
+COLUMN_RAW: Final = 4
+COLUMN_ZEROS: Final = 8
+
+# SPEC.md#514-attr
+
+# `what`: bits 0 and 1, the domain; bits 2 and 3, the role; bits 4 to 7, the type.
+DOMAINS: Final[Mapping[Domain, int]] = {"vertex": 0, "corner": 1, "face": 2}
+ROLES: Final[Mapping[Role, int]] = {"normal": 0, "uv": 1, "colour": 2, "other": 3}
+TYPES: Final[Mapping[str, int]] = {
+    "bool": 0,
+    "uint8": 1,
+    "uint16": 2,
+    "uint32": 3,
+    "uint64": 4,
+    "int8": 5,
+    "int16": 6,
+    "int32": 7,
+    "int64": 8,
+    "float16": 9,
+    "float32": 10,
+    "float64": 11,
+    "complex64": 12,
+    "complex128": 13,
+}
+ROLE_AT: Final = 2
+TYPE_AT: Final = 4
+# Bits of `flags`; bits 4 and 5, the coding.
+NORMALIZED: Final = 1
+PARTLY: Final = 2
+PALETTE: Final = 4
+MIXED: Final = 8
+CODING_AT: Final = 4
+FIRST_NONE: Final = 64
+Coding: TypeAlias = Literal["integer", "exact", "grid", "octahedral"]
+CODINGS: Final[Mapping[Coding, int]] = {"integer": 0, "exact": 1, "grid": 2, "octahedral": 3}
+# What follows the common fields where numbers are integers.
+INTEGER_FIELDS: Final = (Field("origin", "u64"), Field("bits", "u8"), Field("limbs", "u8"))
+# `wedges`: those of the attribute itself; none, values belong to polygons; from there on, those of
+# attribute 0, 1, ...
+OWN_WEDGES: Final = 0
+POLYGON_OWNERS: Final = 1
+WEDGES_OF: Final = 2
+# A residual of such numbers is below 2^30: its length ends with a bit of zero, so that no number of
+# elements takes no bytes.
+MAX_LIMB_BITS: Final = 29
+
 # SPEC.md#515-part
 
+# Forms of a block.
+BLOCK_PLAIN: Final = 0
+BLOCK_DEFLATED: Final = 1
+# A byte for each division: bits 0 to 2, its kind.
+KINDS: Final[Mapping[Kind, int]] = {
+    "object": 0,
+    "mesh": 1,
+    "group": 2,
+    "material": 3,
+    "smoothing": 4,
+}
+DIVISION_KIND: Final = 7
+DIVISION_PARTLY: Final = 8
+DIVISION_MOVED: Final = 16
 # Bytes of all the text of a file, before it is packed: bounds what a small file can grow to.
 MAX_TEXT: Final = 2**24
+
+# SPEC.md#517-octahedral-normals
+
+MIN_NORMAL_BITS: Final = 2
+MAX_NORMAL_BITS: Final = 30
+# `plan`: bits 0 and 1, the weights; bit 2, the coding.
+NORMAL_WEIGHTS: Final[Mapping[str, int]] = {"area": 0, "angle": 1, "equal": 2, "none": 3}
+NORMAL_CODINGS: Final[Mapping[str, int]] = {"deltas": 0, "numbers": 1}
+NORMAL_CODING_AT: Final = 2
+NORMAL_STATES: Final[Mapping[str, int]] = {"relative": 0, "absolute": 1, "zero": 2}
 
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:
@@ -216,163 +326,3 @@ def required(method: str, present: Collection[str]) -> tuple[str, ...]:
     needed = tuple(name for name in AFTER_CONNECTIVITY if name in present)
     further = tuple(name for name in METHODS[method].further if name in present)
     return (*ids[:after], *needed, *ids[after:], *further)
-
-
-@dataclass(frozen=True)
-class Parameters:
-    """How the geometry was coded; the payload of `PARM`.
-
-    Attributes
-    ----------
-    method : str
-        A key of `METHODS`.
-    diffusion : bool
-        Whether the encoder diffused the quantization error; the decoder has no use for it.
-    anchor_method : str or None
-        A key of `ANCHOR_METHODS`; None exactly for the methods without anchors.
-    bits : int or None
-        What was asked for, bits per coordinate; None when it was a step.
-    step : float
-        Quantization step, in the unit of the mesh; 0 exactly for an exact method, and for a bare
-        one at 0 bits.
-    origin : (float, float, float)
-        Origin of the grid of the anchors, or of the Cartesian coordinates.
-    anchor_step : float
-        Step of that grid for the anchors; 0 without any.
-    seed : int
-        Seed of the random choice of anchors.
-    anchor_count : int
-        Number of anchors; 0 for the methods without.
-    isolated : int
-        Number of points without a face.
-    coarse : float
-        The step of the deltas over `step`; 1 unless the method has coarse deltas.
-    dead_zone, normal_dead_zone : float
-        How far beyond half a step the encoder still rounded deltas, and refinements, to 0, in
-        steps; multiples of 0.01. The decoder has no use for them.
-    single : bool
-        Whether the source holds positions in float32.
-    """
-
-    method: str
-    diffusion: bool = False
-    anchor_method: str | None = None
-    bits: int | None = None
-    step: float = 0.0
-    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    anchor_step: float = 0.0
-    seed: int = 0
-    anchor_count: int = 0
-    isolated: int = 0
-    coarse: float = 1.0
-    dead_zone: float = 0.0
-    normal_dead_zone: float = 0.0
-    single: bool = False
-
-
-@dataclass(frozen=True)
-class Meta:
-    """What the encoder achieved and what it read; the payload of `meta`.
-
-    Attributes
-    ----------
-    rms, max : float
-        Distances between input and decoded vertices, in the unit of the mesh.
-    normal, dihedral : float
-        Mean deviation of the face normals and of the dihedral angles, in degrees.
-    diagonal : float
-        Diagonal of the bounding box of the input, in the unit of the mesh.
-    encoder : str
-        Name and version of the program.
-    source : str
-        Format of the input file, empty for arrays.
-    """
-
-    rms: float
-    max: float
-    normal: float
-    dihedral: float
-    diagonal: float
-    encoder: str
-    source: str
-
-
-@dataclass(frozen=True)
-class Section:
-    """One section: where it begins in the file, its payload, and all the bytes it takes."""
-
-    id: str
-    offset: int
-    payload: bytes | memoryview = field(repr=False)
-    size: int
-
-    def __reduce__(self) -> tuple[type[Section], tuple[str, int, bytes, int]]:
-        """Copy the payload: a view of a file cannot go to another process."""
-        return Section, (self.id, self.offset, bytes(self.payload), self.size)
-
-
-@dataclass(frozen=True)
-class Container:
-    """A whole file, read and checked but not decoded; `sections` are in the order of the file."""
-
-    version: int
-    vertices: int
-    faces: int
-    parameters: Parameters
-    meta: Meta | None
-    sections: dict[str, Section]
-    digest: bytes
-    size: int
-
-    def __str__(self) -> str:
-        from deltamesh_formats.container.summary import container_text
-
-        return container_text(self)
-
-    def _repr_html_(self) -> str:
-        """Return what a notebook shows."""
-        from deltamesh_formats.container.summary import container_html
-
-        return container_html(self)
-
-
-def parameter_faults(parameters: Parameters, vertices: int) -> Iterator[tuple[str, str]]:
-    """Yield (field, what is wrong with it) by the rules of SPEC.md 4.1, for reader and writer."""
-    p = parameters
-    method = METHODS[p.method]
-    stepless = method.exact or (method.bare and p.bits == 0)
-    if method.anchored == (p.anchor_method is None):
-        yield "anchor_method", f"method {p.method} with anchor method {p.anchor_method or 'none'}"
-    if p.bits is not None and not 0 <= p.bits <= MAX_BITS:
-        yield "bits", f"{p.bits} bits, outside 0..{MAX_BITS}"
-    if p.bits is not None and method.exact:
-        yield "bits", f"{p.bits} bits in a {method.title} file"
-    if not (math.isfinite(p.step) and p.step >= 0 and (p.step == 0) == stepless):
-        yield "step", f"a quantization step of {p.step}"
-    for axis, value in zip("xyz", p.origin, strict=True):
-        if not math.isfinite(value) or (method.exact and value):
-            yield f"origin_{axis}", f"an origin of {value}"
-    if not (math.isfinite(p.anchor_step) and p.anchor_step >= 0):
-        yield "anchor_step", f"an anchor step of {p.anchor_step}"
-    for name, count in (("anchor_count", p.anchor_count), ("isolated", p.isolated)):
-        if not 0 <= count <= vertices:
-            yield name, f"{count} {name.split('_')[0]} vertices among {vertices}"
-    if not (1 <= p.coarse < math.inf and (method.coarse or p.coarse == 1)):
-        yield "coarse", f"method {p.method} with deltas {p.coarse} times as coarse"
-    for name in ("dead_zone", "normal_dead_zone"):
-        if not 0 <= getattr(p, name) * ZONE_UNIT < 256:
-            yield name, f"a dead zone of {getattr(p, name)}"
-    if not method.anchored and (p.anchor_step or p.anchor_count):
-        yield "anchor_count", f"anchors in a {method.title} file"
-
-
-def meta_faults(meta: Meta) -> Iterator[tuple[str, str]]:
-    """Yield (field, what is wrong with it) by the rules of SPEC.md 4.2, for reader and writer."""
-    for name in ("rms", "max", "normal", "dihedral", "diagonal"):
-        value = getattr(meta, name)
-        if not (math.isfinite(value) and value >= 0):
-            yield name, f"{name} is {value}"
-    for name in ("encoder", "source"):
-        # It will be printed on a terminal: no escape sequences, no line ends.
-        if not getattr(meta, name).isprintable():
-            yield name, f"the {name} name holds control characters"

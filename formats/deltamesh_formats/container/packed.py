@@ -1,16 +1,15 @@
-"""Bytes in as few of them as they are or as zlib makes of them; SPEC.md 5.15."""
+"""Blocks of bytes, deflated where that makes them smaller; SPEC.md 5.15."""
 
 from __future__ import annotations
 
 import zlib
 from typing import Final
 
+from deltamesh_formats.container.layout import BLOCK_DEFLATED, BLOCK_PLAIN
 from deltamesh_formats.container.reader import Buffer, read_varint, take
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
 
-PLAIN: Final = 0
-DEFLATED: Final = 1
 _WINDOW_BITS: Final = -15  # no header and no checksum: a section has its own
 
 
@@ -19,8 +18,8 @@ def packed(data: bytes) -> bytes:
     compressor = zlib.compressobj(9, zlib.DEFLATED, _WINDOW_BITS, 9)
     small = compressor.compress(data) + compressor.flush()
     if len(small) < len(data):
-        return bytes([DEFLATED]) + write_varint(len(data)) + write_varint(len(small)) + small
-    return bytes([PLAIN]) + write_varint(len(data)) + data
+        return bytes([BLOCK_DEFLATED]) + write_varint(len(data)) + write_varint(len(small)) + small
+    return bytes([BLOCK_PLAIN]) + write_varint(len(data)) + data
 
 
 def unpacked_size(view: Buffer, position: int) -> int:
@@ -43,16 +42,16 @@ def unpacked(view: Buffer, position: int, most: int) -> tuple[bytes, int]:
     FormatError
     """
     form = take(view, position, 1)[0]
-    if form not in (PLAIN, DEFLATED):
-        raise FormatError(f"a block of form {form} is unknown", position)
+    if form not in (BLOCK_PLAIN, BLOCK_DEFLATED):
+        raise FormatError(f"unknown form {form} of a block", position)
     size, at = read_varint(view, position + 1)
     if size > most:
         raise FormatError(f"a block of {size} bytes, more than {most}", position + 1)
-    if form == PLAIN:
+    if form == BLOCK_PLAIN:
         return bytes(take(view, at, size)), at + size
     length, at = read_varint(view, at)
     if length >= size:
-        raise FormatError("a block that takes as many bytes as it holds", position)
+        raise FormatError(f"a block of {size} bytes deflated to {length}", position)
     return _inflated(take(view, at, length), size, at), at + length
 
 
@@ -64,7 +63,7 @@ def _inflated(data: Buffer, size: int, position: int) -> bytes:
         # What is left may be the end of the stream, which makes no byte.
         more = inflater.decompress(inflater.unconsumed_tail, 1)
     except zlib.error as error:
-        raise FormatError(f"a block that is no deflate stream: {error}", position) from None
+        raise FormatError(f"invalid deflate stream: {error}", position) from None
     if len(result) != size or more or not inflater.eof or inflater.unused_data:
-        raise FormatError("a deflate stream of another size than announced", position)
+        raise FormatError(f"a deflate stream of another size than {size} bytes", position)
     return result

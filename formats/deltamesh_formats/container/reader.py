@@ -13,8 +13,16 @@ from contextlib import contextmanager
 from typing import Any, TypeAlias
 
 from deltamesh_formats.container import layout
-from deltamesh_formats.container.layout import Container, Field, Meta, Parameters, Section
-from deltamesh_formats.errors import FormatError
+from deltamesh_formats.container.container import (
+    Container,
+    Meta,
+    Parameters,
+    Section,
+    meta_faults,
+    parameter_faults,
+)
+from deltamesh_formats.container.layout import Field
+from deltamesh_formats.errors import FormatError, located
 from deltamesh_formats.meshfiles.formats import format_of_beginning
 
 # Anything else with a contiguous buffer, such as an mmap, goes in as a memoryview.
@@ -43,28 +51,31 @@ def read_container(data: Buffer) -> Container:
     """
     view = memoryview(data).cast("B").toreadonly()
     header, position = _read_header(view)
-    vertices, faces = header["vertices"], header["faces"]
+    vertices, triangles = header["vertices"], header["triangles"]
     sections, end = _read_sections(view, position)
     if end < len(view):
         raise FormatError(f"{len(view) - end} bytes follow the last section", end)
-    parameters = _read_parameters(view, _first(sections), vertices)
+    with payload_of(_first(sections)) as payload:
+        parameters = read_parameters(payload, vertices)
     _check_order(sections, parameters.method)
-    meta = _read_meta(view, sections[layout.META]) if layout.META in sections else None
-    digest = _payload_fields(view, sections[layout.CHECK], layout.CHECK_FIELDS)[0]["digest"]
-    return Container(
-        header["version"], vertices, faces, parameters, meta, sections, digest, len(view)
-    )
+    meta = None
+    if layout.META in sections:
+        with payload_of(sections[layout.META]) as payload:
+            meta = read_meta(payload)
+    with payload_of(sections[layout.CHECK]) as payload:
+        digest = _read_table(payload, layout.CHECK_FIELDS)[0]["digest"]
+    return Container(header["version"], vertices, triangles, parameters, meta, sections, digest)
 
 
 def read_counts(data: Buffer) -> tuple[int, int]:
-    """Return how many vertices and faces a file has, by its header; the rest is not looked at.
+    """Return how many vertices and triangles a file has, by its header alone.
 
     Raises
     ------
     FormatError
     """
     header, _ = _read_header(memoryview(data).cast("B").toreadonly())
-    return header["vertices"], header["faces"]
+    return header["vertices"], header["triangles"]
 
 
 def read_varint(view: Buffer, position: int) -> tuple[int, int]:
@@ -83,7 +94,8 @@ def read_varint(view: Buffer, position: int) -> tuple[int, int]:
 def take(view: Buffer, position: int, size: int) -> Buffer:
     """Return `size` bytes from `position` on, or refuse at the byte where they run out."""
     if size > len(view) - position:
-        raise FormatError(f"truncated: {size} bytes are needed at byte {position}", len(view))
+        left = max(len(view) - position, 0)
+        raise FormatError(f"truncated: {size} bytes are needed, {left} are left", len(view))
     return view[position : position + size]
 
 
@@ -117,14 +129,13 @@ def _read_fields(
     return values, offsets, position
 
 
-def _payload_fields(
-    view: memoryview, section: Section, fields: tuple[Field, ...]
+def _read_table(
+    payload: Buffer, fields: tuple[Field, ...]
 ) -> tuple[dict[str, Any], dict[str, int]]:
-    """Read a section whose payload is a byte table and nothing else."""
-    end = section.offset + section.size - layout.CRC_SIZE
-    values, offsets, position = _read_fields(view[:end], end - len(section.payload), fields)
-    if position < end:
-        raise FormatError(f"section {section.id} is {end - position} bytes too long", position)
+    """Return the values and the offsets of a payload that is a byte table and nothing else."""
+    values, offsets, end = _read_fields(payload, 0, fields)
+    if end < len(payload):
+        raise FormatError(f"{len(payload) - end} bytes follow the last field", end)
     return values, offsets
 
 
@@ -141,7 +152,7 @@ def _read_header(view: memoryview) -> tuple[dict[str, Any], int]:
     _check_crc(view, 0, offsets["crc"], "the header")
     if values["reserved"]:
         raise FormatError("reserved bits are set: it needs a newer deltamesh", offsets["reserved"])
-    for name in ("vertices", "faces"):
+    for name in ("vertices", "triangles"):
         if values[name] > layout.MAX_COUNT:
             message = f"{values[name]} {name}, more than {layout.MAX_COUNT}"
             raise FormatError(message, offsets[name])
@@ -164,11 +175,11 @@ def _check_magic(view: memoryview) -> None:
     raise FormatError("not a .dmesh file", 0)
 
 
-def _check_crc(view: memoryview, start: int, end: int, what: str) -> None:
+def _check_crc(view: memoryview, start: int, end: int, name: str) -> None:
     """Compare the CRC-32 (as in zlib, PNG) of view[start:end] with the four bytes after it."""
     stored, _ = _read_field(view, end, "u32")
     if stored != zlib.crc32(view[start:end]):
-        raise FormatError(f"{what} is damaged: its checksum does not match", start)
+        raise FormatError(f"{name} is damaged: its checksum does not match", start)
 
 
 def _read_sections(view: memoryview, position: int) -> tuple[dict[str, Section], int]:
@@ -183,7 +194,7 @@ def _read_sections(view: memoryview, position: int) -> tuple[dict[str, Section],
         if section.id in sections:
             raise FormatError(f"section {section.id} comes a second time", position)
         sections[section.id] = section
-        position += section.size
+        position = section.end
     return sections, position
 
 
@@ -201,7 +212,7 @@ def _read_section(view: memoryview, offset: int) -> Section:
     if name not in layout.KNOWN and name[0].isupper():
         raise FormatError(f"section {name} is unknown: it needs a newer deltamesh", offset)
     payload = view[start : start + length]
-    return Section(name, offset, payload, start + length + layout.CRC_SIZE - offset)
+    return Section(name, offset, payload)
 
 
 def _first(sections: dict[str, Section]) -> Section:
@@ -225,8 +236,14 @@ def _check_order(sections: dict[str, Section], method: str) -> None:
             raise FormatError(message, sections[name].offset)
 
 
-def _read_parameters(view: memoryview, section: Section, vertices: int) -> Parameters:
-    values, offsets = _payload_fields(view, section, layout.PARAMETER_FIELDS)
+def read_parameters(payload: Buffer, vertices: int) -> Parameters:
+    """Return what the payload of `PARM` holds, in a file of so many vertices.
+
+    Raises
+    ------
+    FormatError
+    """
+    values, offsets = _read_table(payload, layout.PARAMETER_FIELDS)
     for field, names in (("method", _METHODS), ("anchor_method", _ANCHOR_METHODS)):
         if values[field] not in names:
             message = f"{field.replace('_', ' ')} {values[field]} is unknown"
@@ -248,15 +265,21 @@ def _read_parameters(view: memoryview, section: Section, vertices: int) -> Param
         normal_dead_zone=values["normal_dead_zone"] / layout.ZONE_UNIT,
         single=bool(values["flags"] & layout.FLAG_SINGLE),
     )
-    for field, message in layout.parameter_faults(parameters, vertices):
+    for field, message in parameter_faults(parameters, vertices):
         raise FormatError(message, offsets[field])
     return parameters
 
 
-def _read_meta(view: memoryview, section: Section) -> Meta:
-    values, offsets = _payload_fields(view, section, layout.META_FIELDS)
+def read_meta(payload: Buffer) -> Meta:
+    """Return what the payload of `meta` holds.
+
+    Raises
+    ------
+    FormatError
+    """
+    values, offsets = _read_table(payload, layout.META_FIELDS)
     meta = Meta(**values)
-    for field, message in layout.meta_faults(meta):
+    for field, message in meta_faults(meta):
         raise FormatError(message, offsets[field])
     return meta
 
@@ -264,9 +287,5 @@ def _read_meta(view: memoryview, section: Section) -> Meta:
 @contextmanager
 def payload_of(section: Section) -> Iterator[memoryview]:
     """Give the payload of a section; a `FormatError` in it gets its place in the file."""
-    payload = memoryview(section.payload)
-    try:
-        yield payload
-    except FormatError as error:
-        start = section.offset + section.size - layout.CRC_SIZE - len(payload)
-        raise FormatError(f"{section.id}: {error.reason}", start + (error.offset or 0)) from None
+    with located(section.start, f"{section.id}: "):
+        yield memoryview(section.payload)

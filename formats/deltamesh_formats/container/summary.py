@@ -9,15 +9,8 @@ from collections.abc import Iterator, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from deltamesh_formats.container.layout import (
-    ATTRIBUTES,
-    METHODS,
-    ORDER,
-    POLYGONS,
-    Container,
-    Meta,
-    Parameters,
-)
+from deltamesh_formats.container.container import Container, Meta, Parameters
+from deltamesh_formats.container.layout import ATTRIBUTES, METHODS, ORDER, POLYGONS
 from deltamesh_formats.container.listing import text_lines
 from deltamesh_formats.container.reader import read_varint
 from deltamesh_formats.container.texts import texts_of
@@ -49,19 +42,19 @@ def polygons(container: Container) -> int:
     Without any of more than three corners, these are the faces.
     """
     if POLYGONS not in container.sections:
-        return container.faces
+        return container.triangles
     try:
         return read_varint(memoryview(container.sections[POLYGONS].payload), 0)[0]
     except FormatError:
-        return container.faces
+        return container.triangles
 
 
 def counts(container: Container) -> str:
     """Return vertices, faces and bits per vertex, in words."""
     rate = bits_per_vertex(container.size, container.vertices)
-    faces = f"{container.faces} faces"
+    faces = f"{container.triangles} faces"
     if POLYGONS in container.sections:
-        faces = f"{polygons(container)} polygons ({container.faces} triangles)"
+        faces = f"{polygons(container)} polygons ({container.triangles} triangles)"
     return f"{container.vertices} vertices, {faces}, {rate:.2f} bits per vertex"
 
 

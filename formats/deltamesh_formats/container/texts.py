@@ -1,4 +1,4 @@
-"""The text of a `.dmesh` file: names of parts, metadata, words for what is lost; SPEC.md 5.15.
+"""Text of a `.dmesh` file: names of parts, metadata, words for what is lost; SPEC.md 5.15.
 
 It can be read without decoding anything else, and without numpy: `deltamesh info` does. Text comes
 from users' files and may hold anything, control characters too: whoever prints it escapes them.
@@ -6,34 +6,29 @@ from users' files and may hold anything, control characters too: whoever prints 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import TYPE_CHECKING, Final
 
-from deltamesh_formats.container.layout import CRC_SIZE, MAX_TEXT, PARTS, Container
+from deltamesh_formats.container import layout
+from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.layout import MAX_TEXT, PARTS
 from deltamesh_formats.container.packed import packed, unpacked, unpacked_size
-from deltamesh_formats.container.reader import Buffer, read_varint, take
+from deltamesh_formats.container.reader import Buffer, payload_of, read_varint, take
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, MeshError
 
 if TYPE_CHECKING:
     from deltamesh_formats.polymesh.kinds import Kind
 
-_Found = TypeVar("_Found")
-
-# The kinds of parts by their numbers in a file.
-KINDS: Final[tuple[Kind, ...]] = ("object", "mesh", "group", "material", "smoothing")
-# Bits of the byte of a kind, above its number.
-_KIND: Final = 7
-_PARTLY: Final = 8
-_MOVED: Final = 16
+_KINDS: Final = {code: kind for kind, code in layout.KINDS.items()}
 # Any text of Python has one form: bytes of the source that were no UTF-8 are surrogates in it.
 _ENCODING: Final = ("utf-8", "surrogatepass")
 
 
 @dataclass(frozen=True)
 class Division:
-    """One way in which faces are divided, without the faces.
+    """Division of the polygons into parts of one kind, without the polygons.
 
     Attributes
     ----------
@@ -41,7 +36,7 @@ class Division:
     names : tuple of str
         One a part.
     partly : bool
-        Whether some faces are in no part.
+        Whether some polygons are in no part.
     moved : bool
         Whether the parts have transforms.
     """
@@ -81,8 +76,10 @@ def texts_of(container: Container) -> Texts:
     ------
     FormatError
     """
-    nothing = Texts((), {}, ())
-    return _of_section(container, lambda payload: read_texts(payload)[0], nothing)
+    if PARTS not in container.sections:
+        return Texts((), {}, ())
+    with payload_of(container.sections[PARTS]) as payload:
+        return read_texts(payload)[0]
 
 
 def text_size(container: Container) -> int:
@@ -92,26 +89,18 @@ def text_size(container: Container) -> int:
     ------
     FormatError
     """
-    return _of_section(container, lambda payload: unpacked_size(payload, 0), 0)
-
-
-def _of_section(container: Container, read: Callable[[Buffer], _Found], nothing: _Found) -> _Found:
-    """Return what is read of the section; a `FormatError` in it gets its place in the file."""
     if PARTS not in container.sections:
-        return nothing
-    section = container.sections[PARTS]
-    try:
-        return read(section.payload)
-    except FormatError as error:
-        start = section.offset + section.size - CRC_SIZE - len(section.payload)
-        raise FormatError(f"{PARTS}: {error.reason}", start + (error.offset or 0)) from None
+        return 0
+    with payload_of(container.sections[PARTS]) as payload:
+        return unpacked_size(payload, 0)
 
 
 def raw_texts(texts: Texts) -> bytes:
     """Return the bytes of a text before they are packed."""
     parts = [write_varint(len(texts.divisions))]
     for one in texts.divisions:
-        flags = KINDS.index(one.kind) | one.partly * _PARTLY | one.moved * _MOVED
+        flags = layout.KINDS[one.kind] | one.partly * layout.DIVISION_PARTLY
+        flags |= one.moved * layout.DIVISION_MOVED
         parts += [bytes([flags]), _strings(one.names)]
     parts.append(write_varint(len(texts.metadata)))
     for key, lines in texts.metadata.items():
@@ -148,9 +137,9 @@ def read_texts(view: Buffer) -> tuple[Texts, int]:
     except FormatError as error:
         raise FormatError(f"in the text, {error.reason}", 0) from None
     if at < len(raw):
-        raise FormatError("bytes after the end of the text", 0)
+        raise FormatError(f"{len(raw) - at} bytes follow the end of the text", 0)
     if texts.is_empty:
-        raise FormatError("a text of nothing", 0)
+        raise FormatError("no parts, metadata or losses in the text", 0)
     return texts, end
 
 
@@ -167,7 +156,7 @@ def _read(raw: bytes) -> tuple[Texts, int]:
     for _ in range(count):
         key, at = _read_string(raw, at)
         if key in metadata:
-            raise FormatError("a key of metadata comes a second time", at)
+            raise FormatError(f"metadata key {key!r} comes a second time", at)
         metadata[key], at = _read_strings(raw, at)
     lost, at = _read_strings(raw, at)
     return Texts(tuple(divisions.values()), metadata, lost), at
@@ -175,11 +164,14 @@ def _read(raw: bytes) -> tuple[Texts, int]:
 
 def _read_division(raw: bytes, at: int) -> tuple[Division, int]:
     flags = take(raw, at, 1)[0]
-    if flags & _KIND >= len(KINDS) or flags >= 2 * _MOVED:
-        raise FormatError(f"parts of kind {flags} are unknown", at)
+    kind = flags & layout.DIVISION_KIND
+    if kind not in _KINDS:
+        raise FormatError(f"unknown kind of parts {kind}", at)
+    if flags >= 2 * layout.DIVISION_MOVED:
+        raise FormatError(f"parts of kind {_KINDS[kind]}: reserved bits are set", at)
     names, end = _read_strings(raw, at + 1)
-    kind = KINDS[flags & _KIND]
-    return Division(kind, names, bool(flags & _PARTLY), bool(flags & _MOVED)), end
+    partly, moved = bool(flags & layout.DIVISION_PARTLY), bool(flags & layout.DIVISION_MOVED)
+    return Division(_KINDS[kind], names, partly, moved), end
 
 
 def _string(text: str) -> bytes:

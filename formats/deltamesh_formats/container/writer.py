@@ -8,58 +8,89 @@ from collections.abc import Mapping
 from typing import Any
 
 from deltamesh_formats.container import layout
-from deltamesh_formats.container.layout import Field, Meta, Parameters
+from deltamesh_formats.container.container import Container, Meta, Parameters, Section
+from deltamesh_formats.container.layout import Field
 from deltamesh_formats.errors import MeshError
 
 
-def write_container(
-    vertices: int,
-    faces: int,
-    parameters: Parameters,
-    payloads: Mapping[str, bytes],
-    meta: Meta | None,
-    digest: bytes,
-) -> bytes:
+def write_container(container: Container) -> bytes:
     """Return the bytes of a `.dmesh` file; `reader.read_container` takes them apart again.
 
     Parameters
     ----------
-    vertices, faces : int
-        Counts of the decoded mesh.
-    parameters : Parameters
-    payloads : mapping of section id to bytes
-        The sections that are the codec's own: `CONN`, `STCH` and `COPY` where they are needed,
-        those of the method, `FIXS`, `PART` and `ORDR` where they are needed. Ids unknown
-        to this version must be optional ones; they come last, in their order.
-    meta : Meta or None
-    digest : bytes, 8
-        Of the decoded integers.
+    container : Container
+        From `building.build_container` or `reader.read_container`. The payloads of its sections are
+        written as they are.
+    """
+    c = container
+    header = write_header(c.version, c.vertices, c.triangles)
+    return b"".join([header, *map(_section, c.sections.values())])
+
+
+def write_header(version: int, vertices: int, triangles: int) -> bytes:
+    """Return the bytes of a header.
 
     Raises
     ------
     MeshError
-        When a value is outside what the format holds.
-    ValueError
-        For payloads that do not belong to the method, too many of them, or a digest of another
-        size.
+        For a count that the format does not hold.
     """
-    _check_counts(vertices, faces)
-    required = layout.required(parameters.method, payloads)[1:]
-    others = [name for name in payloads if name not in required]
-    if not set(required) <= set(payloads):
-        raise ValueError(f"the payloads are {list(payloads)}, not {required}")
-    if any(name in layout.KNOWN or not _is_optional_id(name) for name in others):
-        raise ValueError(f"not ids of optional sections: {others}")
-    if len(others) + len(required) + 3 > layout.MAX_SECTIONS:
-        raise ValueError(f"more than {layout.MAX_SECTIONS} sections")
-    if len(digest) != layout.DIGEST_SIZE:
-        raise ValueError(f"a digest of {len(digest)} bytes, not {layout.DIGEST_SIZE}")
-    parts = [_header(vertices, faces), _parameters(parameters, vertices)]
-    parts += [_section(name, payloads[name]) for name in required]
-    parts += [] if meta is None else [_meta(meta)]
-    parts += [_section(name, payloads[name]) for name in others]
-    parts += [_section(layout.CHECK, _fields(layout.CHECK_FIELDS, {"digest": digest}))]
-    return b"".join(parts)
+    for name, count in (("vertices", vertices), ("triangles", triangles)):
+        if not 0 <= count <= layout.MAX_COUNT:
+            raise MeshError(f"{count} {name}, outside 0..{layout.MAX_COUNT}")
+    values = {
+        "magic": layout.MAGIC,
+        "version": version,
+        "reserved": 0,
+        "vertices": vertices,
+        "triangles": triangles,
+    }
+    return _with_crc(_fields(layout.HEADER_FIELDS[:-1], values))
+
+
+def write_parameters(parameters: Parameters) -> bytes:
+    """Return the payload of `PARM`.
+
+    Raises
+    ------
+    MeshError
+        For a value that its field does not hold.
+    """
+    p = parameters
+    values = {
+        "method": layout.METHODS[p.method].id,
+        "flags": p.diffusion * layout.FLAG_DIFFUSION | p.single * layout.FLAG_SINGLE,
+        "anchor_method": layout.ANCHOR_METHODS[p.anchor_method],
+        "bits": layout.BITS_FROM_STEP if p.bits is None else p.bits,
+        "step": p.step,
+        "origin_x": p.origin[0],
+        "origin_y": p.origin[1],
+        "origin_z": p.origin[2],
+        "anchor_step": p.anchor_step,
+        "seed": p.seed,
+        "anchor_count": p.anchor_count,
+        "isolated": p.isolated,
+        "coarse": p.coarse,
+        "dead_zone": round(p.dead_zone * layout.ZONE_UNIT),
+        "normal_dead_zone": round(p.normal_dead_zone * layout.ZONE_UNIT),
+    }
+    return _fields(layout.PARAMETER_FIELDS, values)
+
+
+def write_meta(meta: Meta) -> bytes:
+    """Return the payload of `meta`.
+
+    Raises
+    ------
+    MeshError
+        For a value that its field does not hold.
+    """
+    return _fields(layout.META_FIELDS, vars(meta))
+
+
+def write_digest(digest: bytes) -> bytes:
+    """Return the payload of `CHEK`."""
+    return _fields(layout.CHECK_FIELDS, {"digest": digest})
 
 
 def write_varint(value: int) -> bytes:
@@ -100,61 +131,10 @@ def _fields(fields: tuple[Field, ...], values: Mapping[str, Any]) -> bytes:
     return b"".join(parts)
 
 
+def _section(section: Section) -> bytes:
+    length = write_varint(len(section.payload))
+    return _with_crc(section.id.encode("ascii") + length + section.payload)
+
+
 def _with_crc(raw: bytes) -> bytes:
     return raw + _field(zlib.crc32(raw), "u32")
-
-
-def _header(vertices: int, faces: int) -> bytes:
-    values = {
-        "magic": layout.MAGIC,
-        "version": layout.VERSION,
-        "reserved": 0,
-        "vertices": vertices,
-        "faces": faces,
-    }
-    return _with_crc(_fields(layout.HEADER_FIELDS[:-1], values))
-
-
-def _check_counts(vertices: int, faces: int) -> None:
-    for name, count in (("vertices", vertices), ("faces", faces)):
-        if not 0 <= count <= layout.MAX_COUNT:
-            raise MeshError(f"{count} {name}, outside 0..{layout.MAX_COUNT}")
-
-
-def _is_optional_id(name: str) -> bool:
-    is_id = len(name) == layout.ID_SIZE and name.isascii() and name.isalpha()
-    return is_id and name[0].islower()
-
-
-def _section(name: str, payload: bytes) -> bytes:
-    return _with_crc(name.encode("ascii") + write_varint(len(payload)) + payload)
-
-
-def _parameters(parameters: Parameters, vertices: int) -> bytes:
-    for _, message in layout.parameter_faults(parameters, vertices):
-        raise MeshError(f"cannot be written: {message}")
-    values = {
-        "method": layout.METHODS[parameters.method].id,
-        "flags": parameters.diffusion * layout.FLAG_DIFFUSION
-        | parameters.single * layout.FLAG_SINGLE,
-        "anchor_method": layout.ANCHOR_METHODS[parameters.anchor_method],
-        "bits": layout.BITS_FROM_STEP if parameters.bits is None else parameters.bits,
-        "step": parameters.step,
-        "origin_x": parameters.origin[0],
-        "origin_y": parameters.origin[1],
-        "origin_z": parameters.origin[2],
-        "anchor_step": parameters.anchor_step,
-        "seed": parameters.seed,
-        "anchor_count": parameters.anchor_count,
-        "isolated": parameters.isolated,
-        "coarse": parameters.coarse,
-        "dead_zone": round(parameters.dead_zone * layout.ZONE_UNIT),
-        "normal_dead_zone": round(parameters.normal_dead_zone * layout.ZONE_UNIT),
-    }
-    return _section(layout.PARAMETERS, _fields(layout.PARAMETER_FIELDS, values))
-
-
-def _meta(meta: Meta) -> bytes:
-    for _, message in layout.meta_faults(meta):
-        raise MeshError(f"cannot be written: {message}")
-    return _section(layout.META, _fields(layout.META_FIELDS, vars(meta)))

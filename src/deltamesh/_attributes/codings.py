@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from deltamesh._attributes.normals.octahedral import is_unit
 from deltamesh._streams.floats import bits_of, from_bits
-from deltamesh_formats.container.attribute_table import MAX_LIMB_BITS, Entry
+from deltamesh_formats.container.attribute_table import Entry
+from deltamesh_formats.container.layout import MAX_LIMB_BITS
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import Attribute
 

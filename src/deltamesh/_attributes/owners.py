@@ -13,8 +13,9 @@ from deltamesh._attributes.wedges import decode_wedges, encode_wedges
 from deltamesh._graph.elements import Elements, of_classes
 from deltamesh._graph.permutations import numbered
 from deltamesh._streams.labels import decode_labels, encode_labels
-from deltamesh_formats.container.attribute_table import FACES, OWN_CLASSES, Entry
-from deltamesh_formats.errors import FormatError
+from deltamesh_formats.container.attribute_table import Entry
+from deltamesh_formats.container.layout import OWN_WEDGES, POLYGON_OWNERS, WEDGES_OF
+from deltamesh_formats.errors import FormatError, located
 
 _Ints = NDArray[np.int64]
 
@@ -34,7 +35,7 @@ class Owners:
     wedges : int64 (3 m,) or None
         The wedge of each corner of the triangles, where wedges are the owners.
     reference : int
-        As `Entry.classes`.
+        As `Entry.wedges`.
     streams : tuple of bytes
         The coded wedges and the coded presence of values, each if there is one.
     """
@@ -43,7 +44,7 @@ class Owners:
     elements: Elements
     has: NDArray[np.bool_]
     wedges: _Ints | None = None
-    reference: int = OWN_CLASSES
+    reference: int = OWN_WEDGES
     streams: tuple[bytes, ...] = ()
 
     def rows(self, of_elements: _Ints) -> _Ints:
@@ -93,20 +94,18 @@ def decode_owners(
     start = streams[0][0] if streams else 0
     owners = _known_owners(entry, domains)
     if owners is None:
-        if entry.classes == OWN_CLASSES:
+        if entry.wedges == OWN_WEDGES:
             wedges = _own_wedges(payload, streams.pop(0), domains)
         else:
-            shared = earlier[entry.classes - 2]
+            shared = earlier[entry.wedges - WEDGES_OF]
             assert shared is not None  # by the rules of the table
             wedges = shared
-        owners = _of_wedges(wedges, domains, entry.classes)
+        owners = _of_wedges(wedges, domains, entry.wedges)
     if not entry.partly:
         return owners
     begin, end = streams.pop(0)
-    try:
+    with located(begin):
         labels = decode_labels(payload[begin:end], owners.elements)
-    except FormatError as error:
-        raise FormatError(error.reason, begin + (error.offset or 0)) from None
     if labels.max(initial=0) > 1:
         raise FormatError("presence label above 1", start)
     return replace(owners, has=(labels == 1) == entry.first_none)
@@ -116,26 +115,26 @@ def _owners(entry: Entry, rows: _Ints, domains: Domains, earlier: Sequence[_Ints
     if entry.domain == "corner":
         first = domains.polygons.offsets[:-1]
         per_polygon = (rows == rows[first][domains.polygon_of_corners]).all()
-        entry = replace(entry, classes=FACES if per_polygon else OWN_CLASSES)
+        entry = replace(entry, wedges=POLYGON_OWNERS if per_polygon else OWN_WEDGES)
     known = _known_owners(entry, domains)
     if known is not None:
         return known
     stream, wedges = encode_wedges(domains.structure, domains.polygons, rows + 1)
     for k, other in enumerate(earlier):
         if other is not None and np.array_equal(other, wedges):
-            return _of_wedges(wedges, domains, k + 2)
-    return replace(_of_wedges(wedges, domains, OWN_CLASSES), streams=(stream,))
+            return _of_wedges(wedges, domains, k + WEDGES_OF)
+    return replace(_of_wedges(wedges, domains, OWN_WEDGES), streams=(stream,))
 
 
 def _known_owners(entry: Entry, domains: Domains) -> Owners | None:
     """Return vertices or polygons as owners, None where wedges are."""
     if entry.domain == "corner":
-        if entry.classes != FACES:
+        if entry.wedges != POLYGON_OWNERS:
             return None
-        of_elements, elements, reference = domains.polygon_of_corners, domains.faces, FACES
+        of_elements, elements, reference = domains.polygon_of_corners, domains.faces, POLYGON_OWNERS
     else:
         elements = domains.vertices if entry.domain == "vertex" else domains.faces
-        of_elements, reference = np.arange(elements.count), OWN_CLASSES
+        of_elements, reference = np.arange(elements.count), OWN_WEDGES
     return Owners(of_elements, elements, np.ones(elements.count, bool), reference=reference)
 
 

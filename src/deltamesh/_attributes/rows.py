@@ -17,7 +17,7 @@ from deltamesh._streams.columns import decode_columns, encode_columns
 from deltamesh._streams.floats import decode_floats, encode_floats
 from deltamesh._streams.labels import decode_labels, encode_labels
 from deltamesh_formats.container.attribute_table import Entry
-from deltamesh_formats.errors import FormatError
+from deltamesh_formats.errors import FormatError, located
 
 _Ints = NDArray[np.int64]
 
@@ -88,19 +88,15 @@ def decode_rows(
     labels, of_rows = np.arange(near.count), near
     if entry.palette is not None:
         (begin, end), *streams = streams
-        try:
+        with located(begin):
             labels = decode_labels(payload[begin:end], near)
-        except FormatError as error:
-            raise FormatError(error.reason, begin + (error.offset or 0)) from None
         found = int(labels.max(initial=-1)) + 1
         if found != entry.palette:
             raise FormatError(f"palette of {entry.palette} rows, of which {found} are used", at)
         of_rows = alone(entry.palette)
     codes = _decode(payload, streams, entry, of_rows)
-    try:
+    with located(at):
         check_codes(entry, codes)
-    except FormatError as error:
-        raise FormatError(error.reason, at) from None
     return Rows(labels, codes)
 
 

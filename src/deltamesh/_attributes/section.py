@@ -25,7 +25,8 @@ from deltamesh._attributes.normals.coding import (
 from deltamesh._attributes.owners import Owners, decode_owners, encode_owners
 from deltamesh._attributes.rows import Rows, decode_rows, encode_rows
 from deltamesh._shape.polygons import Sources
-from deltamesh_formats.container.attribute_table import OWN_CLASSES, Entry, read_table, write_table
+from deltamesh_formats.container.attribute_table import Entry, read_table, write_table
+from deltamesh_formats.container.layout import OWN_WEDGES
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 
 _Ints = NDArray[np.int64]
@@ -69,7 +70,7 @@ class CodedAttribute:
     @property
     def own_wedges(self) -> _Ints | None:
         """The wedges, unless those of an attribute before serve."""
-        return self.wedges if self.entry.classes == OWN_CLASSES else None
+        return self.wedges if self.entry.wedges == OWN_WEDGES else None
 
 
 def attribute_arrays(coded: Iterable[CodedAttribute]) -> tuple[_Ints, ...]:
@@ -154,7 +155,7 @@ class _Encoder:
         rows = owners.rows(first_equal[self.of_elements])[owners.has]
         has, partly = owners.has, not owners.has.all()
         entry = replace(
-            entry, classes=owners.reference, partly=partly, first_none=partly and not has[0]
+            entry, wedges=owners.reference, partly=partly, first_none=partly and not has[0]
         )
         normals = None
         if entry.coding == "octahedral":

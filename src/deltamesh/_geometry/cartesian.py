@@ -20,7 +20,7 @@ from deltamesh._options import DEFAULT_CARTESIAN_BITS, Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams import entropy
 from deltamesh_formats.container import layout
-from deltamesh_formats.container.layout import Parameters, Section
+from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.reader import payload_of
 
 

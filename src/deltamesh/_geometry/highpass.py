@@ -23,7 +23,7 @@ from deltamesh._options import DEFAULT_HIGHPASS_STEP, Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams import entropy
 from deltamesh_formats.container import layout
-from deltamesh_formats.container.layout import Parameters, Section
+from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.reader import payload_of, take
 from deltamesh_formats.errors import FormatError, OptionError
 
@@ -32,7 +32,6 @@ from deltamesh_formats.errors import FormatError, OptionError
 ANCHOR_REFINEMENT = 8
 # ... and at least as fine as that fraction of the longest side, which alone counts for 0 bits.
 ANCHOR_GRID_BITS = 16
-MAX_GRID_BITS = 30
 
 
 def quantize(
@@ -151,7 +150,7 @@ def _anchor_step(vertices: NDArray[np.float64], step: float) -> float:
     """Return the step of the grid of the anchors."""
     extent = float(np.ptp(vertices, axis=0).max())
     coarsest = extent / 2.0**ANCHOR_GRID_BITS or 1.0
-    finest = extent / 2.0 ** (MAX_GRID_BITS - 1)
+    finest = extent / 2.0 ** (layout.MAX_GRID_BITS - 1)
     return max(min(coarsest, step / ANCHOR_REFINEMENT if step else coarsest), finest)
 
 
@@ -228,8 +227,8 @@ def _decode_anchors(
     surface: Surface, parameters: Parameters, payload: memoryview
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     bits = np.array(take(payload, 0, 3), dtype=np.int64)
-    if bits.max() > MAX_GRID_BITS:
-        raise FormatError(f"a grid of more than {MAX_GRID_BITS} bits", int(np.argmax(bits)))
+    if bits.max() > layout.MAX_GRID_BITS:
+        raise FormatError(f"a grid of more than {layout.MAX_GRID_BITS} bits", int(np.argmax(bits)))
     coder = entropy.decoder(payload[3:], points.SLOTS, points.MIXERS)
     k, n = parameters.anchor_count, surface.vertex_count
     anchors = np.zeros(k, dtype=np.int64)

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh_formats.container.layout import Parameters
+from deltamesh_formats.container.container import Parameters
 
 NONE: Final = np.zeros(0, dtype=np.int64)
 NO_POINTS: Final = np.zeros((0, 3), dtype=np.int64)

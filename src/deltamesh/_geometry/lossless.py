@@ -30,7 +30,8 @@ from deltamesh._streams.exact import (
 )
 from deltamesh._streams.format_choice import choose_formats
 from deltamesh._streams.number_formats import from_indices, to_indices
-from deltamesh_formats.container.layout import EXACT, Parameters, Section
+from deltamesh_formats.container.container import Parameters, Section
+from deltamesh_formats.container.layout import EXACT
 from deltamesh_formats.container.reader import payload_of
 from deltamesh_formats.errors import FormatError
 

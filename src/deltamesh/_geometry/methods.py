@@ -18,7 +18,7 @@ from deltamesh._geometry.solve import Factor
 from deltamesh._methods import METHODS
 from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
-from deltamesh_formats.container.layout import Parameters, Section
+from deltamesh_formats.container.container import Parameters, Section
 
 
 class GeometryCodec(Protocol):

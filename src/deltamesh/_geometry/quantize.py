@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._kernels.coding import delta as kernels
+from deltamesh_formats.container.layout import MAX_GRID_BITS
 from deltamesh_formats.errors import MeshError
 
 # The entropy coder takes |value| < 2^31; a bit is to spare for diffused errors.
-MOST_STEPS: Final = 1 << 30
+MOST_STEPS: Final = 1 << MAX_GRID_BITS
 
 
 def delta_step(delta: NDArray[np.float64], bits: int) -> float:

@@ -28,7 +28,8 @@ from deltamesh._kernels.coding import residual
 from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams import entropy
-from deltamesh_formats.container.layout import NORMALS, Parameters, Section
+from deltamesh_formats.container.container import Parameters, Section
+from deltamesh_formats.container.layout import NORMALS
 from deltamesh_formats.container.reader import payload_of
 
 # Dead zones: beyond half a step, what is still rounded to 0. Over eight meshes and both errors,

@@ -21,7 +21,7 @@ from deltamesh._geometry.integers import Integers
 from deltamesh._measures.metrics import VertexErrors
 from deltamesh._methods import AUTO, CARTESIAN, HIGHPASS, METHODS, REFINED
 from deltamesh._options import DEFAULT_COARSE, Options, Settings, settings_of
-from deltamesh_formats.container.layout import Parameters
+from deltamesh_formats.container.container import Parameters
 from deltamesh_formats.errors import MeshError, TargetError
 
 # An error within that share of its bound is good enough, by effort.

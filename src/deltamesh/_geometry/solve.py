@@ -18,7 +18,6 @@ import contextlib
 import functools
 import importlib
 import importlib.util
-import os
 import sys
 import threading
 import weakref
@@ -31,6 +30,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 from scipy.sparse import csgraph
 
+from deltamesh._machine import available_cores
 from deltamesh_formats.errors import SolveError
 
 Solve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
@@ -84,7 +84,9 @@ class LeastSquares:
         S = sparse.csr_array((np.ones(k), (np.arange(k), anchors)), shape=(k, n))
         self._A = sparse.vstack([L, S], format="csr")
         self._transposed = self._A.T.tocsr()
-        self._solve = _factor(self._A, self._transposed, solver_name(solver), threads or _cores())
+        self._solve = _factor(
+            self._A, self._transposed, solver_name(solver), threads or available_cores()
+        )
 
     def solve(
         self, delta: NDArray[np.float64], positions: NDArray[np.float64]
@@ -162,13 +164,6 @@ def solver_name(name: str) -> str:
 
 def _installed(module: str) -> bool:
     return importlib.util.find_spec(module) is not None
-
-
-def _cores() -> int:
-    """Return the number of cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _check_anchored(L: sparse.csr_array, anchors: NDArray[np.int64]) -> None:

@@ -24,6 +24,12 @@ from deltamesh._kernels.coding.coder import Coder
 from deltamesh._order.reordering import Order, permuted_corners
 from deltamesh._shape.polygons import Polygons
 from deltamesh._streams.entropy import decode_with, encode_with
+from deltamesh_formats.container.layout import (
+    PLAN_ANCHOR,
+    PLAN_NEWEST,
+    PLAN_POLYGONS_FIRST,
+    POLYGON_ANCHORS,
+)
 from deltamesh_formats.container.reader import read_varint, take
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
@@ -36,8 +42,7 @@ SAMPLE = 1 << 17
 # Bits by which an anchor has to seem shorter than a rank before it is used.
 MARGINS = (0, 2, 4)
 
-# Bits of a plan: the anchors of polygons; the newest neighbours as anchors; polygons first.
-ANCHORS, NEWEST, POLYGONS_FIRST = 3, 4, 8
+_ANCHORS = tuple(sorted(POLYGON_ANCHORS.values()))
 
 
 class _Rows(NamedTuple):
@@ -99,9 +104,9 @@ def _choose(rows: _Rows, order: Order) -> tuple[int, list[int]]:
         return len(code(rows, order, plan, margin, SAMPLE)) * max(1.0, count / SAMPLE)
 
     plans = {}
-    for first in (0, POLYGONS_FIRST):
-        sizes = {key: size(_vertex_stream, first | key, 0) for key in (0, NEWEST)}
-        others = {key: size(_polygon_stream, first | key, 0) for key in range(ANCHORS)}
+    for first in (0, PLAN_POLYGONS_FIRST):
+        sizes = {key: size(_vertex_stream, first | key, 0) for key in (0, PLAN_NEWEST)}
+        others = {key: size(_polygon_stream, first | key, 0) for key in _ANCHORS}
         key, other = min(sizes, key=sizes.__getitem__), min(others, key=others.__getitem__)
         plans[first | key | other] = sizes[key] + others[other]
     plan = min(plans, key=plans.__getitem__)
@@ -115,7 +120,7 @@ def _choose(rows: _Rows, order: Order) -> tuple[int, list[int]]:
 def _vertex_stream(rows: _Rows, order: Order, plan: int, margin: int, stop: int | None) -> bytes:
     """Return the stream of the first `stop` vertices."""
     vertices = order.vertices
-    if plan & POLYGONS_FIRST:
+    if plan & PLAN_POLYGONS_FIRST:
         names = _by_use(rows, order)
         rows, vertices = _renamed(rows, names), names[vertices]
     run = partial(_code_vertices, rows=rows, plan=plan, vertices=vertices, margin=margin, stop=stop)
@@ -125,7 +130,7 @@ def _vertex_stream(rows: _Rows, order: Order, plan: int, margin: int, stop: int 
 def _polygon_stream(rows: _Rows, order: Order, plan: int, margin: int, stop: int | None) -> bytes:
     """Return the stream of the first `stop` polygons."""
     n = len(order.vertices)
-    rank = np.full(n, -1) if plan & POLYGONS_FIRST else inverse(order.vertices)
+    rank = np.full(n, -1) if plan & PLAN_POLYGONS_FIRST else inverse(order.vertices)
     run = partial(
         _code_polygons, rows=rows, plan=plan, rank=rank, order=order, margin=margin, stop=stop
     )
@@ -173,7 +178,7 @@ def decode_order(payload: memoryview, faces: _Ints, polygons: Polygons, vertex_c
         If no encoder has written the payload; the offset counts from its beginning.
     """
     plan = take(payload, 0, 1)[0]
-    if plan >= 2 * POLYGONS_FIRST or plan & 3 == ANCHORS:
+    if plan >= 2 * PLAN_POLYGONS_FIRST or plan & PLAN_ANCHOR not in _ANCHORS:
         raise FormatError(f"unknown order plan: {plan}", 0)
     size, at = read_varint(payload, 1)
     if size > len(payload) - at:
@@ -182,7 +187,7 @@ def decode_order(payload: memoryview, faces: _Ints, polygons: Polygons, vertex_c
     vertices = np.empty(vertex_count, dtype=np.int64)
     order = Order(vertices, *np.empty((2, len(rows.faces)), dtype=np.int64))
     of_vertices, of_polygons = payload[at : at + size], payload[at + size :]
-    if plan & POLYGONS_FIRST:
+    if plan & PLAN_POLYGONS_FIRST:
         rank = np.full(vertex_count, -1)
         _read_polygons(of_polygons, at + size, rows, plan, rank, order)
         names = _with_isolated(rank)
@@ -227,7 +232,7 @@ def _code_vertices(
     indptr, indices = adjacency_of_edges(pairs, n)
     # By columns, the entries of a symmetric matrix are those by rows, mirrored.
     mirror = inverse(np.argsort(indices, kind="stable"))
-    newest = 1 if plan & NEWEST else 0
+    newest = 1 if plan & PLAN_NEWEST else 0
     stop = len(vertices) if stop is None else stop
     status: int = vertex_order.code_vertices(
         coder, indptr, indices, mirror, newest, vertices, margin, stop
@@ -247,7 +252,7 @@ def _code_polygons(
     polygons, rotations = order.polygons, order.rotations
     stop = len(polygons) if stop is None else stop
     ranked = int(np.count_nonzero(rank >= 0))
-    anchors = plan & ANCHORS
+    anchors = plan & PLAN_ANCHOR
     status: int = face_order.code_faces(
         coder, *rows, rank, ranked, anchors, polygons, rotations, margin, stop
     )

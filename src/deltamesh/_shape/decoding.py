@@ -16,7 +16,7 @@ from deltamesh._shape.corners import copied_points, decode_copies
 from deltamesh._shape.merging import decode_polygons
 from deltamesh._shape.stitching import complex_faces, decode_stitching, stitched_counts, trivial
 from deltamesh._shape.structure import Structure
-from deltamesh_formats.container.layout import Container
+from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import payload_of
 from deltamesh_formats.errors import FormatError
 
@@ -35,14 +35,14 @@ def announced(container: Container) -> Counts:
         For counts that contradict each other.
     """
     sections, isolated = container.sections, container.parameters.isolated
-    points, faces = container.vertices, container.faces
+    points, faces = container.vertices, container.triangles
     if "COPY" in sections:
         with payload_of(sections["COPY"]) as payload:
             points = copied_points(payload, container.vertices, isolated)
     vertices = points - isolated
     if "STCH" in sections:
         with payload_of(sections["STCH"]) as payload:
-            vertices, faces = stitched_counts(payload, points - isolated, container.faces)
+            vertices, faces = stitched_counts(payload, points - isolated, container.triangles)
     return Counts(points, isolated, vertices, faces)
 
 
@@ -65,7 +65,7 @@ def decode_structure(container: Container, counts: Counts) -> Structure:
     if "STCH" in sections:
         with payload_of(sections["STCH"]) as payload:
             stitching = decode_stitching(
-                payload, faces, structure.opposite, used, counts.points, container.faces
+                payload, faces, structure.opposite, used, counts.points, container.triangles
             )
         final = complex_faces(faces, stitching)
         structure = Structure(faces, stitching, used, counts.isolated, final, points)

@@ -18,17 +18,15 @@ from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.models import Model
 from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh._streams.number_formats import ColumnFormats, NumberFormat, fault_of
+from deltamesh_formats.container import layout
 from deltamesh_formats.errors import FormatError
 
 _Ints = NDArray[np.int64]
 
-SINGLE, DOUBLE = 32, 64
-_WIDTH: Final = struct.Struct("<B")
-# Of a column: the number of its formats and two flags; the grid; then of each format the base, the
-# places, the digits and the usual length.
-_COLUMN: Final = struct.Struct("<Bh")
-_FORMAT: Final = struct.Struct("<BhBB")
-_FORMATS, _RAW, _ZEROS = 3, 4, 8
+SINGLE, DOUBLE = layout.RAW_WIDTHS["binary32"], layout.RAW_WIDTHS["binary64"]
+_WIDTH: Final = layout.STRUCT_CODES["u8"]
+_COLUMN: Final = layout.struct_of(layout.COLUMN_FIELDS)
+_FORMAT: Final = layout.struct_of(layout.FORMAT_FIELDS)
 # An element of three numbers of up to 64 + 64 bits takes fewer bytes than two elements of others.
 _ELEMENTS: Final = 2
 
@@ -113,7 +111,7 @@ def pack_formats(width: int, columns: Sequence[ColumnFormats]) -> bytes:
     """Return the bytes of the formats; the mirror is `unpack_formats`."""
     parts = [_WIDTH.pack(width)]
     for how in columns:
-        flags = len(how.formats) | _RAW * how.raw | _ZEROS * how.zeros
+        flags = len(how.formats) | layout.COLUMN_RAW * how.raw | layout.COLUMN_ZEROS * how.zeros
         parts.append(_COLUMN.pack(flags, how.grid))
         for f, usual in zip(how.formats, how.usual, strict=True):
             parts.append(_FORMAT.pack(f.base, f.places, f.digits, usual))
@@ -135,13 +133,13 @@ def unpack_formats(payload: memoryview) -> tuple[int, list[ColumnFormats], int]:
         start = at
         (flags, grid), at = _take(payload, at, _COLUMN)
         formats, usual = [], []
-        for _ in range(flags & _FORMATS):
+        for _ in range(flags & layout.COLUMN_FORMATS):
             (*fields, length), at = _take(payload, at, _FORMAT)
             formats.append(NumberFormat(*fields))
             usual.append(length)
-        raw, zeros = bool(flags & _RAW), bool(flags & _ZEROS)
+        raw, zeros = bool(flags & layout.COLUMN_RAW), bool(flags & layout.COLUMN_ZEROS)
         how = ColumnFormats(tuple(formats), tuple(usual), grid, raw, zeros)
-        fault = "reserved bits are set" if flags > 15 else fault_of(how)
+        fault = "reserved bits are set" if flags >= 2 * layout.COLUMN_ZEROS else fault_of(how)
         if fault:
             raise FormatError(fault, start)
         columns.append(how)

@@ -27,7 +27,7 @@ from deltamesh._streams.exact import (
 )
 from deltamesh._streams.format_choice import choose_formats
 from deltamesh._streams.number_formats import RAW_ONLY, ColumnFormats, from_indices, to_indices
-from deltamesh_formats.errors import FormatError
+from deltamesh_formats.errors import FormatError, located
 
 _Ints = NDArray[np.int64]
 _Floats = NDArray[np.float64]
@@ -98,10 +98,8 @@ def decode_floats(
     """
     found = []
     for begin, end in streams:
-        try:
+        with located(begin):
             found.append(_decoded(payload[begin:end], elements, size))
-        except FormatError as error:
-            raise FormatError(error.reason, begin + (error.offset or 0)) from None
     return join_columns(found, streams[-1][0] if streams else 0, elements.count, width)
 
 

@@ -12,6 +12,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from deltamesh._machine import (
+        available_cores as available_cores,
+        physical_memory as physical_memory,
+    )
     from deltamesh.batch._cluster import dask_client as dask_client, run_on_dask as run_on_dask
     from deltamesh.batch._finding import Selection as Selection, find as find
     from deltamesh.batch._manifest import (
@@ -37,9 +41,7 @@ if TYPE_CHECKING:
     )
     from deltamesh.batch._pool import run_in_processes as run_in_processes
     from deltamesh.batch._schedule import (
-        available_cores as available_cores,
         memory_for_mesh_file as memory_for_mesh_file,
-        physical_memory as physical_memory,
         share as share,
     )
     from deltamesh.batch._serial import (
@@ -56,6 +58,7 @@ else:
         __name__,
         {
             "deltamesh.batch._cluster": ("dask_client", "run_on_dask"),
+            "deltamesh._machine": ("available_cores", "physical_memory"),
             "deltamesh.batch._finding": ("Selection", "find"),
             "deltamesh.batch._manifest": (
                 "DONE",
@@ -75,9 +78,7 @@ else:
             "deltamesh.batch._plan": ("Task", "check_targets", "flat", "mirrored"),
             "deltamesh.batch._pool": ("run_in_processes",),
             "deltamesh.batch._schedule": (
-                "available_cores",
                 "memory_for_mesh_file",
-                "physical_memory",
                 "share",
             ),
             "deltamesh.batch._serial": ("Begin", "Outcome", "Work", "WorkerError", "run_here"),

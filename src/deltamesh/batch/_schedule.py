@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
 from typing import TypeVar
 
 from deltamesh._limits import memory_for_counts
@@ -33,24 +31,6 @@ def memory_for_mesh_file(size: int, file_format: str) -> int:
     formats = FORMATS.values() if known is None else [known]
     vertices = size // min(one.bytes_per_vertex for one in formats)
     return memory_for_counts(vertices, 2 * vertices)
-
-
-def physical_memory() -> int | None:
-    """Return the memory of this machine or container in bytes; None if unknown."""
-    known = []
-    with suppress(AttributeError, ValueError, OSError):
-        known.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    # Not there, or not a number, outside containers and in those without a limit.
-    with suppress(OSError, ValueError), open("/sys/fs/cgroup/memory.max") as file:
-        known.append(int(file.read()))
-    return min(known, default=None)
-
-
-def available_cores() -> int:
-    """Return how many cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def startable(waiting: Sequence[float], running: Sequence[float], jobs: int, memory: float) -> int:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from deltamesh.bench._measure import Codec, Measurement, codec_of, label, measure, warm_up
+    from deltamesh.bench._peer_names import PEER_NAMES
     from deltamesh.bench._peers import PEERS, labels, missing
     from deltamesh.bench._rates import (
         COLUMNS,
@@ -30,6 +31,7 @@ _HOME = {
     "Codec": "_measure",
     "Measurement": "_measure",
     "PEERS": "_peers",
+    "PEER_NAMES": "_peer_names",
     "Row": "_rates",
     "SECONDS": "_rates",
     "as_text": "_rates",
@@ -47,6 +49,7 @@ _HOME = {
 __all__ = [
     "COLUMNS",
     "PEERS",
+    "PEER_NAMES",
     "SECONDS",
     "Change",
     "Codec",

@@ -133,18 +133,16 @@ def code(options: Options, mesh: TriangleMesh) -> Coded:
     encoded = encode_mesh(from_triangles(mesh.vertices, mesh.faces), options)
     middle = time.perf_counter()
     # The decoder's own mesh, not the encoder's idea of it, without a limit to its memory.
-    decoded = decode(
-        encoded.data, solver=options.solver, threads=options.threads, memory=sys.maxsize
-    )
+    container = read_container(encoded.data)
+    decoded = decode(container, solver=options.solver, threads=options.threads, memory=sys.maxsize)
     end = time.perf_counter()
-    sections = read_container(encoded.data).sections.values()
     return Coded(
         size=len(encoded.data),
         reference=TriangleMesh(mesh.vertices[encoded.order], encoded.mesh.triangles),
         decoded=triangulated(decoded),
         encode_seconds=middle - start,
         decode_seconds=end - middle,
-        sections={section.id: section.size for section in sections},
+        sections={section.id: section.size for section in container.sections.values()},
     )
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._mesh import TriangleMesh
+from deltamesh.bench._peer_names import DRACO, MESHOPT, ZSTD
 from deltamesh_formats.errors import MeshError, OptionError
 
 # What each is at its smallest with.
@@ -201,9 +202,9 @@ class Peer:
 
 
 PEERS: Final[Mapping[str, Peer]] = {
-    "draco": Peer(draco, ("DracoPy",), DRACO_MAX_BITS),
-    "meshopt": Peer(meshopt, ("meshopt", "zstandard"), MESHOPT_MAX_BITS),
-    "zstd": Peer(zstd, ("zstandard",), 0),
+    DRACO: Peer(draco, ("DracoPy",), DRACO_MAX_BITS),
+    MESHOPT: Peer(meshopt, ("meshopt", "zstandard"), MESHOPT_MAX_BITS),
+    ZSTD: Peer(zstd, ("zstandard",), 0),
 }
 
 

@@ -1,26 +1,23 @@
-"""The container: reader and writer as mirrors, everything that must be refused, SPEC.md."""
+"""The container: reader and writer as mirrors, and everything that must be refused."""
 
 from __future__ import annotations
 
-import re
 import struct
 import zlib
 from dataclasses import replace
-from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from places import ROOT
+from spec_tables import spec_offset
 
 from deltamesh_formats.container import layout
-from deltamesh_formats.container.layout import Meta, Parameters
+from deltamesh_formats.container.building import build_container
+from deltamesh_formats.container.container import Meta, Parameters
 from deltamesh_formats.container.reader import read_container, read_varint
 from deltamesh_formats.container.writer import write_container, write_varint
-from deltamesh_formats.errors import FormatError, MeshError
-
-SPEC = (ROOT / "formats" / "SPEC.md").read_text(encoding="utf-8")
-LAYOUT = Path(layout.__file__).read_text(encoding="utf-8")
+from deltamesh_formats.errors import FormatError, MeshError, located
 
 HIGHPASS = Parameters(
     "highpass", True, "farthest", 8, 0.001, (-1.0, 0.5, 2.0), 0.25, 2**64 - 1, 200, 3
@@ -35,9 +32,9 @@ PAYLOADS = {
 DIGEST = b"01234567"
 
 
-def written(parameters=HIGHPASS, meta=META, vertices=1000, faces=2000, **optional):
+def written(parameters=HIGHPASS, meta=META, vertices=1000, triangles=2000, **optional):
     payloads = PAYLOADS[parameters.method] | optional
-    return write_container(vertices, faces, parameters, payloads, meta, DIGEST)
+    return write_container(build_container(vertices, triangles, parameters, payloads, meta, DIGEST))
 
 
 def section(name, payload):
@@ -45,8 +42,8 @@ def section(name, payload):
     return raw + struct.pack("<I", zlib.crc32(raw))
 
 
-def header(vertices=1000, faces=2000, version=layout.VERSION, reserved=0):
-    counts = write_varint(vertices) + write_varint(faces)
+def header(vertices=1000, triangles=2000, version=layout.VERSION, reserved=0):
+    counts = write_varint(vertices) + write_varint(triangles)
     raw = layout.MAGIC + struct.pack("<HH", version, reserved) + counts
     return raw + struct.pack("<I", zlib.crc32(raw))
 
@@ -71,7 +68,7 @@ def refused(data, message=None):
 def test_reader_mirrors_writer(parameters, meta):
     data = written(parameters, meta)
     container = read_container(data)
-    assert (container.vertices, container.faces) == (1000, 2000)
+    assert (container.vertices, container.triangles) == (1000, 2000)
     assert (container.version, container.digest, container.size) == (
         layout.VERSION,
         DIGEST,
@@ -90,6 +87,19 @@ def test_payloads_are_views_of_any_buffer():
     container = read_container(memoryview(bytearray(data)))
     assert isinstance(container.sections["DELT"].payload, memoryview)
     assert container == read_container(data)
+
+
+def test_offsets_count_from_where_the_bytes_are():
+    for inner, outer in ((None, 40), (0, 40), (7, 47)):
+        with pytest.raises(FormatError) as caught, located(40, "ATTR: "):
+            raise FormatError("empty palette", inner)
+        assert (caught.value.reason, caught.value.offset) == ("ATTR: empty palette", outer)
+        assert str(caught.value) == f"ATTR: empty palette (at byte {outer})"
+    with pytest.raises(FormatError) as caught, located(100), located(20, "a: "), located(3):
+        raise FormatError("fault", 1)
+    assert (caught.value.reason, caught.value.offset) == ("a: fault", 124)
+    with pytest.raises(MeshError, match=r"^no faces$"), located(40):
+        raise MeshError("no faces")
 
 
 PINNED = bytes.fromhex(
@@ -126,7 +136,7 @@ seeds = st.integers(0, 2**64 - 1)
 
 @st.composite
 def containers(draw):
-    vertices, faces = draw(st.integers(0, 2**40)), draw(st.integers(0, 2**40))
+    vertices, triangles = draw(st.integers(0, 2**40)), draw(st.integers(0, 2**40))
     method, counts = draw(st.sampled_from(list(layout.METHODS))), st.integers(0, vertices)
     bits = draw(st.none() | st.integers(0, layout.MAX_BITS))
     anchored, lossless = method in ("highpass", "refined"), method == "lossless"
@@ -156,7 +166,7 @@ def containers(draw):
     payloads |= draw(st.dictionaries(ids, st.binary(max_size=20), max_size=3))
     return (
         vertices,
-        faces,
+        triangles,
         parameters,
         payloads,
         draw(st.none() | metas),
@@ -167,13 +177,43 @@ def containers(draw):
 @settings(deadline=None)
 @given(containers())
 def test_any_container_comes_back(arguments):
-    vertices, faces, parameters, payloads, meta, digest = arguments
-    container = read_container(write_container(*arguments))
-    assert (container.vertices, container.faces) == (vertices, faces)
+    vertices, triangles, parameters, payloads, meta, digest = arguments
+    container = build_container(*arguments)
+    data = write_container(container)
+    assert read_container(data) == container
+    assert list(read_container(data).sections) == list(container.sections)
+    assert len(data) == container.size
+    assert (container.vertices, container.triangles) == (vertices, triangles)
     assert (container.parameters, container.meta) == (parameters, meta)
     assert container.digest == digest
     assert {i: s.payload for i, s in container.sections.items() if i in payloads} == payloads
     assert list(container.sections)[-1] == "CHEK"
+
+
+def test_a_container_has_the_numbers_that_its_file_has():
+    """Those of binary32 and of hundredths are rounded when it is built, not when it is read."""
+    parameters = replace(HIGHPASS, method="refined", coarse=8.1, dead_zone=0.123)
+    payloads = PAYLOADS["highpass"] | {"NORM": b""}
+    meta = replace(META, normal=0.1)
+    container = build_container(1000, 2000, parameters, payloads, meta, DIGEST)
+    assert container.parameters.coarse == float(np.float32(8.1)) != 8.1
+    assert container.parameters.dead_zone == 0.12
+    assert container.meta == replace(meta, normal=float(np.float32(0.1)))
+    assert read_container(write_container(container)) == container
+
+
+def test_a_file_that_is_read_is_written_as_it_was():
+    """Unused bits, too, which no field of a container has."""
+    for data in (with_parameters(flags=0xFF), written(abcd=b"x"), PINNED):
+        assert write_container(read_container(data)) == data
+
+
+def test_sections_know_their_place():
+    data = written(CARTESIAN, CONN=bytes(200), CART=bytes(20_000))
+    for one in read_container(data).sections.values():
+        assert data[one.offset : one.offset + 4].decode() == one.id
+        assert data[one.start : one.start + len(one.payload)] == one.payload
+        assert one.end == one.offset + one.size == one.start + len(one.payload) + 4
 
 
 @settings(deadline=None)
@@ -194,11 +234,12 @@ def test_arbitrary_payloads_are_read_or_refused(payload, name):
     except FormatError:
         return
     payloads = {i: bytes(found.sections[i].payload) for i in PAYLOADS["highpass"]}
-    again = write_container(
-        found.vertices, found.faces, found.parameters, payloads, found.meta, found.digest
+    again = build_container(
+        found.vertices, found.triangles, found.parameters, payloads, found.meta, found.digest
     )
     # The flags have unused bits, which are ignored and not kept.
-    assert len(again) == len(data)
+    assert again.size == len(data)
+    assert write_container(found) == data
 
 
 # One list for both directions.
@@ -311,7 +352,7 @@ def test_huge_counts_are_refused():
     rest = b"".join(pieces(written())[1].values())
     assert read_container(header(2**40, 2**40) + rest)
     assert refused(header(2**40 + 1, 0) + rest, "vertices, more than") == 12
-    assert refused(header(0, 2**63 - 1) + rest, "faces, more than") == 13
+    assert refused(header(0, 2**63 - 1) + rest, "triangles, more than") == 13
     crafted = header()[:12] + b"\x80\x00" + bytes(6)
     assert refused(crafted + rest, "longer than it needs") == 12
 
@@ -427,7 +468,7 @@ def with_parameters(**changes):
         ({"method": 2, "coarse": 0.5}, "coarse", "method refined with deltas 0.5 times as coarse"),
         ({"anchor_count": 1001}, "anchor_count", "1001 anchor vertices among 1000"),
         ({"isolated": 2**63 - 1}, "isolated", "isolated vertices among 1000"),
-        ({"extra": b"\0"}, None, "PARM is 1 bytes too long"),
+        ({"extra": b"\0"}, None, "PARM: 1 bytes follow the last field"),
     ],
 )
 def test_parameters_out_of_range(changes, field, message):
@@ -461,7 +502,7 @@ def test_a_short_parameter_payload(cut):
         (bytes(32) + b"\1\x1b\0", "control characters"),
         (bytes(32) + b"\1\xff\0", "not UTF-8"),
         (bytes(32) + b"\0\1", "truncated"),
-        (bytes(32) + b"\0\0\0", "too long"),
+        (bytes(32) + b"\0\0\0", "meta: 1 bytes follow the last field"),
     ],
 )
 def test_meta_out_of_range(payload, message):
@@ -472,7 +513,10 @@ def test_meta_out_of_range(payload, message):
 
 def test_the_digest_has_its_size():
     start, parts = pieces(written())
-    for payload, message in ((b"1234567", "truncated"), (b"123456789", "too long")):
+    for payload, message in (
+        (b"1234567", "truncated"),
+        (b"123456789", "CHEK: 1 bytes follow the last field"),
+    ):
         parts["CHEK"] = section("CHEK", payload)
         refused(start + b"".join(parts.values()), message)
 
@@ -491,7 +535,7 @@ def test_the_digest_has_its_size():
         {"meta": replace(META, encoder="x" * 256)},
         {"meta": replace(META, source="a\nb")},
         {"vertices": 2**40 + 1},
-        {"faces": -1},
+        {"triangles": -1},
     ],
     ids=str,
 )
@@ -513,110 +557,6 @@ def test_the_writer_refuses_what_the_reader_would(arguments):
 )
 def test_wrong_payloads_are_a_mistake_of_the_caller(payloads, digest):
     with pytest.raises(ValueError, match=r"payloads|optional|digest"):
-        write_container(
+        build_container(
             10, 10, replace(HIGHPASS, anchor_count=1, isolated=0), payloads, None, digest
         )
-
-
-# SPEC.md against layout.py
-
-
-def spec_table(number, first):
-    """Return the rows of the table in a section of SPEC.md whose first column is headed `first`."""
-    text = re.split(r"^#+ ", SPEC, flags=re.MULTILINE)
-    body = next(part for part in text if part.startswith(number + " "))
-    tables = re.split(r"\n\n", body)
-    table = next(t for t in tables if t.startswith(f"| {first} |"))
-    return [
-        [cell.strip().strip("`") for cell in row.strip("|").split("|")]
-        for row in table.strip().splitlines()[2:]
-    ]
-
-
-def spec_offset(number, field):
-    return next(int(row[1]) for row in spec_table(number, "Name") if row[0] == field)
-
-
-def types():
-    sizes = {name: (code.size, code.size) for name, code in layout.STRUCT_CODES.items()}
-    varint, string = (1, layout.VARINT_MAX_BYTES), (1, 1 + layout.STRING_MAX_BYTES)
-    return sizes | {"varint": varint, "string": string}
-
-
-def size_text(kind):
-    low, high = types()[kind]
-    return str(low) if low == high else f"{low}-{high}"
-
-
-def test_spec_types():
-    assert [row[:2] for row in spec_table("1", "Type")] == [[k, size_text(k)] for k in types()]
-
-
-@pytest.mark.parametrize(
-    ("number", "fields"),
-    [
-        ("2", layout.HEADER_FIELDS),
-        ("4.1", layout.PARAMETER_FIELDS),
-        ("4.2", layout.META_FIELDS),
-        ("5.7", layout.CHECK_FIELDS),
-    ],
-)
-def test_spec_byte_tables(number, fields):
-    expected, offset = [], 0
-    for name, kind in fields:
-        low, high = types()[kind]
-        expected.append([name, "-" if offset is None else str(offset), size_text(kind), kind])
-        offset = offset + low if offset is not None and low == high else None
-    assert [row[:4] for row in spec_table(number, "Name")] == expected
-
-
-def test_spec_header_values():
-    ranges = {row[0]: row[4] for row in spec_table("2", "Name")}
-    assert bytes.fromhex(ranges["magic"]) == layout.MAGIC
-    assert ranges["version"] == str(layout.VERSION)
-    assert ranges["vertices"] == ranges["faces"] == f"0..2^{layout.MAX_COUNT.bit_length() - 1}"
-
-
-def test_spec_section_order():
-    rows = spec_table("3.2", "`id`")
-    for column, method in ((2, "highpass"), (3, "cartesian"), (4, "refined"), (5, "lossless")):
-        numbered = sorted((int(row[column]), row[0]) for row in rows if row[column].isdigit())
-        assert [name for _, name in numbered] == list(layout.METHODS[method].required)
-        everything = sorted(
-            (int(row[column].strip("()")), row[0])
-            for row in rows
-            if row[column].strip("()").isdigit()
-        )
-        present = {name for _, name in everything}
-        assert tuple(name for _, name in everything) == layout.required(method, present)
-        assert [number for number, _ in everything] == list(range(1, len(everything) + 1))
-    assert {row[0] for row in rows} == layout.KNOWN
-    assert rows[-1][0] == layout.CHECK
-
-
-def test_spec_limits():
-    values = {name: value.replace("2^", "2**") for name, value, _ in spec_table("3.3", "Name")}
-    for name, value in values.items():
-        base, _, power = value.partition("**")
-        assert getattr(layout, name) == int(base) ** int(power or 1)
-
-
-def test_spec_codes():
-    methods = {row[0]: int(row[1]) for row in spec_table("4.1", "`method`")}
-    assert methods == {name: method.id for name, method in layout.METHODS.items()}
-    anchors = {row[0]: int(row[1]) for row in spec_table("4.1", "`anchor_method`")}
-    assert anchors == {name or "none": code for name, code in layout.ANCHOR_METHODS.items()}
-    bits = next(row[4] for row in spec_table("4.1", "Name") if row[0] == "bits")
-    assert bits == f"0..{layout.MAX_BITS}, {layout.BITS_FROM_STEP}"
-
-
-def test_layout_follows_the_order_of_the_spec():
-    headings = re.findall(r"^#+ (\d[\d.]* .*)$", SPEC, flags=re.MULTILINE)
-    anchors = [re.sub(r"[^\w -]", "", h).lower().replace(" ", "-") for h in headings]
-    links = re.findall(r"^# SPEC\.md#(\S+)$", LAYOUT, flags=re.MULTILINE)
-    assert links
-    assert [anchors.index(link) for link in links] == sorted(anchors.index(i) for i in links)
-
-
-def test_spec_says_that_it_is_not_frozen():
-    assert "**not frozen**" in SPEC.split("\n## ")[0]

@@ -54,7 +54,7 @@ def test_a_notebook_shows_the_numbers() -> None:
     assert "63 vertices, 126 triangles" in text
     assert "T (float64), normal (float64 x 3)" in text
     text = Tags(FILE._repr_html_()).text
-    for number in (FILE.size, FILE.vertices, FILE.faces, FILE.sections["CONN"].size):
+    for number in (FILE.size, FILE.vertices, FILE.triangles, FILE.sections["CONN"].size):
         assert str(number) in text
     assert f"{8 * FILE.size / 63:.2f} bits per vertex" in text
     assert "normals" in text

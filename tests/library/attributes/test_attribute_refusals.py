@@ -76,11 +76,11 @@ HOSTILE = {
     "palette": ("cartesian-colours", 1, {"palette": ENORMOUS}),
     "palette of one row less": ("cartesian-colours", 1, {"palette": 2}),
     "palette of none": ("cartesian-colours", 1, {"palette": 0}),
-    "classes of a later one": ("highpass-textured", 0, {"classes": 3, "sizes": (1,)}),
-    "classes of itself": ("highpass-textured", 0, {"classes": 2, "sizes": (1,)}),
-    "classes of one that shares": ("highpass-textured", 2, {"classes": 3}),
-    "classes of an enormous number": ("highpass-textured", 2, {"classes": ENORMOUS}),
-    "classes of a face": ("cartesian-integers", 4, {"classes": 3, "sizes": (1, 1, 1)}),
+    "wedges of a later one": ("highpass-textured", 0, {"wedges": 3, "sizes": (1,)}),
+    "wedges of itself": ("highpass-textured", 0, {"wedges": 2, "sizes": (1,)}),
+    "wedges of one that shares": ("highpass-textured", 2, {"wedges": 3}),
+    "wedges of an enormous number": ("highpass-textured", 2, {"wedges": ENORMOUS}),
+    "wedges of a face": ("cartesian-integers", 4, {"wedges": 3, "sizes": (1, 1, 1)}),
     "limbs": ("cartesian-integers", 0, {"limbs": 255}),
     "no limbs": ("cartesian-integers", 0, {"limbs": 0}),
     "bits": ("cartesian-integers", 0, {"bits": 30}),
@@ -101,6 +101,38 @@ HOSTILE = {
     "mixed limbs": ("cartesian-integers", 0, {"mixed": True}),
     "the first of all": ("cartesian-integers", 0, {"first_none": True}),
 }
+
+
+# What the table alone is refused for.
+FAULTS = {
+    "width of normals": "attribute 0: octahedral coding with width 4",
+    "palette of none": "attribute 1: empty palette",
+    "wedges of a later one": "attribute 0: wedges of attribute 1, which does not come before it",
+    "wedges of itself": "attribute 0: wedges of attribute 0, which does not come before it",
+    "wedges of one that shares": "attribute 2: wedges of attribute 1, which has none of its own",
+    "wedges of a face": "attribute 4: wedges of attribute 1, which has none of its own",
+    "limbs": "attribute 0: 255 limbs of ",
+    "no limbs": "attribute 0: 0 limbs of ",
+    "bits": "attribute 0: . limbs of 30 bits",
+    "no bits": "attribute 0: . limbs of 0 bits",
+    "density": "attribute 0: density 0.0",
+    "density that is none": "attribute 0: density nan",
+    "origin": "attribute 0: origin inf",
+    "error": "attribute 0: error -1.0",
+    "bits of normals": "attribute 0: normals of 31 bits",
+    "palette of normals": "attribute 0: octahedral coding with a palette",
+    "coding of integers": "attribute 5: type int. with coding exact",
+    "coding of floats": "attribute 0: type float.. with coding integer",
+    "mixed, of two": "attribute 0: mixed columns with coding grid, width 2 and 1 limbs",
+    "the first of all": "attribute 0: first_none without partly",
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_is_named(name: str) -> None:
+    file, k, fields = HOSTILE[name]
+    with pytest.raises(FormatError, match=f"^{FAULTS[name]}"):
+        read_table(changed(file, k, **fields))
 
 
 @pytest.mark.parametrize("name", HOSTILE)

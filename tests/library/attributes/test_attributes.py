@@ -20,12 +20,14 @@ from deltamesh._attributes.codings import AttributeSettings, candidate_codings
 from deltamesh._attributes.wedges import encode_wedges
 from deltamesh._options import Options
 from deltamesh._pipeline import Encoded, encode_mesh
-from deltamesh_formats.container.attribute_table import OWN_CLASSES, TYPES, Entry, read_table
+from deltamesh_formats.container import layout
+from deltamesh_formats.container.attribute_table import Entry, read_table
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import FormatError, MeshError
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh, from_triangles
 
 WIDTHS = (0, 1, 2, 3, 4, 16)
+TYPES = tuple(map(np.dtype, layout.TYPES))
 DOMAINS = ("vertex", "corner", "face")
 SETTINGS = AttributeSettings(12, 10, lossless=False, positions=np.zeros((0, 3)), tolerance=0.0)
 
@@ -202,7 +204,7 @@ def test_attributes_with_the_same_seams_share_them() -> None:
     other = Attribute("normal", "corner", normals + 0.0, "normal")
     mixed = Attribute("both", "corner", np.hstack([uv.values, uv.values]), "other")
     data = encode_mesh(sphere(uv, other, mixed), Options(method="cartesian")).data
-    assert [entry.classes for entry in entries_of(data)] == [0, 1, 2]
+    assert [entry.wedges for entry in entries_of(data)] == [0, 1, 2]
 
 
 def test_wedges_are_coded_once_for_all_codings_of_an_attribute(
@@ -222,7 +224,7 @@ def test_wedges_are_coded_once_for_all_codings_of_an_attribute(
     assert len(list(candidate_codings(colours, colours.values, SETTINGS))) == 3
     data = encode(replace(mesh, attributes=(colours,)), method="cartesian")
     assert len(coded) == 1
-    assert entries_of(data)[0].classes == OWN_CLASSES
+    assert entries_of(data)[0].wedges == layout.OWN_WEDGES
     # A grid that makes rows equal has other wedges.
     near = np.array([[0, 0], [1, 1], [1 + 1e-6, 1]], dtype=np.float64)
     uv = Attribute("uv", "corner", near[(mesh.corners + jump[:, 0]) % 3], "uv")
@@ -241,7 +243,7 @@ def test_corners_that_are_alike_in_each_face_are_coded_by_faces() -> None:
     one = encode_mesh(sphere(flat), Options(method="cartesian", bits=16))
     (entry,) = entries_of(one.data)
     assert entry.coding == "octahedral"
-    assert entry.classes == 1
+    assert entry.wedges == 1
     assert entry.size < len(F) / 8  # they are those of the surface
     found = decode(one.data).attributes[0].dense()
     assert np.abs(found - flat.dense()[sources_of(one, "corner")]).max() < 0.005

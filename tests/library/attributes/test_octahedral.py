@@ -26,8 +26,6 @@ from deltamesh._attributes.normals.octahedral import (
     ABSOLUTE,
     FRAME,
     LARGEST_DOUBT,
-    LEAST_BITS,
-    MOST_BITS,
     POLE,
     RELATIVE,
     ZERO,
@@ -47,10 +45,11 @@ from deltamesh._attributes.normals.surface import (
     surface_normals,
 )
 from deltamesh._graph.elements import of_vertices
+from deltamesh_formats.container.layout import MAX_NORMAL_BITS, MIN_NORMAL_BITS
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.meshfiles.files import read_mesh
 
-BITS = st.integers(LEAST_BITS, 16)
+BITS = st.integers(MIN_NORMAL_BITS, 16)
 SEEDS = st.integers(0, 2**32 - 1)
 AXES = np.concatenate((np.eye(3), -np.eye(3)))
 
@@ -115,7 +114,7 @@ def test_every_point_of_the_grid_is_its_own_nearest(bits):
     assert (same[~inner] <= 4).all()
 
 
-@given(SEEDS, st.integers(LEAST_BITS, MOST_BITS))
+@given(SEEDS, st.integers(MIN_NORMAL_BITS, MAX_NORMAL_BITS))
 def test_no_direction_is_further_than_stated_from_its_point(seed, bits):
     v = directions(seed)
     error = angles(from_octahedral(to_octahedral(v, bits), bits), v)
@@ -164,7 +163,7 @@ def test_axes_are_exact_by_themselves(bits):
 # ---- Relative to a prediction ---------------------------------------------------------------
 
 
-@given(SEEDS, st.integers(LEAST_BITS, MOST_BITS))
+@given(SEEDS, st.integers(MIN_NORMAL_BITS, MAX_NORMAL_BITS))
 def test_zero_is_the_prediction_itself(seed, bits):
     p = np.concatenate((directions(seed), AXES))
     zeros = np.zeros((len(p), 3), dtype=np.int64)
@@ -218,7 +217,7 @@ def test_zero_vectors_are_exact():
         min_size=1,
         max_size=20,
     ),
-    st.integers(LEAST_BITS, MOST_BITS),
+    st.integers(MIN_NORMAL_BITS, MAX_NORMAL_BITS),
 )
 def test_any_codes_and_predictions_make_unit_vectors_or_zeros(rows, bits):
     codes = np.array([row[:3] for row in rows], dtype=np.int64)
@@ -336,7 +335,7 @@ def test_unit_vectors_and_zeros_are_normals(values, expected):
 # ---- The payload ----------------------------------------------------------------------------
 
 
-@given(complexes(), SEEDS, st.integers(LEAST_BITS, 12), st.sampled_from((*WEIGHTS, NONE)))
+@given(complexes(), SEEDS, st.integers(MIN_NORMAL_BITS, 12), st.sampled_from((*WEIGHTS, NONE)))
 def test_codes_come_back(mesh, seed, bits, weights):
     V, F = mesh
     rng = np.random.default_rng(seed)

@@ -11,15 +11,14 @@ from hypothesis import strategies as st
 from works import task
 
 from deltamesh._limits import memory_for_counts, memory_needed
+from deltamesh._machine import available_cores, physical_memory
 from deltamesh.batch._schedule import (
-    available_cores,
     groups,
     memory_for_mesh_file,
-    physical_memory,
     share,
     startable,
 )
-from deltamesh_formats.container.layout import Container
+from deltamesh_formats.container.container import Container
 from deltamesh_formats.errors import OptionError
 from deltamesh_formats.polymesh.mesh import from_triangles
 
@@ -76,10 +75,10 @@ def test_a_whole_run(needs: list[tuple[int, int]], jobs: int, memory: int) -> No
 
 
 def test_estimates_are_those_of_the_limits() -> None:
-    from deltamesh_formats.container.layout import Parameters
+    from deltamesh_formats.container.container import Parameters
 
     parameters = Parameters("highpass", True, None, 8, 0.5, (0.0, 0.0, 0.0), 0.0, 0, 0, 0)
-    container = Container(1, 1000, 2000, parameters, None, {}, b"", 0)
+    container = Container(1, 1000, 2000, parameters, None, {}, b"")
     assert memory_for_counts(1000, 2000) == memory_needed(container)
 
 

@@ -19,7 +19,7 @@ from deltamesh._options import Options
 from deltamesh.bench import _measure as bench
 from deltamesh.bench import _peers as peers
 from deltamesh.bench import _rates as rates
-from deltamesh_cli import measuring
+from deltamesh.bench._peer_names import PEER_NAMES
 
 
 @pytest.fixture(scope="module")
@@ -178,7 +178,7 @@ def test_missing_packages_are_named(monkeypatch):
     assert peers.missing("meshopt bits=3") == ("meshopt", "zstandard")
     assert peers.labels("meshopt", (3, 4)) == ["meshopt bits=3", "meshopt bits=4"]
     assert peers.labels("zstd", (3, 4)) == ["zstd"]
-    assert tuple(peers.PEERS) == measuring.PEERS
+    assert tuple(peers.PEERS) == PEER_NAMES
 
 
 def test_a_welded_mesh_has_each_position_and_no_isolated_vertex():

@@ -30,7 +30,7 @@ from deltamesh._shape.connectivity import encode_connectivity
 from deltamesh._shape.surface import surface_of
 from deltamesh._shape.topology import build_topology
 from deltamesh._streams import entropy
-from deltamesh_formats.container.layout import Parameters, Section
+from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.errors import FormatError, MeshError
 
 MESHES = meshes.every()
@@ -146,7 +146,7 @@ def test_level_equals_its_oracle(x: int) -> None:
 def positions_round_trip(F, values):
     surface = surface_of(F, len(values), 0)
     payload = cartesian.encode(surface, GRID, Integers(values, NONE, NO_POINTS, NO_POINTS))["CART"]
-    sections = {"CART": Section("CART", 0, payload, len(payload) + 9)}
+    sections = {"CART": Section("CART", 0, payload)}
     decoded = cartesian.decode(surface, GRID, sections)
     np.testing.assert_array_equal(decoded.values, values)
     return payload
@@ -551,7 +551,7 @@ def highpass_parameters(**changes):
 
 
 def section_of(name, payload):
-    return Section(name, 50, payload, len(payload) + 9)
+    return Section(name, 50, payload)
 
 
 def read_or_refused(reader, parameters, **payloads):

@@ -25,7 +25,7 @@ from deltamesh._options import Options, Settings
 from deltamesh._pipeline import encode_mesh, read_content
 from deltamesh._shape.surface import surface_of
 from deltamesh._streams import entropy
-from deltamesh_formats.container.layout import Section
+from deltamesh_formats.container.container import Section
 
 SPHERE, TORUS = meshes.icosphere(3), meshes.torus(12, 9)
 
@@ -221,7 +221,7 @@ def test_corrections_are_where_the_error_is_too_large_and_nowhere_else(method):
     assert (integers.corrections == np.where(far[:, None], steps, 0)).all()
     payloads = module.encode(surface, parameters, integers)
     assert "FIXS" in payloads
-    sections = {k: Section(k, 0, v, len(v) + 9) for k, v in payloads.items()}
+    sections = {k: Section(k, 0, v) for k, v in payloads.items()}
     read = module.decode(surface, parameters, sections)
     assert (read.corrections == integers.corrections).all()
     assert (read.values == integers.values).all()

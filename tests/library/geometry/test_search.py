@@ -16,7 +16,7 @@ from deltamesh._geometry.bounds import Bounds
 from deltamesh._geometry.search import MOST_TRIES, Trial, smallest
 from deltamesh._measures.metrics import VertexErrors, diagonal
 from deltamesh._options import Options, Settings
-from deltamesh_formats.container.layout import Parameters
+from deltamesh_formats.container.container import Parameters
 from deltamesh_formats.errors import MeshError
 
 N = 1000

@@ -144,7 +144,7 @@ def assert_exact(V, F, **options):
     kept = np.unique(F) if options.get("drop_isolated") else np.arange(len(V))
     assert sorted(encoded.order.tolist()) == kept.tolist()
     container = read_container(encoded.data)
-    assert (container.vertices, container.faces) == (len(kept), len(F))
+    assert (container.vertices, container.triangles) == (len(kept), len(F))
     # Vertices at one position stay at one position.
     _, place = weld(V[encoded.order])
     first = np.unique(place, return_index=True)[1]
@@ -303,7 +303,7 @@ def test_sections_that_say_nothing_are_refused():
 def test_counts_that_no_stream_can_hold():
     data = stitched()
     with pytest.raises(FormatError, match="do not fit"):
-        decode(forging.forged(data, faces=2**39))
+        decode(forging.forged(data, triangles=2**39))
     data = encode(*meshes.seams(), method="cartesian")
     with pytest.raises(FormatError, match="do not fit"):
         decode(forging.forged(data, vertices=2**31))

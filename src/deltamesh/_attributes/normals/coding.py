@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 from deltamesh._attributes.domains import Domains
 from deltamesh._attributes.normals.octahedral import (
     ABSOLUTE,
-    LEAST_BITS,
-    MOST_BITS,
     RELATIVE,
     ZERO,
     half,
@@ -32,18 +30,26 @@ from deltamesh._kernels.coding.coder import Coder
 from deltamesh._streams.columns import code_three
 from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.container.attribute_table import Entry
-from deltamesh_formats.errors import FormatError
+from deltamesh_formats.container.layout import (
+    MAX_NORMAL_BITS,
+    MIN_NORMAL_BITS,
+    NORMAL_CODING_AT,
+    NORMAL_CODINGS,
+    NORMAL_WEIGHTS,
+)
+from deltamesh_formats.errors import FormatError, located
 
 _Ints = NDArray[np.int64]
 _Floats = NDArray[np.float64]
 _Any = NDArray[Any]
 
 # No weights: normals are coded by themselves. Codes of neighbours are then alike, or equal.
-NONE: Final = len(WEIGHTS)
+NONE: Final = NORMAL_WEIGHTS["none"]
 
 # Codings of the stream: vectors whose magnitudes are like those around; numbers like those around.
-DELTAS, NUMBERS = 0, 1
-_MODELS: Final = (residual.MODEL, parallelogram.MODEL)
+DELTAS: Final = NORMAL_CODINGS["deltas"]
+NUMBERS: Final = NORMAL_CODINGS["numbers"]
+_MODELS: Final = {DELTAS: residual.MODEL, NUMBERS: parallelogram.MODEL}
 
 
 @dataclass(frozen=True)
@@ -124,10 +130,8 @@ def decode_attribute_normals(
     FormatError
     """
     begin, end = stream
-    try:
+    with located(begin):
         normals = decode_normals(payload[begin:end], elements)
-    except FormatError as error:
-        raise FormatError(error.reason, begin + (error.offset or 0)) from None
     if normals.bits != entry.bits:
         reason = f"normals of {normals.bits} bits, where the table has {entry.bits}"
         raise FormatError(reason, begin)
@@ -160,7 +164,7 @@ def choose_normals(
     around : Surroundings
     elements : Elements
     bits : int
-        Bits of a coordinate, LEAST_BITS to MOST_BITS.
+        Bits of a coordinate, MIN_NORMAL_BITS to MAX_NORMAL_BITS.
     tolerance : float
         The largest distance between the positions that two decoders make, in the unit of V.
     """
@@ -202,7 +206,8 @@ def encode_normals(normals: Normals, elements: Elements) -> bytes:
         codes = normals.codes.copy()
         run = partial(_code, coding=coding, elements=elements, codes=codes)
         stream = encode_with(_MODELS[coding], len(codes), run)
-        payloads.append(bytes((normals.bits, 4 * coding + normals.weights)) + stream)
+        plan = coding << NORMAL_CODING_AT | normals.weights
+        payloads.append(bytes((normals.bits, plan)) + stream)
     return min(payloads, key=len)
 
 
@@ -217,11 +222,12 @@ def decode_normals(payload: bytes | memoryview, elements: Elements) -> Normals:
     if len(payload) < 2:
         raise FormatError("truncated: the header of the normals", len(payload))
     bits, plan = payload[0], payload[1]
-    if not LEAST_BITS <= bits <= MOST_BITS:
-        raise FormatError(f"normals of {bits} bits, outside {LEAST_BITS}..{MOST_BITS}", 0)
-    if plan > 4 * NUMBERS + NONE:
+    if not MIN_NORMAL_BITS <= bits <= MAX_NORMAL_BITS:
+        limits = f"{MIN_NORMAL_BITS}..{MAX_NORMAL_BITS}"
+        raise FormatError(f"normals of {bits} bits, outside {limits}", 0)
+    if plan >> NORMAL_CODING_AT not in _MODELS:
         raise FormatError(f"unknown prediction or coding of normals: {plan}", 1)
-    coding, weights = divmod(plan, 4)
+    coding, weights = divmod(plan, 1 << NORMAL_CODING_AT)
     codes = np.zeros((elements.count, 3), dtype=np.int64)
     run = partial(_code, coding=coding, elements=elements, codes=codes)
     decode_with(_MODELS[coding], payload[2:], run, offset=2)

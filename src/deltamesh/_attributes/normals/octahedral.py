@@ -15,13 +15,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.container.layout import NORMAL_STATES
+
 _Ints = NDArray[np.int64]
 _Floats = NDArray[np.float64]
 
 # States of a normal: relative to the prediction; by itself; the vector (0, 0, 0).
-RELATIVE, ABSOLUTE, ZERO = 0, 1, 2
-
-LEAST_BITS, MOST_BITS = 2, 30
+RELATIVE: Final = NORMAL_STATES["relative"]
+ABSOLUTE: Final = NORMAL_STATES["absolute"]
+ZERO: Final = NORMAL_STATES["zero"]
 
 # The columns are orthonormal, the determinant is 1, and the entries are exact but for the division.
 # A half-turn takes its last column to the prediction. It is singular for the opposite one, which no
@@ -89,7 +91,7 @@ def quantize_normals(normals: _Floats, predicted: _Floats, doubt: _Floats, bits:
     predicted, doubt : float64 (k, 3), (k,)
         From `surface.surface_normals`.
     bits : int
-        Of a coordinate, LEAST_BITS to MOST_BITS.
+        Of a coordinate, MIN_NORMAL_BITS to MAX_NORMAL_BITS.
 
     Returns
     -------

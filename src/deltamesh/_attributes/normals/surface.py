@@ -14,11 +14,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.container.layout import NORMAL_WEIGHTS
+
 _Ints = NDArray[np.int64]
 _Floats = NDArray[np.float64]
 
 # Weights of a polygon: its area, its angle at the element, or one for all.
-AREA, ANGLE, EQUAL = 0, 1, 2
+AREA: Final = NORMAL_WEIGHTS["area"]
+ANGLE: Final = NORMAL_WEIGHTS["angle"]
+EQUAL: Final = NORMAL_WEIGHTS["equal"]
 WEIGHTS: Final = (AREA, ANGLE, EQUAL)
 
 # Least error of positions and products of them, relative to the extent of a mesh.
