@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from deltamesh._attributes.coded import Coded
 from deltamesh._attributes.domains import Places
 from deltamesh._attributes.seams import decode_classes, encode_classes
-from deltamesh._graph.elements import Elements, of_classes
+from deltamesh._graph.elements import Elements, of_wedges
 from deltamesh_formats.container.attribute_table import FACES, OWN_CLASSES, Entry
 from deltamesh_formats.errors import FormatError
 
@@ -102,5 +102,5 @@ def _simple(entry: Entry, places: Places) -> Units | None:
 def _of_classes(
     classes: _Ints, places: Places, reference: int, streams: Sequence[bytes] = ()
 ) -> Units:
-    elements = of_classes(classes)
+    elements = of_wedges(classes)
     return Units(classes[places.polygons.corners], elements, classes, reference, list(streams))
