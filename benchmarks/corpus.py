@@ -18,6 +18,7 @@ import click
 from deltamesh._compare.welding import welded, without_isolated
 from deltamesh._mesh import TriangleMesh, checked_mesh
 from deltamesh_formats.meshfiles.files import FORMATS, read_mesh
+from deltamesh_formats.polymesh.mesh import PolyMesh, from_triangles
 
 GENERATED = "torus"
 _GENERATED_PATH = Path(__file__).parent / "meshes" / "torus.ply"
@@ -89,6 +90,11 @@ def files() -> list[Path]:
 def load(name: str) -> TriangleMesh:
     """Read a mesh; the last one is kept."""
     return read(path(name))
+
+
+def as_polymesh(mesh: TriangleMesh) -> PolyMesh:
+    """Return a mesh for the encoder."""
+    return from_triangles(mesh.vertices, mesh.faces)
 
 
 def bare(name: str) -> TriangleMesh:

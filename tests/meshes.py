@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from deltamesh._mesh import TriangleMesh, checked_mesh
 from deltamesh_formats.meshfiles.files import FORMATS, read_mesh
-from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.polymesh.mesh import PolyMesh, from_triangles
 
 Arrays = tuple[NDArray[np.float64], NDArray[np.int64]]
 
@@ -252,6 +252,10 @@ def shuffled(
     vertices = np.empty_like(V)
     vertices[to] = V
     return TriangleMesh(vertices, faces), to
+
+
+def as_polymesh(mesh: TriangleMesh) -> PolyMesh:
+    return from_triangles(mesh.vertices, mesh.faces)
 
 
 def folder() -> Path:

@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh._mesh import checked_mesh, triangulated
 from deltamesh._options import DEFAULT_BITS_NORMAL, DEFAULT_BITS_UV, DEFAULT_EFFORT, Options
-from deltamesh._pipeline import Progress, decode_mesh, encode_mesh, silent
+from deltamesh._pipeline import decode_mesh, encode_mesh
+from deltamesh._progress import Progress, silent
 from deltamesh._sources import Source, read_source
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.mesh import PolyMesh, checked, from_triangles

@@ -20,7 +20,7 @@ from deltamesh._attributes.domains import Places
 from deltamesh._attributes.owners import Units, encode_units
 from deltamesh._graph.elements import Elements, alone, among
 from deltamesh._graph.permutations import numbered
-from deltamesh._shape.polygons import Sources
+from deltamesh._shape.provenance import Provenance
 from deltamesh._streams.columns import encode_columns
 from deltamesh._streams.floats import encode_floats
 from deltamesh._streams.labels import encode_labels
@@ -38,7 +38,7 @@ _EACH: Final = 4
 # Any bits may be numbers, those of a signalling NaN too.
 @np.errstate(over="ignore", invalid="ignore")
 def encode_attributes(
-    mesh: PolyMesh, sources: Sources, places: Places, wanted: Wanted
+    mesh: PolyMesh, provenance: Provenance, places: Places, wanted: Wanted
 ) -> tuple[bytes, tuple[Coded, ...]]:
     """Return the payload of ATTR, and what is in it.
 
@@ -46,12 +46,13 @@ def encode_attributes(
     ----------
     mesh : PolyMesh
         With attributes.
-    sources : Sources
+    provenance : Provenance
         Of the elements of the file.
     places : Places
     wanted : Wanted
     """
-    came_from = {"vertex": sources.vertices, "corner": sources.corners, "face": sources.faces}
+    p = provenance
+    came_from = {"vertex": p.vertices, "corner": p.corners, "face": p.polygons}
     coded: list[Coded] = []
     streams: list[bytes] = []
     for attribute in mesh.attributes:

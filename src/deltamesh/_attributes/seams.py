@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._kernels.coding import wedges as kernels
-from deltamesh._shape.corners import code_corner_classes
 from deltamesh._shape.polygons import Polygons
 from deltamesh._shape.structure import Structure
+from deltamesh._shape.wedges import code_wedges
 from deltamesh._streams import entropy
 
 _Ints = NDArray[np.int64]
@@ -28,7 +28,7 @@ def encode_classes(structure: Structure, polygons: Polygons, rows: _Ints) -> tup
         Any numbers >= 0 at the corners of the polygons; equal ones at a point are of a class.
     """
     coder = entropy.encoder(len(polygons.of_corners), kernels.SLOTS, kernels.MIXERS)
-    classes = code_corner_classes(coder, structure.corners, rows[polygons.of_corners])
+    classes = code_wedges(coder, structure.corners, rows[polygons.of_corners])
     return entropy.finish(coder), classes
 
 
@@ -40,6 +40,6 @@ def decode_classes(payload: memoryview, begin: int, end: int, structure: Structu
     FormatError
     """
     coder = entropy.decoder(payload[begin:end], kernels.SLOTS, kernels.MIXERS)
-    classes = code_corner_classes(coder, structure.corners, np.zeros(0, dtype=np.int64))
+    classes = code_wedges(coder, structure.corners, np.zeros(0, dtype=np.int64))
     entropy.check_end(coder, begin)
     return classes

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from deltamesh._geometry.integers import NO_POINTS, NONE, Integers, Quantized
 from deltamesh._geometry.solve import Factor
-from deltamesh._graph.elements import Elements
 from deltamesh._mesh import LARGEST
 from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
@@ -68,7 +67,7 @@ def quantize(
     V = np.concatenate([vertices, isolated])
     with np.errstate(over="ignore"):
         single = bool((V.astype(np.float32) == V).all())
-    errors = parallelogram_errors(V, _elements(surface))
+    errors = parallelogram_errors(V, surface.elements)
     axes = [spelling(V[:, a].copy(), errors[:, a], single) for a in range(3)]
     integers = exactly(V.view(np.int64), packed(SINGLE if single else DOUBLE, axes))
     return parameters, integers, V
@@ -96,7 +95,7 @@ def write(surface: Surface, parameters: Parameters, integers: Integers) -> dict[
     for a, how in enumerate(axes):
         one = bits[:, a].copy().view(np.float64)
         classes[:, a], values[:, a] = to_integers(one, how, width == SINGLE)
-    stream = encode_spelled(_elements(surface), width, axes, classes, values)
+    stream = encode_spelled(surface.elements, width, axes, classes, values)
     return {"EXAC": forms + stream}
 
 
@@ -107,7 +106,7 @@ def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Sectio
     ------
     FormatError
     """
-    elements = _elements(surface)
+    elements = surface.elements
     V = np.empty((elements.count, 3))
     with payload_of(sections["EXAC"]) as payload:
         width, axes, at = unpacked(payload)
@@ -117,10 +116,3 @@ def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Sectio
         if not (np.abs(V) <= LARGEST).all():
             raise FormatError("a position that no mesh has", at)
         return exactly(V.view(np.int64), bytes(payload[:at]))
-
-
-def _elements(surface: Surface) -> Elements:
-    """Return the points, the isolated ones last."""
-    indptr, indices = surface.graph
-    indptr = np.pad(indptr, (0, surface.isolated_count), mode="edge")
-    return Elements(len(indptr) - 1, indptr, indices, *surface.parallelograms)

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._graph.permutations import inverse
-from deltamesh._shape.polygons import Polygons, Sources
+from deltamesh._shape.polygons import Polygons
+from deltamesh._shape.provenance import Provenance
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 
 _Ints = NDArray[np.int64]
@@ -38,22 +39,24 @@ def arrays(order: Order | None) -> tuple[_Ints, ...]:
     return () if order is None else (order.vertices, order.faces, order.turns)
 
 
-def order_of(polygons: Polygons, sources: Sources, starts: _Ints) -> Order:
+def order_of(polygons: Polygons, provenance: Provenance, starts: _Ints) -> Order:
     """Return how the order of the input comes from that of a file.
 
     Parameters
     ----------
     polygons : Polygons
         Of the file.
-    sources : Sources
+    provenance : Provenance
         Of what is in the file, which may be less than what is in the input.
     starts : int64
         Where the corners of each polygon of the input begin.
     """
-    order = np.argsort(sources.faces)
-    is_first = sources.corners == np.repeat(starts[sources.faces], np.diff(polygons.offsets))
+    order = np.argsort(provenance.polygons)
+    is_first = provenance.corners == np.repeat(
+        starts[provenance.polygons], np.diff(polygons.offsets)
+    )
     begin = np.flatnonzero(is_first) - polygons.offsets[:-1]
-    return Order(np.argsort(sources.vertices), order, begin[order])
+    return Order(np.argsort(provenance.vertices), order, begin[order])
 
 
 def reordered(mesh: PolyMesh, order: Order) -> PolyMesh:
