@@ -1,7 +1,7 @@
 # Verbs for those who work on deltamesh: `just test`, `just lint`. They expect an environment with
 # `pip install -e '.[dev]'`.
 
-# Run the tests.
+# Run the tests; `just test --slow` runs all.
 test *arguments:
     python -m pytest {{arguments}}
 

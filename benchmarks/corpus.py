@@ -16,8 +16,9 @@ from typing import Any
 import click
 
 from deltamesh._compare.welding import welded, without_isolated
-from deltamesh._mesh import TriangleMesh, checked_mesh
-from deltamesh_formats.meshfiles.files import FORMATS, read_mesh
+from deltamesh._mesh import TriangleMesh, triangulated
+from deltamesh_formats.meshfiles.files import read_mesh
+from deltamesh_formats.meshfiles.formats import EXTENSIONS
 from deltamesh_formats.polymesh.mesh import PolyMesh, from_triangles
 
 GENERATED = "torus"
@@ -82,7 +83,7 @@ def present(names: Iterable[str]) -> tuple[str, ...]:
 
 def files() -> list[Path]:
     """Return the repository's mesh and every mesh file of the folder, in the order of its names."""
-    found = (file for file in folder().rglob("*") if file.suffix[1:].lower() in FORMATS)
+    found = (file for file in folder().rglob("*") if file.suffix[1:].lower() in EXTENSIONS)
     return [_GENERATED_PATH, *sorted(found)]
 
 
@@ -109,8 +110,7 @@ def read(file: Path) -> TriangleMesh:
     ------
     MeshError
     """
-    data = read_mesh(file)
-    return checked_mesh(data.vertices, data.triangles)
+    return triangulated(read_mesh(file))
 
 
 def selection(command: Callable[..., Any]) -> Callable[..., Any]:

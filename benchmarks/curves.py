@@ -13,9 +13,8 @@ import pool
 from equal import knob
 
 from deltamesh._measures.metrics import diagonal
-from deltamesh.bench import rates
-from deltamesh.bench.measure import Measurement, codec_of, measure
-from deltamesh.bench.peers import PEERS, missing
+from deltamesh.bench import PEERS, Measurement, codec_of, measure, missing
+from deltamesh.bench import _rates as rates
 from deltamesh_cli.output import table
 from deltamesh_formats.errors import DeltameshError, OptionError
 

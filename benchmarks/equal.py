@@ -18,7 +18,7 @@ import numpy as np
 from deltamesh._measures.metrics import diagonal, vertex_errors
 from deltamesh._mesh import TriangleMesh
 from deltamesh._options import DEFAULT_HIGHPASS_STEP
-from deltamesh.bench.measure import codec_of
+from deltamesh.bench import codec_of
 
 # How far below the error that is asked for a size still counts as one at that error.
 CLOSE = 0.99

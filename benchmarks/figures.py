@@ -8,7 +8,7 @@ from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from deltamesh.bench.measure import Measurement
+from deltamesh.bench import Measurement
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -19,8 +19,7 @@ import corpus
 import pool
 from equal import Coder, Point, coded_at, interpolated_at, point
 
-from deltamesh.bench.measure import codec_of
-from deltamesh.bench.peers import missing
+from deltamesh.bench import codec_of, missing
 from deltamesh_cli.output import table
 from deltamesh_formats.errors import DeltameshError, OptionError
 

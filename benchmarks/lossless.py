@@ -16,7 +16,7 @@ import numpy as np
 
 import deltamesh
 from deltamesh._compare.welding import welded, without_isolated
-from deltamesh.bench.peers import draco_file, zstd_bytes
+from deltamesh.bench._peers import draco_file, zstd_bytes
 from deltamesh_cli.output import table
 from deltamesh_formats.errors import MeshError
 

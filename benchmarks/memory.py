@@ -7,10 +7,12 @@ from pathlib import Path
 
 import click
 import corpus
+import numpy as np
 from processes import deltamesh
 
 from deltamesh._limits import memory_needed
-from deltamesh._mesh import checked_mesh
+from deltamesh._mesh import TriangleMesh
+from deltamesh._methods import METHODS
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
 from deltamesh_cli.output import table
@@ -21,7 +23,6 @@ python benchmarks/memory.py
 python benchmarks/memory.py --mesh turbineblade
 python benchmarks/memory.py --solver scipy --quick"""
 
-_METHODS = ("highpass", "refined", "cartesian", "lossless")
 _HEADING = ("mesh", "method", "vertices", "faces", "MiB", "B/vertex", "B/face", "estimate", "ratio")
 
 
@@ -46,11 +47,11 @@ def command(names: tuple[str, ...], quick: bool, solver: str) -> None:
         chosen += corpus.present([corpus.LARGE])
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
-        base = {method: _base(folder, method, solver) for method in _METHODS}
+        base = {method: _base(folder, method, solver) for method in METHODS}
         rows = [
             measured(name, folder, method, solver, base[method])
             for name in chosen
-            for method in _METHODS
+            for method in METHODS
         ]
     click.echo(table([_HEADING, *rows]))
     low = [f"{row[0]} ({row[1]})" for row in rows if float(row[-1]) > 1]
@@ -61,7 +62,7 @@ def command(names: tuple[str, ...], quick: bool, solver: str) -> None:
 def _base(folder: Path, method: str, solver: str) -> int:
     """Return the peak of decoding a single triangle, in bytes."""
     file = folder / "triangle.dmesh"
-    mesh = checked_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    mesh = TriangleMesh(np.eye(3), np.array([[0, 1, 2]]))
     file.write_bytes(encode_mesh(corpus.as_polymesh(mesh), Options(method=method)).data)
     return _peak(file, solver)
 

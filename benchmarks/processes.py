@@ -15,6 +15,9 @@ import time
 from collections.abc import Mapping
 from typing import NamedTuple
 
+# Seconds; no command that is measured takes nearly as long.
+_LIMIT = 3600
+
 
 class Usage(NamedTuple):
     """What a process took.
@@ -38,11 +41,13 @@ def deltamesh(*arguments: object, environment: Mapping[str, str] | None = None) 
     ------
     RuntimeError
         When it fails, with what it said.
+    subprocess.TimeoutExpired
+        When it has not ended after an hour.
     """
     command = [sys.executable, "-m", "deltamesh_cli", *map(str, arguments)]
     launcher = [sys.executable, "-I", "-S", __file__, *command]
     env = {**os.environ, **(environment or {})}
-    done = subprocess.run(launcher, env=env, capture_output=True, text=True)
+    done = subprocess.run(launcher, env=env, capture_output=True, text=True, timeout=_LIMIT)
     if done.returncode:
         raise RuntimeError(f"{' '.join(command)}: {done.stderr.strip()}")
     return Usage(**json.loads(done.stdout))

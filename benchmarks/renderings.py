@@ -15,8 +15,8 @@ from scenes import Look, Panel, Scale, draw, save
 
 from deltamesh._measures.metrics import diagonal, vertex_errors
 from deltamesh._mesh import TriangleMesh
-from deltamesh.bench.measure import codec_of
-from deltamesh.bench.peers import Coded, draco_file, missing
+from deltamesh.bench import codec_of
+from deltamesh.bench._peers import Coded, draco_file, missing
 
 _EXAMPLES = """\
 python benchmarks/renderings.py

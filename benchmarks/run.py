@@ -14,9 +14,8 @@ import click
 import corpus
 import pool
 
-from deltamesh.bench import rates
-from deltamesh.bench.measure import codec_of, measure
-from deltamesh.bench.rates import Change, Row
+from deltamesh.bench import Change, Row, codec_of, measure
+from deltamesh.bench import _rates as rates
 from deltamesh_cli.measuring import change_table
 from deltamesh_cli.output import table
 

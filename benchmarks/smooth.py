@@ -75,7 +75,7 @@ def coded(
     method = {"cartesian": cartesian, "highpass": highpass}[settings.method]
     factor = factorization(surface.laplacian, "auto", None)
     parameters, integers, found = method.quantize(surface, values, values[:0], settings, factor)
-    size = sum(map(len, method.write(surface, parameters, integers).values()))
+    size = sum(map(len, method.encode(surface, parameters, integers).values()))
     errors = found - values
     return size, float(np.abs(errors).max()), float(np.sqrt((errors**2).sum(axis=1).mean()))
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import meshes
 import numpy as np
 
-from deltamesh._attributes.element_normals import Surroundings, surface_normals
+from deltamesh._attributes.normals.surface import Surroundings, surface_normals
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh, from_triangles
 
 # Zeros, infinities, quiet and signalling NaNs, the smallest and the largest numbers.

@@ -32,8 +32,8 @@ from deltamesh._order.coding import encode_order
 from deltamesh._order.reordering import Order
 from deltamesh._pipeline import encode_mesh, read_content
 from deltamesh._shape.polygons import plain
-from deltamesh._streams import exact as spelled
-from deltamesh._streams.number_formats import Spelling
+from deltamesh._streams import exact as exact_streams
+from deltamesh._streams.number_formats import RAW_ONLY
 from deltamesh_formats.container.attribute_table import entries_of
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_varint
@@ -336,7 +336,7 @@ def one_sided_anchors():
     surface, integers = content.structure.surface, content.integers
     anchors = np.array([0, 1])
     wrong = Integers(integers.values, anchors, integers.positions, integers.isolated)
-    payload = highpass.write(surface, container.parameters, wrong)["ANCH"]
+    payload = highpass.encode(surface, container.parameters, wrong)["ANCH"]
     return forging.forged(data, ANCH=payload, checksum=digest(surface.faces, NONE, wrong))
 
 
@@ -363,9 +363,10 @@ def infinite(data):
     surface, integers = content.structure.surface, content.integers
     values = integers.values.copy()
     values[7, 1] = np.float64("inf").view(np.int64)
-    raw = Spelling((), (), 0, raw=True, zeros=False)
-    wrong = lossless.exactly(values, spelled.packed(spelled.DOUBLE, [raw] * 3))
-    payloads = lossless.write(surface, container.parameters, wrong)
+    wrong = lossless.exactly(
+        values, exact_streams.pack_formats(exact_streams.DOUBLE, [RAW_ONLY] * 3)
+    )
+    payloads = lossless.encode(surface, container.parameters, wrong)
     return forging.forged(data, **payloads, checksum=digest(surface.faces, NONE, wrong))
 
 
@@ -377,7 +378,7 @@ def refused():
     zero = encoded(meshes.icosphere(1), bits=0, anchors=3)
     x = encoded(meshes.icosphere(1), method="lossless")
     exact = payload_of(x, "EXAC")
-    stream = spelled.unpacked(memoryview(exact))[2]
+    stream = exact_streams.unpack_formats(memoryview(exact))[2]
     s = encoded(meshes.union(meshes.crossing(), meshes.doubled()), method="cartesian")
     d = encoded(meshes.with_degenerate(), method="cartesian")
     k = encoded(meshes.seams(), method="cartesian")

@@ -6,14 +6,17 @@ Vertices are float64 (n, 3), faces int64 (m, 3), counter-clockwise seen from out
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from deltamesh._mesh import TriangleMesh, checked_mesh
-from deltamesh_formats.meshfiles.files import FORMATS, read_mesh
+from deltamesh._mesh import TriangleMesh, triangulated
+from deltamesh_formats.meshfiles.files import read_mesh
+from deltamesh_formats.meshfiles.formats import EXTENSIONS
 from deltamesh_formats.polymesh.mesh import PolyMesh, from_triangles
 
 Arrays = tuple[NDArray[np.float64], NDArray[np.int64]]
@@ -266,16 +269,30 @@ def folder() -> Path:
 
 def names(most_bytes: int) -> list[str]:
     """The mesh files of the folder, but for the largest; none where there is no folder."""
-    files = (path for path in sorted(folder().rglob("*.*")) if path.suffix[1:].lower() in FORMATS)
+    files = (
+        path for path in sorted(folder().rglob("*.*")) if path.suffix[1:].lower() in EXTENSIONS
+    )
     return [
         path.relative_to(folder()).as_posix() for path in files if path.stat().st_size <= most_bytes
     ]
 
 
+def large_are_slow(files: Iterable[str], most_bytes: int = 800_000, place: str = "{}") -> list[Any]:
+    """Files of the folder as parameters of a test, which is slow for those of more bytes.
+
+    `place` makes the name of a file of a parameter.
+    """
+    parameters = []
+    for name in files:
+        path = folder() / place.format(name)
+        large = path.exists() and path.stat().st_size > most_bytes
+        parameters.append(pytest.param(name, marks=[pytest.mark.slow] * large))
+    return parameters
+
+
 def real(name: str) -> TriangleMesh:
     """A mesh of the folder; the test that asks is skipped where it is not there."""
-    data = real_whole(name)
-    return checked_mesh(data.vertices, data.faces)
+    return triangulated(real_whole(name))
 
 
 def real_whole(name: str) -> PolyMesh:

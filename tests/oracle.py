@@ -598,7 +598,7 @@ def normals(V, F, step):
 
 
 def facing(V, polygons, elements, count, weights):
-    """The twin of element_normals.surface_normals: corner after corner, as the definition reads."""
+    """The twin of surface.surface_normals: corner after corner, as the definition reads."""
     sums = np.zeros((count, 3))
     for polygon, here in zip(polygons, elements, strict=True):
         p = [V[v] - V[polygon[0]] for v in polygon]

@@ -34,6 +34,10 @@ class Glue:
         check(3 <= self.least <= self.most <= m + 2, "sizes of POLY")
         self.stream = Stream(payload[table.at :])
         self.ends = [(face[c], face[(c + 1) % 3]) for face in faces for c in range(3)]
+        self.named = {}  # the half-edges that each pair of ends and each vertex names
+        for h, ends in enumerate(self.ends):
+            for key in {ends, *ends}:
+                self.named.setdefault(key, []).append(h)
         self.glued, self.open = [-1] * (3 * m), [False] * (3 * m)
         self.polygon = {f: [f] for f in range(m)}  # the faces of the polygon of each face
         self.pair(across)
@@ -112,8 +116,8 @@ class Glue:
     def around(self, v, less):
         """E(v) for `less` = 1, F(v) for `less` = 0."""
         l = s = alone = 0  # noqa: E741
-        for h, ends in enumerate(self.ends):
-            g, here = self.partner[h], ends.count(v)
+        for h in self.named[v]:
+            g, here = self.partner[h], self.ends[h].count(v)
             if g < 0:
                 s, alone = s + here, alone or here > 0
             elif h < g:
@@ -143,7 +147,7 @@ class Glue:
         for h, (u, v) in enumerate(self.ends):
             if not rest:
                 break
-            across = [g for g, ends in enumerate(self.ends) if ends == (v, u)]
+            across = self.named.get((v, u), [])
             live = [g for g in across if self.glued[g] < 0 and g > h]
             if self.glued[h] >= 0 or self.size(h) >= self.most or not live:
                 continue

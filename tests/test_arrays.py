@@ -11,9 +11,10 @@ import pytest
 from hypothesis import given
 
 import deltamesh
-from deltamesh_formats.polymesh.arrays import distinct, role_of
+from deltamesh_formats.polymesh.arrays import role_of
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, from_triangles
-from deltamesh_formats.polymesh.validation import check_shapes
+from deltamesh_formats.polymesh.names import distinct_names
+from deltamesh_formats.polymesh.validation import checked
 
 V, F = meshes.torus(9, 7)
 n, m = len(V), len(F)
@@ -137,7 +138,7 @@ def test_an_index_is_put_in_place() -> None:
 
 
 def test_no_name_is_there_twice() -> None:
-    assert distinct(["a", "b", "a", "a", "a_2"]) == ["a", "b", "a_2", "a_3", "a_2_2"]
+    assert distinct_names(["a", "b", "a", "a", "a_2"]) == ["a", "b", "a_3", "a_4", "a_2"]
 
 
 EVERY = (
@@ -149,7 +150,7 @@ EVERY = (
 
 @given(polymeshes.polymeshes(EVERY))
 def test_the_shapes_of_any_mesh_of_a_reader_are_right(mesh: deltamesh.PolyMesh) -> None:
-    check_shapes(mesh)
+    assert checked(mesh) is mesh
 
 
 BROKEN = {

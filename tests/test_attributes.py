@@ -15,15 +15,19 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 
 from deltamesh import decode, encode
+from deltamesh._attributes import owners
+from deltamesh._attributes.codings import AttributeSettings, candidate_codings
+from deltamesh._attributes.wedges import encode_wedges
 from deltamesh._options import Options
 from deltamesh._pipeline import Encoded, encode_mesh
-from deltamesh_formats.container.attribute_table import TYPES, Entry, read_table
+from deltamesh_formats.container.attribute_table import OWN_CLASSES, TYPES, Entry, read_table
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import FormatError, MeshError
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh, from_triangles
 
 WIDTHS = (0, 1, 2, 3, 4, 16)
 DOMAINS = ("vertex", "corner", "face")
+SETTINGS = AttributeSettings(12, 10, lossless=False, positions=np.zeros((0, 3)), tolerance=0.0)
 
 
 def counts_of(mesh: PolyMesh) -> dict[str, int]:
@@ -199,6 +203,33 @@ def test_attributes_with_the_same_seams_share_them() -> None:
     mixed = Attribute("both", "corner", np.hstack([uv.values, uv.values]), "other")
     data = encode_mesh(sphere(uv, other, mixed), Options(method="cartesian")).data
     assert [entry.classes for entry in entries_of(data)] == [0, 1, 2]
+
+
+def test_wedges_are_coded_once_for_all_codings_of_an_attribute(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    coded: list[np.ndarray] = []
+
+    def counted(structure: Any, polygons: Any, rows: np.ndarray) -> tuple[bytes, np.ndarray]:
+        coded.append(rows)
+        return encode_wedges(structure, polygons, rows)
+
+    monkeypatch.setattr(owners, "encode_wedges", counted)
+    mesh = from_triangles(*meshes.torus(8, 6))
+    jump = np.repeat(np.arange(len(mesh.sizes)) % 3 == 0, 3)[:, None]
+    levels = (mesh.corners[:, None] * [1, 2, 3] + 7 * jump) % 256
+    colours = Attribute("colour", "corner", (levels / 255).astype(np.float32), "colour")
+    assert len(list(candidate_codings(colours, colours.values, SETTINGS))) == 3
+    data = encode(replace(mesh, attributes=(colours,)), method="cartesian")
+    assert len(coded) == 1
+    assert entries_of(data)[0].classes == OWN_CLASSES
+    # A grid that makes rows equal has other wedges.
+    near = np.array([[0, 0], [1, 1], [1 + 1e-6, 1]], dtype=np.float64)
+    uv = Attribute("uv", "corner", near[(mesh.corners + jump[:, 0]) % 3], "uv")
+    encode(replace(mesh, attributes=(uv,)), method="cartesian", bits_uv=8)
+    assert len(coded) == 3
+    assert len(np.unique(coded[1])) == 3
+    assert len(np.unique(coded[2])) == 2
 
 
 def test_corners_that_are_alike_in_each_face_are_coded_by_faces() -> None:
@@ -397,7 +428,10 @@ def test_what_is_dropped() -> None:
 
 
 @pytest.mark.parametrize("method", ["cartesian", "refined"])
-@pytest.mark.parametrize("name", ["spot", "tank", "chair_model", "pizza"])
+@pytest.mark.parametrize(
+    "name",
+    meshes.large_are_slow(["spot", "tank", "chair_model", "pizza"], place="clean/{}.obj"),
+)
 def test_seams_of_real_meshes_never_crack(name: str, method: str) -> None:
     """One vertex stays one vertex, whatever the texture coordinates on both sides of it are."""
     mesh = meshes.real_whole(f"clean/{name}.obj")

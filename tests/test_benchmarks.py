@@ -17,10 +17,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from deltamesh import MeshError
+from deltamesh import MeshError, bench
 from deltamesh._mesh import TriangleMesh
-from deltamesh.bench import measure as bench
-from deltamesh.bench import rates
+from deltamesh.bench import _rates as rates
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 sys.path.append(str(BENCHMARKS))

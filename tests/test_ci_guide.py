@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 import shlex
-import subprocess
 import sys
 from pathlib import Path
 
+import children
 import pytest
 
 from deltamesh_cli.program import run
@@ -34,7 +34,7 @@ def test_the_code_of_the_page_runs(
         said.append(capsys.readouterr().out)
     assert "2 rows are as in rates.csv" in said[1]
     assert language == "python"
-    done = subprocess.run([sys.executable, "-c", python], capture_output=True, text=True)
+    done = children.run([sys.executable, "-c", python], text=True)
     assert done.returncode == 0, done.stderr
     assert "deep/torus.ply" in done.stdout
     assert "gone" in done.stdout

@@ -194,7 +194,9 @@ def test_diffusion_lowers_the_error_at_the_same_rate(bits: int) -> None:
     assert diffused[3] < 1.08 * plain[3]
 
 
-@pytest.mark.parametrize("name", ["bun_zipper.ply", "horse.ply"])
+@pytest.mark.parametrize(
+    "name", meshes.large_are_slow(["bun_zipper.ply", "horse.ply"], 2_500_000, "unstated/{}")
+)
 def test_diffusion_lowers_the_error_of_scans_fourfold(name: str) -> None:
     # With 0.1 % anchors: bunny 2.83e-4 and 4.9e-5, horse 9.0e-4 and 1.52e-4 of the diagonal.
     mesh = from_folder(name)

@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import hashlib
 import os
-import subprocess
 import sys
 
+import children
 import meshes
 import numpy as np
 import oracle
@@ -22,6 +22,7 @@ from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh, read_content
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import DeltameshError, MeshError, OptionError
+from deltamesh_formats.polymesh.arrays import from_arrays
 from deltamesh_formats.polymesh.mesh import from_triangles
 
 MANIFOLDS = {name: mesh for name, mesh in meshes.every().items() if name != "three_pages"}
@@ -40,7 +41,7 @@ def frozen(mesh):
 def assert_round_trip(V, F, **options):
     """Encode, decode, check all that holds for any mesh; return what the encoder gave."""
     V, F = frozen((V, F))
-    encoded = encode_mesh(from_triangles(V, F), Options(**options))
+    encoded = encode_mesh(from_arrays(V, F), Options(**options))
     decoded = decode(encoded.data)
     assert_decoded(decoded, encoded)
     # `order` takes the faces back to the input, winding and all.
@@ -233,7 +234,7 @@ def test_several_threads_in_turn_and_another_process() -> None:
     """The first thread loads the solver and ends before the second one solves."""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "PYTHONHASHSEED": "11"}
     command = [sys.executable, "-W", "error", "-c", IN_THREADS]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    done = children.run(command, env=environment, text=True)
     assert done.returncode == 0, done.stderr
     data = encode(*meshes.torus(30, 20), anchors=20, anchor_method="greedy")
     digest = hashlib.sha256(data + decode(data).vertices.tobytes()).hexdigest()
@@ -447,21 +448,33 @@ def with_vertex(index, value):
 REFUSED = [
     pytest.param((SPHERE, FACES[:0]), r"no faces", id="no faces"),
     pytest.param(([], []), r"shape", id="nothing"),
-    pytest.param((SPHERE, []), r"shape", id="a list of no faces"),
+    pytest.param((SPHERE, []), r"no faces", id="a list of no faces"),
     pytest.param(with_vertex(7, np.nan), r"vertex 7 is not finite", id="NaN"),
     pytest.param(with_vertex(41, -np.inf), r"vertex 41 is not finite", id="infinite"),
     pytest.param((SPHERE, FACES + 1), r"face \d+ .*42.*0\.\.41", id="index too large"),
     pytest.param((SPHERE, FACES - 1), r"face \d+ .*-1.*0\.\.41", id="index negative"),
-    pytest.param((SPHERE, np.c_[FACES, FACES[:, 0]]), r"\(80, 4\)", id="quadrilaterals"),
+    pytest.param((SPHERE, FACES[:, :2]), r"face 0 has 2 corners", id="edges"),
+    pytest.param((SPHERE, FACES[0]), r"\(3,\)|not a row", id="a row of faces"),
+    pytest.param((from_arrays(SPHERE, FACES), FACES), r"has its own", id="faces twice"),
     pytest.param((SPHERE[:, :2], FACES), r"\(42, 2\)", id="plane coordinates"),
     pytest.param((SPHERE, FACES.astype(float)), r"integers", id="faces of floats"),
     pytest.param((SPHERE, FACES > 2), r"integers", id="faces of booleans"),
     pytest.param((SPHERE + 0j, FACES), r"real", id="complex"),
     pytest.param((SPHERE.astype(object), FACES), r"real", id="objects"),
-    pytest.param((None, FACES), r"shape", id="no vertices"),
+    pytest.param((None, FACES), r"vertices must be real", id="no vertices"),
     pytest.param(([[0, 0, 0], [1, 2]], [[0, 1, 0]]), r"vertices", id="ragged vertices"),
-    pytest.param((SPHERE, [[0, 1, 2], [3, 4]]), r"faces", id="ragged faces"),
+    pytest.param((SPHERE, [[0, 1, 2], [3, 4]]), r"face 1 has 2 corners", id="ragged faces"),
 ]
+
+
+def test_faces_are_those_of_from_arrays() -> None:
+    """Triangles, quads and polygons of any sizes, as arrays and as lists."""
+    quads = np.array([[0, 1, 2, 3], [3, 2, 4, 5]])
+    for faces in (FACES[:2], FACES[:2].tolist(), quads, quads.tolist(), [[0, 1, 2], quads[1]]):
+        whole = from_arrays(SPHERE, faces)
+        data = encode(SPHERE, faces, method="lossless")
+        assert data == encode(whole, method="lossless")
+        assert sorted(decode(data).sizes) == sorted(whole.sizes)
 
 
 @pytest.mark.parametrize(("mesh", "message"), REFUSED)

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh._kernels.coding import coder as kernels
-from deltamesh._kernels.coding import numbers
+from deltamesh._kernels.coding import exact, signed_integers, steps
 from deltamesh._kernels.coding.coder import (
     CACHE,
     CODE,
@@ -28,6 +28,7 @@ from deltamesh._kernels.coding.coder import (
     code_bit,
     code_raw,
 )
+from deltamesh._kernels.coding.models import layout
 from deltamesh._streams import entropy
 from deltamesh_formats.errors import FormatError
 
@@ -345,7 +346,7 @@ def test_shape_of_the_tables() -> None:
 # ---- Signed numbers ----------------------------------------------------------------------------
 
 LENGTHS, SIGNS, CANDIDATES = 4, 2, 3
-NUMBER_MIXERS = numbers.mixers(LENGTHS, SIGNS, CANDIDATES)
+NUMBER_MIXERS = signed_integers.mixers(LENGTHS, SIGNS, CANDIDATES)
 EXTREMES = [0, 1, -1, 2, -3, 2**30, 1 - 2**30, 2**31 - 1, 1 - 2**31]
 any_number = st.sampled_from(EXTREMES) | st.integers(1 - 2**31, 2**31 - 1)
 small_context = st.integers(0, 3) | st.integers(0, 2**31 - 1)
@@ -373,7 +374,7 @@ def numbers_with_contexts(draw):
 def code_numbers(coder, rows, decoding=False):
     """What the kernel codes."""
     return [
-        numbers.code_number(
+        signed_integers.code_signed(
             coder, 0 if decoding else value, axis, *(np.array(a, dtype=np.int64) for a in arrays)
         )
         for value, axis, *arrays in rows
@@ -386,18 +387,19 @@ def code_numbers_slowly(coder, rows, decoding=False):
 
 def slow_numbers(data=None):
     inputs = NUMBER_MIXERS
-    return oracle.RangeCoder(TABLES, numbers.SLOTS, inputs, entropy.INITIAL_WEIGHT_SUM, data)
+    slots, weights = signed_integers.SLOTS, entropy.INITIAL_WEIGHT_SUM
+    return oracle.RangeCoder(TABLES, slots, inputs, weights, data)
 
 
 @strategies.SOME
 @given(numbers_with_contexts())
 def test_numbers_equal_their_oracle_both_ways(rows: list[tuple]) -> None:
     values = [row[0] for row in rows]
-    coder, twin = entropy.encoder(len(rows), numbers.SLOTS, NUMBER_MIXERS), slow_numbers()
+    coder, twin = entropy.encoder(len(rows), signed_integers.SLOTS, NUMBER_MIXERS), slow_numbers()
     assert code_numbers(coder, rows) == values == code_numbers_slowly(twin, rows)
     data = entropy.finish(coder)
     assert data == twin.finish()
-    decoder = entropy.decoder(data, numbers.SLOTS, NUMBER_MIXERS)
+    decoder = entropy.decoder(data, signed_integers.SLOTS, NUMBER_MIXERS)
     assert code_numbers(decoder, rows, decoding=True) == values
     entropy.check_end(decoder, 0)
     assert code_numbers_slowly(slow_numbers(data), rows, decoding=True) == values
@@ -409,7 +411,7 @@ def test_any_bytes_are_the_numbers_of_the_oracle(
     rows: list[tuple], data: bytes, filler: int
 ) -> None:
     data += bytes([filler]) * 200
-    decoder, twin = entropy.decoder(data, numbers.SLOTS, NUMBER_MIXERS), slow_numbers(data)
+    decoder, twin = entropy.decoder(data, signed_integers.SLOTS, NUMBER_MIXERS), slow_numbers(data)
     values = code_numbers(decoder, rows, decoding=True)
     assert values == code_numbers_slowly(twin, rows, decoding=True)
     assert int(decoder.state[CODE]) == twin.code
@@ -419,9 +421,9 @@ def test_any_bytes_are_the_numbers_of_the_oracle(
 @given(st.integers(0, 47), st.integers(0, 2), st.integers(0, 2**37))
 def test_slots_equal_their_oracle(number: int, axis: int, context: int) -> None:
     """Contexts of a mantissa have up to 37 bits, of which 31 count."""
-    slot = numbers.hashed(number, axis, context)
+    slot = signed_integers.hashed(number, axis, context)
     assert slot == oracle.slot(number, axis, context)
-    assert 0 <= slot < numbers.SLOTS
+    assert 0 <= slot < signed_integers.SLOTS
 
 
 def test_known_slots() -> None:
@@ -433,7 +435,7 @@ def test_known_slots() -> None:
         (34, 0, 68719489081): 579620,
         (42, 2, 371): 442601,
     }
-    assert {key: int(numbers.hashed(*key)) for key in wanted} == wanted
+    assert {key: int(signed_integers.hashed(*key)) for key in wanted} == wanted
 
 
 def test_the_longest_numbers_fit_the_buffer() -> None:
@@ -443,11 +445,11 @@ def test_the_longest_numbers_fit_the_buffer() -> None:
     rows = zeros * 300
     for value in rng.integers(2**30, 2**31, 300).tolist():
         rows += [(value, *row[1:]) for row in zeros]
-    coder = entropy.encoder(600, numbers.SLOTS, NUMBER_MIXERS)
+    coder = entropy.encoder(600, signed_integers.SLOTS, NUMBER_MIXERS)
     code_numbers(coder, rows)
     data = entropy.finish(coder)
     assert len(data) < len(coder.data)
-    decoder = entropy.decoder(data, numbers.SLOTS, NUMBER_MIXERS)
+    decoder = entropy.decoder(data, signed_integers.SLOTS, NUMBER_MIXERS)
     assert code_numbers(decoder, rows, decoding=True) == [row[0] for row in rows]
 
 
@@ -461,8 +463,17 @@ def test_a_candidate_that_is_right_saves_all_the_bits() -> None:
     ]
     sizes = []
     for message in (rows, noise):
-        coder = entropy.encoder(len(rows), numbers.SLOTS, NUMBER_MIXERS)
+        coder = entropy.encoder(len(rows), signed_integers.SLOTS, NUMBER_MIXERS)
         code_numbers(coder, message)
         sizes.append(len(entropy.finish(coder)))
     assert sizes[0] < 0.2 * sizes[1]
     assert 8 * sizes[1] < 24 * len(values)
+
+
+def test_ranges_of_contexts_follow_each_other() -> None:
+    assert layout() == (0,)
+    assert layout((4, 4, 4), (3,), (2, 16)) == (0, 64, 67, 99)
+    # Slots are part of the format: another context in the same slot learns from it.
+    assert (steps.STEP, steps.CHOOSE, steps.ROTATION) == (1048576, 1051648, 1053184)
+    assert (steps.TRACK, steps.SKIP, steps.SLOTS) == (1054720, 1056768, 1056960)
+    assert (exact.MANTISSA_AT, exact.SIGN_AT, exact.FORMAT_SLOTS) == (387072, 403704, 403800)

@@ -147,7 +147,7 @@ def containers(draw):
         draw(hundredths),
         draw(st.booleans()),
     )
-    further = layout.FURTHER[method]
+    further = layout.METHODS[method].further
     needed = draw(st.sets(st.sampled_from((*layout.AFTER_CONNECTIVITY, *further))))
     required = layout.required(method, needed)[1:]
     payloads = {name: draw(st.binary(max_size=300)) for name in required}
@@ -285,10 +285,10 @@ def test_text_transfer_is_recognized(old, new):
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (b"ply\nformat ascii 1.0\n", "a PLY mesh"),
-        (b"glTF\2\0\0\0", "a GLB mesh"),
-        (b"OFF\n8 6 12\n", "an OFF mesh"),
-        (b"solid cube\n", "an STL mesh"),
+        (b"ply\nformat ascii 1.0\n", r"a mesh file \(PLY\)"),
+        (b"glTF\2\0\0\0", r"a mesh file \(GLB\)"),
+        (b"OFF\n8 6 12\n", r"a mesh file \(OFF\)"),
+        (b"solid cube\n", r"a mesh file \(STL\)"),
         (b"\x89PNG\r\n\x1a\n" + bytes(50), "not a .dmesh file"),
         (b"v", "not a .dmesh file"),
     ],
@@ -580,7 +580,7 @@ def test_spec_section_order():
     rows = spec_table("3.2", "`id`")
     for column, method in ((2, "highpass"), (3, "cartesian"), (4, "refined"), (5, "lossless")):
         numbered = sorted((int(row[column]), row[0]) for row in rows if row[column].isdigit())
-        assert [name for _, name in numbered] == list(layout.REQUIRED[method])
+        assert [name for _, name in numbered] == list(layout.METHODS[method].required)
         everything = sorted(
             (int(row[column].strip("()")), row[0])
             for row in rows
@@ -602,7 +602,7 @@ def test_spec_limits():
 
 def test_spec_codes():
     methods = {row[0]: int(row[1]) for row in spec_table("4.1", "`method`")}
-    assert methods == layout.METHODS
+    assert methods == {name: method.id for name, method in layout.METHODS.items()}
     anchors = {row[0]: int(row[1]) for row in spec_table("4.1", "`anchor_method`")}
     assert anchors == {name or "none": code for name, code in layout.ANCHOR_METHODS.items()}
     bits = next(row[4] for row in spec_table("4.1", "Name") if row[0] == "bits")

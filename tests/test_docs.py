@@ -5,11 +5,11 @@ from __future__ import annotations
 import importlib.util
 import re
 import shlex
-import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
 
+import children
 import click
 import pytest
 
@@ -101,6 +101,7 @@ def test_the_blocks_that_ci_runs_are_in_the_readme() -> None:
     assert "deltamesh encode benchmarks/meshes/torus.ply" in first
     assert "deltamesh decode" in first
     assert tests == 'python -m pip install ".[test]" &&\npython -m pytest\n'
+    assert block("slow-tests") == "python -m pytest --slow -m slow\n"
     for name in re.findall(r"for block in (.*); do", (ROOT / ".ci" / "run").read_text())[0].split():
         assert block(name)
     with pytest.raises(LookupError):
@@ -109,7 +110,7 @@ def test_the_blocks_that_ci_runs_are_in_the_readme() -> None:
 
 def test_the_python_of_the_readme_runs() -> None:
     code = script(".ci/readme_block.py").block("python")
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    done = children.run([sys.executable, "-c", code], cwd=ROOT, text=True)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("(2592, 3) (5184, 3)\n")
 
@@ -137,5 +138,5 @@ def test_the_mesh_of_the_repository_is_what_its_script_makes(tmp_path: Path) -> 
     made = meshes.ply().encode("ascii")
     assert (meshes.FOLDER / meshes.NAME).read_bytes() == made
     assert len(made) < 250_000
-    subprocess.run([sys.executable, ROOT / "benchmarks/make_meshes.py", tmp_path], check=True)
+    children.run([sys.executable, ROOT / "benchmarks/make_meshes.py", tmp_path], check=True)
     assert (tmp_path / meshes.NAME).read_bytes() == made

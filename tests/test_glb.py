@@ -344,10 +344,10 @@ def test_we_read_what_trimesh_writes():
         (lambda t: t["accessors"][0].update(count=-1), "its count is -1, not a count"),
         (lambda t: t["accessors"][0].update(count=2**70), "not a count"),
         (lambda t: t["accessors"][0].update(count="3"), "its count is '3', not a count"),
-        (lambda t: t["accessors"][0].update(type="VEC5"), "accessor 0 is of type 'VEC5'"),
-        (lambda t: t["accessors"][0].update(type="VEC2"), "have not three coordinates"),
+        (lambda t: t["accessors"][0].update(type="VEC5"), "accessor 0 has the unknown type 'VEC5'"),
+        (lambda t: t["accessors"][0].update(type="VEC2"), "do not have three coordinates"),
         (lambda t: t["accessors"][0].update(componentType=5124), "no component type 5124"),
-        (lambda t: t["accessors"][1].update(componentType=5122), "no unsigned whole numbers"),
+        (lambda t: t["accessors"][1].update(componentType=5122), "are not unsigned whole numbers"),
         (lambda t: t["accessors"][1].update(count=300), "would end at byte"),
         (lambda t: t["accessors"][1].update(count=2), "a primitive of triangles has 2 indices"),
         (lambda t: t["bufferViews"][0].update(byteLength=10**9), "would end at byte"),
@@ -365,11 +365,11 @@ def test_we_read_what_trimesh_writes():
         ),
         (lambda t: t["meshes"][0]["primitives"][0].update(attributes={}), "has no POSITION"),
         (lambda t: t["meshes"][0]["primitives"][0].update(attributes=[]), "has no attributes"),
-        (lambda t: t["meshes"][0].update(primitives={}), "its primitives are no list"),
+        (lambda t: t["meshes"][0].update(primitives={}), "its primitives are not a list"),
         (lambda t: t["scenes"][0].update(nodes=[]), "no vertices and no faces"),
         (lambda t: t["scenes"][0].update(nodes=[7]), "refers to nodes 7, of 3"),
-        (lambda t: t["nodes"][2].update(children=[1]), "node 1 comes twice"),
-        (lambda t: t["nodes"][2].update(children=[2]), "node 2 comes twice"),
+        (lambda t: t["nodes"][2].update(children=[1]), "node 1 is twice"),
+        (lambda t: t["nodes"][2].update(children=[2]), "node 2 is twice"),
         (lambda t: t["nodes"][0].update(translation=[1, 2]), "translation is not 3 numbers"),
         (lambda t: t["nodes"][0].update(scale=[1e200, 1e200, 1e999]), "scale is not 3 numbers"),
         (
@@ -402,10 +402,10 @@ def test_an_index_beyond_the_vertices():
         (glb(*gltf_tree())[:-1], "is it cut short"),
         (glb(b"["), "its JSON is not readable"),
         (glb(b"[" * 100_000), "its JSON is not readable"),
-        (glb(b"[]"), "its JSON is no object"),
+        (glb(b"[]"), "its JSON is not an object"),
         (struct.pack("<4sII", b"glTF", 2, 12), "it has no JSON"),
-        (glb({"meshes": 3}), "its meshes are no list"),
-        (glb({"nodes": [3]}), "nodes 0 is no object"),
+        (glb({"meshes": 3}), "its meshes are not a list"),
+        (glb({"nodes": [3]}), "nodes 0 is not an object"),
     ],
 )
 def test_what_is_no_glb(data, message):
@@ -417,10 +417,10 @@ def test_small_files_that_ask_for_much_memory(monkeypatch):
     tree, buffer = gltf_tree()
     tree["nodes"] = [{"mesh": 0}] * 1000
     tree["scenes"][0]["nodes"] = list(range(1000))
-    refused(glb(tree, buffer), "glb", "repeats parts of it")
+    refused(glb(tree, buffer), "glb", "repeats meshes until")
     tree, buffer = gltf_tree()
     tree["meshes"][0]["primitives"] *= 1000
-    refused(glb(tree, buffer), "glb", "repeats parts of it")
+    refused(glb(tree, buffer), "glb", "repeats meshes until")
     tree, buffer = gltf_tree()
     tree["meshes"][0]["primitives"][0]["attributes"] |= {f"_{i}": 0 for i in range(1000)}
-    refused(glb(tree, buffer), "glb", "repeats parts of it")
+    refused(glb(tree, buffer), "glb", "repeats meshes until")

@@ -5,12 +5,10 @@ from __future__ import annotations
 import json
 import os
 import re
-import signal
-import subprocess
 import sys
-from contextlib import suppress
 from pathlib import Path
 
+import children
 import meshes
 import pytest
 from test_docs import ROOT, script
@@ -45,21 +43,17 @@ def run(folder: Path, name: str, **environment: str) -> str:
     path.write_text(code if is_python else PRELUDE + code)
     places = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     # To a file: what runs in the background would keep a pipe open.
-    with log.open("w") as stream:
-        process = subprocess.Popen(
+    with (
+        log.open("w") as stream,
+        children.started(
             [sys.executable if is_python else "bash", path.name],
             cwd=folder,
             env={**os.environ, "PYTHON": sys.executable, "PATH": places, **environment},
             stdout=stream,
             stderr=stream,
-            start_new_session=True,
-        )
-    try:
-        code = process.wait(300)
-    finally:
-        with suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+        ) as child,
+    ):
+        code = child.process.wait()
     assert code == 0, log.read_text()
     return log.read_text()
 
@@ -105,6 +99,7 @@ def test_cores_and_a_manifest(folder: Path) -> None:
     assert [line.split()[0] for line in run(folder, "records").splitlines()] == list(MESHES)
 
 
+@pytest.mark.slow
 def test_clusters(folder: Path) -> None:
     pytest.importorskip("distributed")
     run(folder, "dask-local")
@@ -114,6 +109,7 @@ def test_clusters(folder: Path) -> None:
         assert done(folder, f"{name}.jsonl") == 2
 
 
+@pytest.mark.slow
 def test_an_array(folder: Path) -> None:
     array = {"MIN": "0", "MAX": "1", "COUNT": "2", "STEP": "1"}
     for task in "01":
@@ -123,6 +119,7 @@ def test_an_array(folder: Path) -> None:
     assert made(folder, "shared") == PACKED
 
 
+@pytest.mark.slow
 def test_ci_and_python(folder: Path) -> None:
     run(folder, "ci")
     *each, last = (folder / "report.jsonl").read_text().splitlines()

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
 import sys
 from pathlib import Path
+
+import children
 
 from deltamesh._kernels import jit
 
@@ -29,9 +30,8 @@ print(twice.stats.cache_hits.__len__(), twice.stats.cache_misses.__len__())
 def run(package: Path, cache: Path) -> list[str]:
     script = package.parent / "probe.py"
     script.write_text(PROBE)
-    result = subprocess.run(
+    result = children.run(
         [sys.executable, str(script), str(package.parent)],
-        capture_output=True,
         text=True,
         check=True,
         env={"XDG_CACHE_HOME": str(cache), "PATH": "", "HOME": str(cache)},

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
-import time
 from pathlib import Path
 
+import children
 import pytest
 
 HEAVY = ("numba", "scipy", "trimesh", "rslab", "rich", "pypardiso", "distributed")
@@ -15,12 +14,13 @@ HEAVY = ("numba", "scipy", "trimesh", "rslab", "rich", "pypardiso", "distributed
 def modules_after(code: str) -> set[str]:
     """Return the top-level packages that a fresh interpreter has imported after `code`."""
     code += "\nimport sys; print('\\n', *{name.partition('.')[0] for name in sys.modules})"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = children.run([sys.executable, "-c", code], text=True, check=True)
     return set(done.stdout.splitlines()[-1].split())
 
 
 @pytest.mark.parametrize(
-    "package", ["deltamesh_formats", "deltamesh", "deltamesh_cli", "deltamesh.batch"]
+    "package",
+    ["deltamesh_formats", "deltamesh", "deltamesh_cli", "deltamesh.batch", "deltamesh.bench"],
 )
 def test_importing_a_package_is_cheap(package: str) -> None:
     assert not modules_after(f"import {package}") & {*HEAVY, "numpy"}
@@ -58,7 +58,7 @@ def test_the_package_runs_as_the_command(line: str) -> None:
     said = []
     for module in ("deltamesh", "deltamesh_cli"):
         command = [sys.executable, "-m", module, *line.split()]
-        done = subprocess.run(command, capture_output=True, text=True)
+        done = children.run(command, text=True)
         said.append((done.returncode, done.stdout, done.stderr))
     assert said[0] == said[1]
     assert said[0][1:] != ("", "")
@@ -66,9 +66,4 @@ def test_the_package_runs_as_the_command(line: str) -> None:
 
 @pytest.mark.parametrize("line", ["--help", "info nothing.dmesh"])
 def test_help_and_info_answer_at_once(line: str) -> None:
-    def seconds() -> float:
-        start = time.perf_counter()
-        subprocess.run([sys.executable, "-m", "deltamesh_cli", *line.split()], capture_output=True)
-        return time.perf_counter() - start
-
-    assert min(seconds() for _ in range(5)) < 0.3
+    assert children.seconds_of([sys.executable, "-m", "deltamesh_cli", *line.split()]) < 0.3

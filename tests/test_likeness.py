@@ -12,7 +12,7 @@ from polymeshes import Kind, polymeshes
 
 from deltamesh._compare import likeness
 from deltamesh._mesh import LARGEST
-from deltamesh._order.reordering import rearranged
+from deltamesh._order.reordering import permuted
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 
 KINDS = (
@@ -29,7 +29,7 @@ def shuffled(mesh: PolyMesh, seed: int, *, turn: bool = True) -> PolyMesh:
     spans = [np.arange(mesh.offsets[f], mesh.offsets[f + 1]) for f in faces]
     corners = [np.roll(span, rng.integers(len(span)) if turn else 0) for span in spans]
     offsets = np.concatenate(([0], np.cumsum(mesh.sizes[faces])))
-    return rearranged(mesh, vertices, faces, np.concatenate(corners), offsets)
+    return permuted(mesh, vertices, faces, np.concatenate(corners), offsets)
 
 
 def pairs_of(mesh: PolyMesh, other: PolyMesh) -> likeness.Pairs:

@@ -12,9 +12,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from polymeshes import Kind, described
 
-from deltamesh_formats.meshfiles.files import FORMATS, read_mesh, written
+from deltamesh_formats.meshfiles.files import read_mesh, written
+from deltamesh_formats.meshfiles.formats import FORMATS
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh
-from deltamesh_formats.polymesh.texture_origin import told_top_left
+from deltamesh_formats.polymesh.texture_origin import marked_top_left
 
 REAL, ANY_REAL = ("f8",), ("f4", "f8")
 PLY_TYPES = ("i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8")
@@ -116,7 +117,7 @@ def test_glb(mesh):
     What has been read then comes back as it is. (A vertex of no face at the border of two blocks
     may come in the other.)
     """
-    mesh = told_top_left(mesh)
+    mesh = marked_top_left(mesh)
     made = written(mesh, "glb")
     mixed, strays = (
         "attributes that not all corners of a face have",

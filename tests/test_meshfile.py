@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import io
-import subprocess
 import sys
 import tracemalloc
+from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
+import children
 import meshes
 import numpy as np
 import pytest
@@ -16,16 +18,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles import files as meshfile
 from deltamesh_formats.meshfiles.files import (
-    FORMATS,
     mesh_bytes,
     mesh_format,
     read_mesh,
     write_mesh,
     written,
 )
-from deltamesh_formats.polymesh.mesh import PolyMesh, from_triangles
+from deltamesh_formats.meshfiles.formats import EXTENSIONS, FORMATS, format_of_beginning
+from deltamesh_formats.polymesh.arrays import from_arrays
+from deltamesh_formats.polymesh.kinds import KIND_WORDS, Kind
+from deltamesh_formats.polymesh.mesh import Parts, PolyMesh, from_triangles
 
 # Numbers without an end in binary, and magnitudes that a fixed number of decimals would lose;
 # vertices 2 and 5 are isolated, vertex 4 repeats vertex 0.
@@ -125,26 +128,29 @@ def test_positions_that_are_not_finite_are_refused(file_format, bad):
 
 
 def test_format_by_name():
-    assert mesh_format("a.b/c.PLY") == "ply"
-    assert mesh_format(Path("x.obj")) == "obj"
-    assert mesh_format("x.obj", "OFF") == mesh_format("x", ".off") == "off"
+    assert mesh_format("a.b/c.PLY").name == "ply"
+    assert mesh_format(Path("x.obj")).name == "obj"
+    assert mesh_format("x.obj", "OFF").name == mesh_format("x", ".off").name == "off"
 
 
 @pytest.mark.parametrize(
     ("name", "file_format", "message"),
     [
-        ("a.gltf", None, "a.gltf: 'gltf' is not a mesh format known here: obj, ply, off, stl, glb"),
-        ("a.obj", "step", "'step' is not a mesh format"),
+        ("a.gltf", None, "a.gltf: 'gltf' is not a known mesh format: obj, ply, off, stl, glb"),
+        ("a.obj", "step", "'step' is not a known mesh format"),
         ("noname", None, "noname: .* give one of obj, ply, off, stl, glb"),
         (io.BytesIO(), None, "<stream>: .* give one of obj, ply, off, stl, glb"),
     ],
 )
 def test_unknown_formats(name, file_format, message):
     for attempt in (lambda: read_mesh(name, file_format), lambda: write_mesh(name, MESH, "x")):
-        with pytest.raises(MeshError, match=r"not a mesh format|give one of"):
+        with pytest.raises(MeshError, match=r"not a known mesh format|give one of"):
             attempt()
     with pytest.raises(MeshError, match=message):
         mesh_format(name, file_format)
+
+
+_PLY_READER = "deltamesh_formats.meshfiles.ply.reader.read"
 
 
 def test_other_errors_pass(tmp_path, monkeypatch):
@@ -157,7 +163,7 @@ def test_other_errors_pass(tmp_path, monkeypatch):
         def fail(data, error=error):
             raise error
 
-        monkeypatch.setitem(meshfile._READERS, "ply", fail)
+        monkeypatch.setattr(_PLY_READER, fail)
         with pytest.raises(error):
             read(b"", "ply")
 
@@ -166,14 +172,77 @@ def test_a_fault_of_a_reader_is_told_as_one(monkeypatch):
     def fail(data):
         raise ZeroDivisionError("oh")
 
-    monkeypatch.setitem(meshfile._READERS, "ply", fail)
+    monkeypatch.setattr(_PLY_READER, fail)
     with pytest.raises(MeshError, match=r"not readable as PLY \(ZeroDivisionError: oh\)"):
         read(b"", "ply")
 
 
 def test_importing_is_cheap():
     code = "import sys, deltamesh_formats.meshfiles.files; sys.exit('scipy' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+    assert children.run([sys.executable, "-c", code]).returncode == 0
+
+
+# The table of the formats
+
+
+def test_importing_the_table_imports_no_format():
+    code = "import sys, deltamesh_formats.meshfiles.formats; sys.exit('numpy' in sys.modules)"
+    assert children.run([sys.executable, "-c", code]).returncode == 0
+
+
+def test_names_and_extensions_are_unique():
+    extensions = [extension for one in FORMATS.values() for extension in one.extensions]
+    assert len(extensions) == len(set(extensions)) == len(EXTENSIONS)
+    assert all(name == one.name == one.extensions[0] for name, one in FORMATS.items())
+    assert len({one.title for one in FORMATS.values()}) == len(FORMATS)
+
+
+@pytest.mark.parametrize("file_format", FORMATS)
+def test_files_begin_as_the_table_says(rich, file_format):
+    one = FORMATS[file_format]
+    assert format_of_beginning(rich[file_format]) in (one, None)
+    text = one.is_text or rich[file_format].startswith(b"solid")
+    assert text == rich[file_format].isascii() == (b"\0" not in rich[file_format])
+
+
+@pytest.mark.parametrize(
+    ("beginning", "name"),
+    [(b"ply\n", "ply"), (b"STOFF\n", "off"), (b"solid x", "stl"), (b"glTF\2", "glb"), (b"v 0", "")],
+)
+def test_formats_by_their_beginnings(beginning, name):
+    found = format_of_beginning(beginning)
+    assert ("" if found is None else found.name) == name
+
+
+@pytest.mark.parametrize("file_format", FORMATS)
+def test_files_hold_what_the_table_says(file_format):
+    """Of a mesh with everything, what comes back and what is named as lost."""
+    kinds = get_args(Kind)
+    square = np.array(
+        [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0]], dtype=float
+    )
+    moved = np.tile(np.eye(4), (2, 1, 1))
+    moved[1, 0, 3] = 1
+    parts = tuple(
+        Parts(kind, (f"{kind} a", f"{kind} b"), np.arange(2), moved if kind == "object" else None)
+        for kind in kinds
+    )
+    keys = ("comments", "obj_info", "mtllib", "header", "copyright")
+    mesh = from_arrays(square, [[0, 1, 2, 3], [1, 4, 5, 2]])
+    mesh = replace(mesh, parts=parts, metadata={key: (f"some {key}",) for key in keys})
+    one = FORMATS[file_format]
+    # The words of an STL have no header; it has one where there are no names.
+    bare = replace(mesh, parts=()) if file_format == "stl" else mesh
+    found = again(mesh, file_format)
+    assert {part.kind for part in found.parts} == {*one.parts}
+    assert {*again(bare, file_format).metadata} == {*one.metadata}
+    assert one.polygons == (found.sizes == 4).all()
+    transforms = [part.transforms for part in found.parts if part.transforms is not None]
+    assert one.transforms == bool(transforms)
+    lost = written(mesh, file_format).lost
+    assert ("transforms" in lost) != one.transforms
+    assert ("polygons of more than three corners" in lost) != one.polygons
+    assert {kind for kind in kinds if KIND_WORDS[kind] not in lost} == {*one.parts}
 
 
 # Any bytes
@@ -224,7 +293,7 @@ def rich():
     return {file_format: mesh_bytes(mesh, file_format) for file_format in FORMATS}
 
 
-@given(st.sampled_from(FORMATS), st.binary(max_size=80), st.data())
+@given(st.sampled_from([*FORMATS]), st.binary(max_size=80), st.data())
 def test_arbitrary_bytes_are_read_or_refused(rich, file_format, noise, data):
     whole = rich[file_format]
     at = data.draw(st.integers(0, len(whole)))
@@ -232,7 +301,7 @@ def test_arbitrary_bytes_are_read_or_refused(rich, file_format, noise, data):
         read_or_refused(raw, file_format)
 
 
-@given(st.sampled_from(FORMATS), st.data())
+@given(st.sampled_from([*FORMATS]), st.data())
 def test_texts_with_other_tokens_are_read_or_refused(rich, file_format, data):
     """Exchange, repeat and leave out tokens: what no bit of noise would hit upon."""
     tokens = rich[file_format].split(b" ")
@@ -360,7 +429,7 @@ def test_real_files_that_hold_no_mesh(name):
 
 
 def test_every_real_file_is_read_or_refused_and_written_in_every_format():
-    found = [p for p in sorted(meshes.folder().rglob("*")) if p.suffix[1:].lower() in FORMATS]
+    found = [p for p in sorted(meshes.folder().rglob("*")) if p.suffix[1:].lower() in EXTENSIONS]
     if not found:
         pytest.skip(f"no {meshes.folder()}: DELTAMESH_MESHES names the folder of larger meshes")
     for path in found:

@@ -192,7 +192,7 @@ def test_colours_in_bytes_become_fractions():
         (CORNERS + "f 1 2-3 3\n", "line 4: '2-3' is not a whole number"),
         (CORNERS + "f 1 2 /3\n", "line 4: '/3' names no vertex"),
         (CORNERS + "f 1 2 /\n", "line 4: '/' names no vertex"),
-        (CORNERS + "f 1 2 3/1/1/1\n", "line 4: '3/1/1/1' is no v/vt/vn"),
+        (CORNERS + "f 1 2 3/1/1/1\n", "line 4: '3/1/1/1' is not of the form v/vt/vn"),
         (CORNERS + "\n\nv 1 nonsense 2\nf 1 2 3\n", "line 6: 'nonsense' is not a number"),
         (CORNERS + "v 1 0x2 2\nf 1 2 3\n", "line 4: '0x2' is not a number"),
         (CORNERS + "v 1 2-3 2\nf 1 2 3\n", "line 4: '2-3' is not a number"),

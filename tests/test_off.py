@@ -81,7 +81,7 @@ def test_colours_of_faces():
     assert three.rows().tolist() == [0, -1, -1, -1, -1]
     assert (four.values.tolist(), four.normalized) == ([[0.5, 0.25, 1, 1]], False)
     assert rows(mesh, "colour_index", "face") == [None, None, None, [7], None]
-    assert mesh.lost == ("numbers after faces that are no colour",)
+    assert mesh.lost == ("numbers after faces that are not colours",)
 
 
 def test_whole_numbers_that_are_fractions_stay_fractions():
@@ -156,8 +156,8 @@ def test_half_a_binary_is_refused(order, counts):
     [
         ("", "does not begin with 'OFF'"),
         ("OFFICE", "does not begin with 'OFF'"),
-        ("4OFF\n0 0 0\n", "not three coordinates"),
-        ("nOFF\n3\n0 0 0\n", "not three coordinates"),
+        ("4OFF\n0 0 0\n", "do not have three coordinates"),
+        ("nOFF\n3\n0 0 0\n", "do not have three coordinates"),
         ("OFF\n4 2", "cut short"),
         ("OFF\n", "no counts"),
         ("OFF BINARY\n\0\0", "in either byte order: is it cut short"),

@@ -18,7 +18,7 @@ from deltamesh import decode, encode, info
 from deltamesh._kernels.coding import remaining
 from deltamesh._options import Options
 from deltamesh._order.coding import decode_order, encode_order
-from deltamesh._order.reordering import Order, arrays, order_of, reordered
+from deltamesh._order.reordering import Order, order_arrays, order_of, reordered
 from deltamesh._pipeline import encode_mesh
 from deltamesh._shape.polygons import plain
 from deltamesh._shape.provenance import Provenance
@@ -41,7 +41,7 @@ def assert_round_trip(faces, order):
     """Encode and decode; return the payload."""
     payload = encode_order(faces, plain(len(faces)), order)
     decoded = decode_order(memoryview(payload), faces, plain(len(faces)), len(order.vertices))
-    for name in ("vertices", "faces", "turns"):
+    for name in ("vertices", "polygons", "rotations"):
         np.testing.assert_array_equal(getattr(decoded, name), getattr(order, name))
         assert getattr(decoded, name).dtype == np.int64
     return payload
@@ -125,7 +125,7 @@ def test_any_order_of_any_triangles(mesh: tuple[np.ndarray, int], seed: int, nea
     faces, n = mesh
     order = scrambled(n, len(faces), seed)
     if near:  # runs, so that steps are told in all ways
-        for one in (order.vertices, order.faces):
+        for one in (order.vertices, order.polygons):
             at = seed % len(one)
             one[at:] = np.sort(one[at:])
     assert_round_trip(faces, order)
@@ -138,10 +138,10 @@ def test_order_of_finds_what_reordered_does(mesh: tuple[np.ndarray, int], seed: 
     polygons, order = plain(len(faces)), scrambled(n, len(faces), seed)
     other = reordered(from_triangles(V, faces), order)
     # Where vertices and corners of the mesh are in the other order.
-    places, own = np.argsort(order.vertices), np.argsort(order.faces)
-    corners = (3 * own[:, None] + (np.arange(3) - order.turns[own, None]) % 3).ravel()
+    places, own = np.argsort(order.vertices), np.argsort(order.polygons)
+    corners = (3 * own[:, None] + (np.arange(3) - order.rotations[own, None]) % 3).ravel()
     found = order_of(polygons, Provenance(places, corners, own), other.offsets)
-    for name in ("vertices", "faces", "turns"):
+    for name in ("vertices", "polygons", "rotations"):
         np.testing.assert_array_equal(getattr(found, name), getattr(order, name))
     assert np.array_equal(places[faces].ravel()[np.argsort(corners)], other.corners)
 
@@ -164,7 +164,7 @@ def test_an_order_of_scan_lines_costs_little() -> None:
         assert len(assert_round_trip(mesh.faces, order)) < random + 0.05 * naive(*map(len, (V, F)))
 
 
-def test_an_order_of_several_places_in_turns_costs_little() -> None:
+def test_an_order_of_several_places_alternately_costs_little() -> None:
     V, F = meshes.torus(60, 40)
     lanes = np.arange(len(F)).reshape(4, -1).T.ravel()
     order = Order(np.arange(len(V)), lanes, np.zeros(len(F), dtype=np.int64))
@@ -174,9 +174,11 @@ def test_an_order_of_several_places_in_turns_costs_little() -> None:
 def test_vertices_by_their_first_use_cost_nothing() -> None:
     V, F = meshes.torus(40, 30)
     order = scrambled(len(V), len(F), 4)
-    by_use = F[order.faces][np.arange(len(F))[:, None], (order.turns[:, None] + np.arange(3)) % 3]
+    by_use = F[order.polygons][
+        np.arange(len(F))[:, None], (order.rotations[:, None] + np.arange(3)) % 3
+    ]
     _, first = np.unique(by_use, return_index=True)
-    order = Order(np.argsort(first), order.faces, order.turns)
+    order = Order(np.argsort(first), order.polygons, order.rotations)
     size = len(assert_round_trip(F, order))
     assert size < 1.05 * naive(0, len(F))
 
@@ -215,7 +217,7 @@ def payloads():
     for seed in (0, 1):
         order = scrambled(len(V), len(F), seed)
         if seed:
-            order.faces[30:] = np.sort(order.faces[30:])
+            order.polygons[30:] = np.sort(order.polygons[30:])
         yield F, len(V), encode_order(F, plain(len(F)), order)
 
 
@@ -237,8 +239,8 @@ def decoded_or_refused(payload, faces, n):
 
 def assert_permutations(order, m, n):
     np.testing.assert_array_equal(np.sort(order.vertices), np.arange(n))
-    np.testing.assert_array_equal(np.sort(order.faces), np.arange(m))
-    assert set(order.turns) <= {0, 1, 2}
+    np.testing.assert_array_equal(np.sort(order.polygons), np.arange(m))
+    assert set(order.rotations) <= {0, 1, 2}
 
 
 @given(st.sampled_from(PAYLOADS), st.binary(max_size=200))
@@ -271,7 +273,7 @@ def test_every_truncation(case: tuple) -> None:
             order = decode_order(memoryview(payload[:size]), faces, plain(len(faces)), n)
         except FormatError:
             continue
-        pairs = zip(arrays(order), arrays(whole), strict=True)
+        pairs = zip(order_arrays(order), order_arrays(whole), strict=True)
         assert not all(np.array_equal(one, other) for one, other in pairs)
 
 

@@ -249,13 +249,13 @@ WHOLE = {
     "zero in labels": (plain(ONE_GROUP) + b"\1\0\0", "zero byte at the end"),
     "zero in order": (plain(ONE_GROUP) + b"\0\1\0", "zero byte at the end"),
     "too many labels": (plain(ONE_GROUP) + b"\1\x80\0", "labels for 1 parts"),
-    "none is not there": (plain(PARTLY) + b"\0\1\x80", "without a part are announced"),
-    "passed over": (plain(ONE_GROUP) + b"\0\1\x80", "passed over as the next"),
-    "moved": (plain(b"\1\x12\1\1a\0\0") + b"\0\0" + plain(b"\0\0"), "another number"),
-    "unused bits": (plain(b"\1\x12\1\1a\0\0") + b"\0\0" + plain(b"\2"), "another number"),
+    "none is not there": (plain(PARTLY) + b"\0\1\x80", "no face without a part"),
+    "passed over": (plain(ONE_GROUP) + b"\0\1\x80", "non-canonical part number"),
+    "moved": (plain(b"\1\x12\1\1a\0\0") + b"\0\0" + plain(b"\0\0"), "transform count differs"),
+    "unused bits": (plain(b"\1\x12\1\1a\0\0") + b"\0\0" + plain(b"\2"), "transform count differs"),
     "identity": (
         plain(b"\1\x12\1\1a\0\0") + b"\0\0" + plain(b"\1" + np.eye(4).tobytes()),
-        "an identity among",
+        "non-canonical transform: identity",
     ),
 }
 

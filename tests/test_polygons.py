@@ -26,7 +26,7 @@ from deltamesh._kernels.mesh import diagonals
 from deltamesh._mesh import triangulated
 from deltamesh._options import Options
 from deltamesh._order.coding import decode_order, encode_order
-from deltamesh._order.reordering import Order, rows_of
+from deltamesh._order.reordering import Order, permuted_corners
 from deltamesh._pipeline import read_content
 from deltamesh._shape.merge_candidates import merged_halfedges
 from deltamesh._shape.merging import decode_merged, encode_merged, halfedge_groups
@@ -232,7 +232,7 @@ def test_any_polygons_come_back(mesh: PolyMesh, method: str, keep_order: bool) -
     assert_kept(mesh, encoded, keep_order=keep_order)
 
 
-@pytest.mark.parametrize("name", REAL)
+@pytest.mark.parametrize("name", meshes.large_are_slow(REAL))
 def test_real_polygons_come_back(name: str) -> None:
     if not (meshes.folder() / name).exists():
         pytest.skip(f"no {name}: DELTAMESH_MESHES names the folder of larger meshes")
@@ -241,7 +241,7 @@ def test_real_polygons_come_back(name: str) -> None:
         encoded = encode_mesh(mesh, Options(method="cartesian", keep_order=keep_order))
         decoded, own = decode(encoded.data), encoded.face_order
         assert sorted(own.tolist()) == list(range(len(mesh.sizes)))
-        corners, offsets = rows_of(mesh.offsets, own, encoded.rotation)
+        corners, offsets = permuted_corners(mesh.offsets, own, encoded.rotation)
         np.testing.assert_array_equal(decoded.offsets, offsets)
         np.testing.assert_array_equal(encoded.order[decoded.corners], mesh.corners[corners])
         if keep_order:
@@ -440,20 +440,20 @@ def test_any_order_of_any_polygons(mesh: PolyMesh, seed: int, near: bool) -> Non
     faces, polygons, rng = structure.faces, merged_polygons(merged), np.random.default_rng(seed)
     n, sizes = int(faces.max()) + 1, np.diff(polygons.offsets)
     vertices, places = rng.permutation(n), rng.permutation(len(sizes))
-    if near:  # runs, so that steps are told in all ways
+    if near:  # runs, so that steps of all kinds come up
         vertices[n // 2 :].sort()
         places[len(sizes) // 3 :].sort()
     order = Order(vertices, places, rng.integers(0, sizes[places]))
     payload = encode_order(faces, polygons, order)
     decoded = decode_order(memoryview(payload), faces, polygons, n)
-    for name in ("vertices", "faces", "turns"):
+    for name in ("vertices", "polygons", "rotations"):
         np.testing.assert_array_equal(getattr(decoded, name), getattr(order, name))
     # What no encoder has written is an order, too, or refused.
     damaged = bytes([payload[0]]) + rng.bytes(len(payload))
     with contextlib.suppress(FormatError):
         decoded = decode_order(memoryview(damaged), faces, polygons, n)
-        assert sorted(decoded.faces.tolist()) == list(range(len(sizes)))
-        assert (decoded.turns < sizes[decoded.faces]).all()
+        assert sorted(decoded.polygons.tolist()) == list(range(len(sizes)))
+        assert (decoded.rotations < sizes[decoded.polygons]).all()
 
 
 # ---- Files that no encoder has written -----------------------------------------------------------

@@ -12,15 +12,15 @@ from hypothesis import strategies as st
 from polymeshes import Kind
 
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh.descriptions import attribute_words, unkept
+from deltamesh_formats.polymesh.descriptions import describe_attribute, losses_of
 from deltamesh_formats.polymesh.mesh import (
     Attribute,
     Parts,
     PolyMesh,
-    checked,
     from_triangles,
     keep_faces,
 )
+from deltamesh_formats.polymesh.validation import checked
 
 ANY = polymeshes.polymeshes(
     (
@@ -185,7 +185,7 @@ def test_words_for_what_is_not_kept():
         metadata={"comments": ("made by",), "mtllib": ("a.mtl",)},
         lost=("lines",),
     )
-    assert unkept(mesh) == (
+    assert losses_of(mesh) == (
         "lines",
         "polygons of more than three corners",
         "texture coordinates",
@@ -197,7 +197,7 @@ def test_words_for_what_is_not_kept():
         "materials",
         "material libraries",
     )
-    kept = unkept(
+    kept = losses_of(
         mesh,
         attributes=[uv, quality],
         parts=["object"],
@@ -206,12 +206,12 @@ def test_words_for_what_is_not_kept():
         transforms=True,
     )
     assert kept == ("lines", "texture coordinates (uv1)", "colours of faces", "materials")
-    assert unkept(from_triangles(np.eye(3), np.array([[0, 1, 2]]))) == ()
+    assert losses_of(from_triangles(np.eye(3), np.array([[0, 1, 2]]))) == ()
 
 
 def test_words_for_attributes():
     def words(name, domain, role):
-        return attribute_words(Attribute(name, domain, np.zeros((1, 3)), role))
+        return describe_attribute(Attribute(name, domain, np.zeros((1, 3)), role))
 
     assert words("normal", "vertex", "normal") == words("normal", "corner", "normal") == "normals"
     assert words("colour", "vertex", "colour") == "colours"

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
+import children
 import pytest
 from test_docs import ROOT
 
@@ -27,9 +27,7 @@ def run(folder: Path, name: str) -> str:
     for library in ("trimesh", "meshio", "pyvista"):
         if re.search(rf"\b{library}\b", code):
             pytest.importorskip(library)
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", code], cwd=folder, capture_output=True, text=True
-    )
+    done = children.run([sys.executable, "-W", "error", "-c", code], cwd=folder, text=True)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -72,6 +70,7 @@ def test_meshio(folder: Path) -> None:
     assert "triangle: 5184" in run(folder, "meshio")
 
 
+@pytest.mark.slow
 def test_pyvista(folder: Path) -> None:
     from importlib.metadata import entry_points
 

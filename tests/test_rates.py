@@ -16,8 +16,10 @@ from deltamesh._compare.welding import welded, without_isolated
 from deltamesh._measures import metrics
 from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
-from deltamesh.bench import measure as bench
-from deltamesh.bench import peers, rates
+from deltamesh.bench import _measure as bench
+from deltamesh.bench import _peers as peers
+from deltamesh.bench import _rates as rates
+from deltamesh_cli import measuring
 
 
 @pytest.fixture(scope="module")
@@ -152,7 +154,7 @@ def test_what_draco_refuses_is_a_mesh_error():
 
 @pytest.mark.parametrize("bits", [6, 12, 16])
 def test_meshopt_gives_back_the_mesh_on_its_grid(torus, bits):
-    pytest.importorskip("meshoptimizer")
+    pytest.importorskip("meshopt")
     coded = peers.meshopt(torus, bits)
     assert triangles(coded.reference) == triangles(torus)
     assert np.array_equal(coded.decoded.faces, coded.reference.faces)
@@ -173,9 +175,10 @@ def test_zstd_gives_back_float32(torus):
 def test_missing_packages_are_named(monkeypatch):
     assert peers.missing("highpass bits=3") == ()
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    assert peers.missing("meshopt bits=3") == ("meshoptimizer", "zstandard")
+    assert peers.missing("meshopt bits=3") == ("meshopt", "zstandard")
     assert peers.labels("meshopt", (3, 4)) == ["meshopt bits=3", "meshopt bits=4"]
     assert peers.labels("zstd", (3, 4)) == ["zstd"]
+    assert tuple(peers.PEERS) == measuring.PEERS
 
 
 def test_a_welded_mesh_has_each_position_and_no_isolated_vertex():

@@ -41,7 +41,7 @@ NAMES = (
 
 
 @pytest.mark.parametrize("method", ["highpass", "cartesian"])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", meshes.large_are_slow(NAMES))
 def test_round_trip(name, method):
     mesh = meshes.real(name)
     whole = meshes.as_polymesh(mesh)

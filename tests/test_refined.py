@@ -250,7 +250,8 @@ def test_every_flip_in_the_corrections_of_positions_is_noticed():
 
 
 @pytest.mark.parametrize(
-    "name", ["unstated/bun_zipper.ply", "unstated/horse.ply", "clean/skull.obj"]
+    "name",
+    meshes.large_are_slow(["unstated/bun_zipper.ply", "unstated/horse.ply", "clean/skull.obj"]),
 )
 def test_the_same_normals_in_fewer_bytes(name):
     """At equal normal deviation a tenth smaller than the plain method, and more."""

@@ -220,7 +220,7 @@ def digest_of_points(n, cartesian, forms):
     zeros, none = np.zeros((n, 3), dtype=np.int64), np.zeros(0, dtype=np.int64)
     values, isolated = (zeros, zeros[:0]) if cartesian else (zeros[:0], zeros)
     told = np.array(list(forms), dtype=np.int64)
-    return digest(zeros[:0], NONE, Integers(values, none, zeros[:0], isolated, forms=told))
+    return digest(zeros[:0], NONE, Integers(values, none, zeros[:0], isolated, formats=told))
 
 
 # ---- Limits ------------------------------------------------------------------------------------
@@ -349,7 +349,7 @@ def test_component_without_an_anchor() -> None:
         one_sided = Integers(
             integers.values, np.array(anchors), integers.positions, integers.isolated
         )
-        payload = highpass.write(surface, parameters, one_sided)["ANCH"]
+        payload = highpass.encode(surface, parameters, one_sided)["ANCH"]
         checksum = digest(surface.faces, NONE, one_sided)
         error = refusal(forging.forged(data, ANCH=payload, checksum=checksum))
         assert "anchor" in str(error)
@@ -367,7 +367,7 @@ def test_anchors_that_are_no_vertices() -> None:
     outside = Integers(
         integers.values, np.array([0, 1, 2, 42]), integers.positions, integers.isolated
     )
-    payload = highpass.write(surface, parameters, outside)["ANCH"]
+    payload = highpass.encode(surface, parameters, outside)["ANCH"]
     refusal(forging.forged(data, ANCH=payload))
 
 

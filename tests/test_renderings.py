@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
+from deltamesh import bench
 from deltamesh._mesh import TriangleMesh
-from deltamesh.bench import measure as bench
 
 sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
 renderings = importlib.import_module("renderings")
@@ -86,6 +86,7 @@ def test_a_model_has_a_surface_and_its_errors_for_each_method() -> None:
         assert panel.text.endswith(f"max {distances.max():.1e}")
 
 
+@pytest.mark.slow
 def test_ours_is_as_large_as_draco_and_never_larger() -> None:
     pytest.importorskip("DracoPy")
     mesh = TriangleMesh(*meshes.torus(60, 40))

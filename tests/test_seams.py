@@ -1,4 +1,4 @@
-"""Attributes of corners at vertices, vertices split at seams, and meshes joined."""
+"""Attributes of corners at vertices, vertices split at seams, and concatenation of meshes."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import deltamesh
-from deltamesh_formats.polymesh.joining import joined
+from deltamesh_formats.polymesh.concatenation import concatenate
 from deltamesh_formats.polymesh.mesh import PolyMesh
-from deltamesh_formats.polymesh.seams import at_vertices, split
-from deltamesh_formats.polymesh.validation import check_shapes
+from deltamesh_formats.polymesh.seams import at_vertices, split_at_seams
+from deltamesh_formats.polymesh.validation import checked
 
 KINDS = (
     polymeshes.Kind("corner", ("f4", "i8"), (1, 2), partly=True),
@@ -39,8 +39,8 @@ def corners_of(mesh: PolyMesh) -> list[list[bytes]]:
 def test_a_split_changes_nothing_at_any_corner(mesh: PolyMesh) -> None:
     for attribute in mesh.attributes:
         if attribute.domain == "corner":
-            made = split(mesh, attribute)
-            check_shapes(made)
+            made = split_at_seams(mesh, attribute)
+            assert checked(made) is made
             n = len(mesh.vertices)
             assert corners_of(made) == corners_of(mesh)
             assert (made.vertices[:n] == mesh.vertices).all()
@@ -68,8 +68,8 @@ def test_corners_that_agree_are_vertices_and_only_they(mesh: PolyMesh) -> None:
 
 @given(st.lists(any_mesh, min_size=1, max_size=3))
 def test_meshes_joined_are_all_there_in_turn(some: list[PolyMesh]) -> None:
-    whole = joined(some)
-    check_shapes(whole)
+    whole = concatenate(some)
+    assert checked(whole) is whole
     place = {"vertex": 0, "corner": 0, "face": 0}
     for mesh in some:
         n, c, m = len(mesh.vertices), len(mesh.corners), len(mesh.sizes)
@@ -97,14 +97,14 @@ def test_meshes_joined_are_all_there_in_turn(some: list[PolyMesh]) -> None:
 
 def test_one_mesh_joined_is_that_mesh() -> None:
     mesh = deltamesh.from_arrays(np.eye(3), [[0, 1, 2]], vertex={"T": [1, 2, 3]})
-    assert polymeshes.described(joined([mesh])) == polymeshes.described(mesh)
+    assert polymeshes.described(concatenate([mesh])) == polymeshes.described(mesh)
 
 
 def test_transforms_of_those_that_have_none_are_the_identity() -> None:
     mesh = deltamesh.from_arrays(np.eye(3), [[0, 1, 2]])
     moved = deltamesh.Parts("object", ("a",), np.zeros(1, np.int64), np.full((1, 4, 4), 2.0))
     still = replace(moved, transforms=None)
-    whole = joined([replace(mesh, parts=(still,)), replace(mesh, parts=(moved,))])
+    whole = concatenate([replace(mesh, parts=(still,)), replace(mesh, parts=(moved,))])
     assert whole.parts[0].transforms is not None
     np.testing.assert_array_equal(whole.parts[0].transforms, [np.eye(4), np.full((4, 4), 2.0)])
 

@@ -65,7 +65,9 @@ def refused(data: bytes) -> bool:
 
 
 @pytest.mark.parametrize("section", ["POLY", "PART", "ORDR"])
-@pytest.mark.parametrize("name", ["prism", "mixed", "tetrahedra"])
+@pytest.mark.parametrize(
+    "name", ["prism", "mixed", pytest.param("tetrahedra", marks=pytest.mark.slow)]
+)
 def test_both_decoders_refuse_the_same(name: str, section: str) -> None:
     """Truncated payloads and flipped bits, all checksums right."""
     mesh = golden_polymeshes.with_parts(test_polygons.MADE[name])

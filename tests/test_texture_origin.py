@@ -14,7 +14,7 @@ import deltamesh
 from deltamesh._compare import likeness
 from deltamesh_formats.meshfiles.files import mesh_bytes
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, from_triangles
-from deltamesh_formats.polymesh.texture_origin import is_top_left, told_top_left, with_origin
+from deltamesh_formats.polymesh.texture_origin import is_top_left, marked_top_left, with_origin
 
 UV = np.array([[0.0, 0.25], [0.5, 0.75], [1, 0], [0.125, 1]])
 FACES = np.array([[0, 1, 2], [1, 3, 2]])
@@ -58,7 +58,7 @@ def test_trimesh_sees_the_same(tmp_path) -> None:
 
 def test_numbers_of_a_glb_come_back_to_the_last_bit() -> None:
     values = np.array([[0, 1e-9], [0.1, 1 / 3], [5, -0.7], [0, 3e-39]], dtype=np.float32)
-    source = told_top_left(textured(values))
+    source = marked_top_left(textured(values))
     data = deltamesh.encode(read(mesh_bytes(source, "glb"), "glb"), method="lossless")
     kept = deltamesh.decode(data)
     assert is_top_left(kept)

@@ -30,7 +30,7 @@ from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.texts import KINDS
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles.files import read_mesh, written
-from deltamesh_formats.polymesh.descriptions import unused
+from deltamesh_formats.polymesh.descriptions import unreferenced_rows
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, from_triangles
 
 METHODS = ("lossless", "cartesian", "highpass", "refined")
@@ -256,7 +256,7 @@ def assert_whole(mesh: PolyMesh, decoded: PolyMesh, came: Came, exact: bool) -> 
         assert (p.transforms is None) == (q.transforms is None)
         assert p.transforms is None or p.transforms.tobytes() == q.transforms.tobytes()
     assert decoded.metadata == mesh.metadata
-    assert decoded.lost == tuple(dict.fromkeys((*mesh.lost, *unused(mesh))))
+    assert decoded.lost == tuple(dict.fromkeys((*mesh.lost, *unreferenced_rows(mesh))))
     assert decoded.precision == mesh.precision
 
 

@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
-from deltamesh.batch.finding import Selection, find
-from deltamesh_cli import files, options
+from deltamesh.batch import Selection, find
+from deltamesh_cli import files
 from deltamesh_cli.failures import DONE, MISSED, attempt
 from deltamesh_cli.meshes import parsed
 from deltamesh_cli.output import print_json, shown, table
 from deltamesh_cli.progress import Stage
 from deltamesh_cli.signals import interruptible
+from deltamesh_formats.meshfiles.formats import EXTENSIONS
 
 if TYPE_CHECKING:
     from deltamesh._mesh import TriangleMesh
-    from deltamesh.bench.measure import Codec, Measurement
-    from deltamesh.bench.rates import Change, Row
+    from deltamesh.bench import Change, Codec, Measurement, Row
 
 PEERS: Final = ("draco", "meshopt", "zstd")
 PEER_BITS: Final = (10, 11, 12)
@@ -64,7 +64,7 @@ def _below(source: str, recursive: bool) -> list[str]:
     """Return the mesh files of a folder, sorted; none of a file."""
     if not os.path.isdir(source):
         return []
-    chosen = Selection(options.MESH_FORMATS, recursive=recursive, shallow=not recursive)
+    chosen = Selection(tuple(EXTENSIONS), recursive=recursive, shallow=not recursive)
     with attempt(source, "cannot list"):
         return find([source], chosen)
 
@@ -83,9 +83,10 @@ def read(path: str, stage: Stage, *, bare: bool) -> TriangleMesh:
     found = parsed(path, files.read_input(path), None, stage)
     with attempt(path, "cannot read"):
         from deltamesh._compare.welding import welded, without_isolated
-        from deltamesh._mesh import checked_mesh
+        from deltamesh._mesh import LARGEST, triangulated
+        from deltamesh_formats.polymesh.validation import checked
 
-        mesh = checked_mesh(found.vertices, found.triangles)
+        mesh = triangulated(checked(found, LARGEST))
         return without_isolated(welded(mesh)) if bare else mesh
 
 
@@ -96,7 +97,7 @@ def measured(name: str, path: str, mesh: TriangleMesh, codec: Codec, stage: Stag
     ------
     Failure
     """
-    from deltamesh.bench import measure as bench
+    from deltamesh import bench
 
     with attempt(path, f"cannot measure {codec.label}"):
         stage("loading")
@@ -107,7 +108,7 @@ def measured(name: str, path: str, mesh: TriangleMesh, codec: Codec, stage: Stag
 
 @cache
 def _warm_up(method: str) -> None:
-    from deltamesh.bench import measure as bench
+    from deltamesh import bench
 
     if method not in PEERS:
         bench.warm_up(bench.codec_of(method))
@@ -115,7 +116,7 @@ def _warm_up(method: str) -> None:
 
 def peer_labels(names: Iterable[str], bits: Sequence[int]) -> list[str]:
     """Return the labels of other codecs at each number of bits."""
-    from deltamesh.bench.peers import labels
+    from deltamesh.bench import labels
 
     return [label for name in names for label in labels(name, bits)]
 
@@ -127,7 +128,7 @@ def any_peer(labels: Iterable[str]) -> bool:
 
 def skipped(labels: Iterable[str]) -> set[str]:
     """Return the labels whose packages are not installed, and name them on standard error."""
-    from deltamesh.bench.peers import missing
+    from deltamesh.bench import missing
 
     absent = {label: missing(label) for label in dict.fromkeys(labels)}
     for label, packages in absent.items():
@@ -147,7 +148,7 @@ def codecs(
     Failure
         A label names none.
     """
-    from deltamesh.bench import measure as bench
+    from deltamesh import bench
 
     found = []
     for label in labels:
@@ -164,7 +165,7 @@ def saved(path: str) -> list[Row]:
     ------
     Failure
     """
-    from deltamesh.bench.rates import from_text
+    from deltamesh.bench import from_text
 
     data = files.read_input(path)
     with attempt(path, "cannot compare with it"):
@@ -178,7 +179,7 @@ def save(path: str, measurements: Iterable[Measurement], *, force: bool) -> None
     ------
     Failure
     """
-    from deltamesh.bench.rates import as_text, row_of
+    from deltamesh.bench import as_text, row_of
 
     text = as_text(map(row_of, measurements))
     files.write_output(path, text.encode(), force=force)
@@ -193,7 +194,7 @@ def labels_of(name: str, rows: Iterable[Row]) -> list[str]:
 
 def print_table(path: str, measurements: Sequence[Measurement]) -> None:
     """Print the measurements of one mesh for people."""
-    from deltamesh.bench.rates import row_of
+    from deltamesh.bench import row_of
 
     if not measurements:
         return
@@ -205,7 +206,7 @@ def print_table(path: str, measurements: Sequence[Measurement]) -> None:
 
 def print_csv(measurements: Iterable[Measurement]) -> None:
     """Print all rows, with times."""
-    from deltamesh.bench.rates import COLUMNS, SECONDS, as_text, row_of
+    from deltamesh.bench import COLUMNS, SECONDS, as_text, row_of
 
     click.echo(as_text(map(row_of, measurements), (*COLUMNS, *SECONDS)), nl=False)
 
@@ -220,10 +221,10 @@ def changes(
     old: Iterable[Row], new: Iterable[Measurement], tolerance: float, error_tolerance: float
 ) -> list[Change]:
     """Return what differs by more than it may."""
-    from deltamesh.bench import rates
+    from deltamesh import bench
 
-    rows = map(rates.row_of, new)
-    return rates.changes(old, rows, tolerance=tolerance, error_tolerance=error_tolerance)
+    rows = map(bench.row_of, new)
+    return bench.changes(old, rows, tolerance=tolerance, error_tolerance=error_tolerance)
 
 
 def tell(path: str, changed: Sequence[Change], count: int, *, as_json: bool, quiet: bool) -> int:

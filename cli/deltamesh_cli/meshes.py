@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Collection
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,14 +15,11 @@ from deltamesh_cli.output import shown
 from deltamesh_cli.progress import Stage
 from deltamesh_cli.signals import interruptible
 from deltamesh_formats.container.layout import MAGIC
+from deltamesh_formats.meshfiles.formats import format_of_beginning, format_of_extension
 
 if TYPE_CHECKING:
     from deltamesh_formats.container.layout import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
-
-_DMESH: Final = files.SUFFIX.removeprefix(".")
-# How files begin that are recognized whatever their names are.
-_BEGINNINGS: Final = {b"ply": "ply", b"glTF": "glb", b"OFF": "off", MAGIC: _DMESH}
 
 
 @dataclass(frozen=True)
@@ -52,12 +49,12 @@ def parsed(name: str, data: bytes, file_format: str | None, stage: Stage) -> Pol
 
 def _format_hint(named: str, data: bytes) -> str:
     """Return what to try when a file cannot be read as the format `named`."""
-    found = next((known for start, known in _BEGINNINGS.items() if data.startswith(start)), named)
-    if found == _DMESH:
+    if data.startswith(MAGIC):
         return "deltamesh decode turns it into a mesh file"
-    if found != named:
-        return f"it begins like {found.upper()}: --input-format {found}"
-    return "" if named in options.MESH_FORMATS else "--input-format names the format"
+    known, found = format_of_extension(named), format_of_beginning(data)
+    if found not in (None, known):
+        return f"it begins like {found.title}: --input-format {found.name}"
+    return "" if known is not None else "--input-format names the format"
 
 
 def write_mesh_file(name: str, mesh: PolyMesh, file_format: str, *, force: bool) -> tuple[str, ...]:
@@ -122,7 +119,8 @@ def load_any(name: str, file_format: str | None, stage: Stage, **parameters: Any
     Failure
         It is neither, or needs more than the limits.
     """
-    from deltamesh._mesh import checked_mesh
+    from deltamesh._mesh import LARGEST
+    from deltamesh_formats.polymesh.validation import checked
 
     data = files.read_input(name)
     if data[: len(MAGIC)] == MAGIC:
@@ -130,5 +128,4 @@ def load_any(name: str, file_format: str | None, stage: Stage, **parameters: Any
         return Loaded(decoded(name, data, stage, **parameters), len(data), container)
     found = parsed(name, data, file_format, stage)
     with attempt(name, "cannot read"):
-        checked_mesh(found.vertices, found.triangles)
-    return Loaded(found, len(data), None)
+        return Loaded(checked(found, LARGEST), len(data), None)

@@ -13,11 +13,11 @@ from click.shell_completion import CompletionItem
 
 from deltamesh._options import MAX_COARSE, SOLVERS
 from deltamesh_cli.failures import EXIT_CODES, Settings
+from deltamesh_formats.meshfiles.formats import FORMATS, TITLES
 
 Command = Callable[..., Any]
 
-MESH_FORMATS: Final = ("obj", "ply", "off", "stl", "glb")
-TEXT_FORMATS: Final = ("obj", "off")  # of those, as they are written
+_MESH_FORMAT: Final = click.Choice(list(FORMATS), case_sensitive=False)
 
 _UNITS: Final = {"": 0, "K": 1, "M": 2, "G": 3, "T": 4}
 _SIZE: Final = re.compile(r"(\d+(?:\.\d+)?)\s*([KMGT]?)(?:i?B)?", re.IGNORECASE)
@@ -117,6 +117,12 @@ FILE: Final = Place("file")
 FOLDER: Final = Place("dir")
 
 
+def name_formats(command: Command) -> Command:
+    """Put the mesh formats into the help text of a command, where it has "{formats}"."""
+    command.__doc__ = (command.__doc__ or "").replace("{formats}", TITLES)
+    return command
+
+
 def epilog(examples: str, *more: str) -> str:
     """Return what a help page ends with: examples, explanations, exit codes, line by line."""
     blocks = [*more, f"Examples:\n{textwrap.indent(textwrap.dedent(examples).strip(), '  ')}"]
@@ -188,8 +194,17 @@ def input_format(command: Command) -> Command:
     """Add `--input-format`."""
     return click.option(
         "--input-format",
-        type=click.Choice(MESH_FORMATS, case_sensitive=False),
+        type=_MESH_FORMAT,
         help="Format of the mesh that is read.  [default: by the extension]",
+    )(command)
+
+
+def output_format(command: Command) -> Command:
+    """Add `--output-format`."""
+    return click.option(
+        "--output-format",
+        type=_MESH_FORMAT,
+        help="Format of OUT.  [default: by its extension, or what was encoded]",
     )(command)
 
 
@@ -229,6 +244,11 @@ def limits(command: Command) -> Command:
         metavar="N",
         help="Refuse a file of more vertices.",
     )(command)
+
+
+def shown(name: str) -> str:
+    """Return an option of the library as it is on the command line: --max-error for max_error."""
+    return f"--{name.replace('_', '-')}"
 
 
 def given(options: dict[str, Any]) -> dict[str, Any]:

@@ -47,3 +47,17 @@ class SolveError(DeltameshError):
 
 class OptionError(DeltameshError, ValueError):
     """An option that is out of range, or that does not go with another one."""
+
+
+# Users know them as `deltamesh.MeshError` and so on, so that is what a traceback says.
+for _error in (
+    DeltameshError,
+    MeshError,
+    FormatError,
+    LimitError,
+    TargetError,
+    SolveError,
+    OptionError,
+):
+    _error.__module__ = "deltamesh"
+del _error

@@ -1,25 +1,44 @@
-"""The codec as a function of arrays: `encode` and `decode`, with all that can be asked of them."""
+"""Codec as two functions, `encode` and `decode`, between meshes and bytes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import TypeAlias, Unpack, overload
 
 from numpy.typing import ArrayLike
 
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
-from deltamesh._mesh import checked_mesh, triangulated
-from deltamesh._options import DEFAULT_BITS_NORMAL, DEFAULT_BITS_UV, DEFAULT_EFFORT, Options
+from deltamesh._mesh import LARGEST
+from deltamesh._options import (
+    DEFAULT_BITS_NORMAL,
+    DEFAULT_BITS_UV,
+    DEFAULT_EFFORT,
+    EncodeOptions,
+    Options,
+)
 from deltamesh._pipeline import decode_mesh, encode_mesh
 from deltamesh._progress import Progress, silent
-from deltamesh._sources import Source, read_source
+from deltamesh._sources import Bytes, bytes_of
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh.mesh import PolyMesh, checked, from_triangles
-from deltamesh_formats.polymesh.validation import check_shapes
+from deltamesh_formats.polymesh.arrays import unchecked
+from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.polymesh.validation import checked
+
+# Triangles, quads, or polygons of any sizes.
+Faces: TypeAlias = ArrayLike | Sequence[ArrayLike]
+
+
+@overload
+def encode(mesh: PolyMesh, **options: Unpack[EncodeOptions]) -> bytes: ...
+
+
+@overload
+def encode(mesh: ArrayLike, faces: Faces, **options: Unpack[EncodeOptions]) -> bytes: ...
 
 
 def encode(
-    vertices: ArrayLike | PolyMesh,
-    faces: ArrayLike | None = None,
+    mesh: PolyMesh | ArrayLike,
+    faces: Faces | None = None,
     *,
     method: str = "auto",
     bits: int | None = None,
@@ -46,27 +65,28 @@ def encode(
     source_format: str = "",
     progress: Progress | None = None,
 ) -> bytes:
-    """Compress a mesh.
+    """Compress a mesh: `encode(mesh)`, or `encode(vertices, faces)`.
 
     Connectivity is kept exactly, whatever it is, and polygons stay polygons; vertices and faces
     come back in an order of the codec's own unless `keep_order` says otherwise. Vertices at one
-    position stay there, each for itself. Attributes, parts, metadata and the words of `lost` of a
-    whole mesh are kept, unless `drop` names them; its `format` is what `source_format` is for.
+    position stay there, each for itself. Attributes, parts, metadata and `lost` of a mesh are kept,
+    unless `drop` names them; its `format` is not, but `source_format` is.
 
     Parameters
     ----------
-    vertices : array_like (n, 3), or PolyMesh
-        Finite real numbers; or a whole mesh of polygons, which `deltamesh.from_arrays` makes of any
-        arrays.
-    faces : array_like (m, 3)
-        Vertex indices from 0, of any triangles; nothing beside a whole mesh.
+    mesh : PolyMesh, or array_like (n, 3)
+        A mesh, which `deltamesh.from_arrays` makes of arrays with attributes; or the positions of
+        the vertices, finite real numbers, with `faces`.
+    faces : array_like (m, k), or a sequence of polygons
+        Vertex indices from 0 of triangles, quads, or polygons of any sizes, as `from_arrays` takes
+        them. Not with a `PolyMesh`.
     method : {"auto", "refined", "highpass", "cartesian", "lossless"}
-        What is quantized: differential coordinates, coarsely, and their component along the normal
-        finely; these coordinates alike; x, y and z; or nothing: positions come back bit for bit,
-        -0.0 and all. "auto" is refined or cartesian, whichever takes fewer bytes for the same
-        errors.
+        "refined" quantizes differential coordinates, coarsely, and their component along the normal
+        finely; "highpass" these coordinates alike; "cartesian" x, y and z; "lossless" nothing:
+        positions come back bit for bit, -0.0 and all. "auto" is refined or cartesian, whichever
+        takes fewer bytes for the same errors.
     bits : int, optional
-        The step is the range of what is quantized over 2^bits. 0 is a least-squares mesh:
+        The step is the range of the quantized values over 2^bits. 0 is a least-squares mesh:
         connectivity and anchors alone. Default for "cartesian": 11.
     step : float, optional
         The step itself, in the unit of the vertices. Default for "highpass" and "refined": 1/1000
@@ -115,7 +135,7 @@ def encode(
         Both come back bit for bit instead, as all other attributes do but colours of floats within
         0 .. 1, which get 256 levels. So it is, too, with "lossless".
     source_format : str
-        Stored; what `deltamesh decode` writes by default.
+        Stored; the format that `deltamesh decode` writes by default.
     progress : callable, optional
         Called with the name of each stage as it begins.
 
@@ -127,10 +147,10 @@ def encode(
     Raises
     ------
     MeshError
-        If the arrays are no mesh; the first element at fault is named.
+        If the arrays are not a mesh; the first element at fault is named.
     OptionError
     TargetError
-        If nothing keeps the errors within their bounds; the message tells what could be had.
+        If no trial keeps the errors within their bounds; the message has the least ones found.
     SolveError
 
     Notes
@@ -162,30 +182,25 @@ def encode(
         lossless_attributes=lossless_attributes,
         source_format=source_format,
     )
-    return encode_mesh(_whole(vertices, faces), options, progress or silent).data
+    return encode_mesh(_checked(mesh, faces), options, progress or silent).data
 
 
-def _whole(vertices: ArrayLike | PolyMesh, faces: ArrayLike | None) -> PolyMesh:
-    """Return what `encode` was given, checked."""
-    if isinstance(vertices, PolyMesh):
+def _checked(mesh: PolyMesh | ArrayLike, faces: Faces | None) -> PolyMesh:
+    """Return the mesh of the arguments of `encode`, or refuse it."""
+    if isinstance(mesh, PolyMesh):
         if faces is not None:
-            raise MeshError("faces beside a whole mesh")
-        check_shapes(vertices)
-        mesh = checked(vertices)
-        triangles = triangulated(mesh)
-        checked_mesh(triangles.vertices, triangles.faces)
-        return mesh
+            raise MeshError("faces must not be given with a PolyMesh, which has its own")
+        return checked(mesh, LARGEST)
     if faces is None:
         raise MeshError(
-            f"{type(vertices).__name__} without faces: give vertices and faces, or a PolyMesh, "
+            f"{type(mesh).__name__} without faces: give vertices and faces, or a PolyMesh, "
             "which from_arrays and deltamesh.plugins make"
         )
-    plain = checked_mesh(vertices, faces)
-    return from_triangles(plain.vertices, plain.faces)
+    return checked(unchecked(mesh, faces), LARGEST)
 
 
 def decode(
-    source: Source,
+    data: Bytes,
     *,
     solver: str = "auto",
     threads: int | None = None,
@@ -193,11 +208,12 @@ def decode(
     memory: int = DEFAULT_MEMORY,
     progress: Progress | None = None,
 ) -> PolyMesh:
-    """Decompress a `.dmesh` file.
+    """Decompress the bytes of a `.dmesh` file; `load` reads one from a path or a file.
 
     Parameters
     ----------
-    source : bytes-like, path or binary file object
+    data : bytes-like
+        The whole file; a bytearray, mmap or array of bytes is not copied.
     solver : {"auto", "rslab", "pardiso", "scipy"}
     threads : int, optional
         For the solver. Default: all cores.
@@ -221,13 +237,15 @@ def decode(
     LimitError
         Before anything above the limits is allocated.
     SolveError
+    TypeError
+        For anything but bytes.
 
     Notes
     -----
     D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
     """
     return decode_mesh(
-        read_source(source),
+        bytes_of(data),
         solver=solver,
         threads=threads,
         max_vertices=max_vertices,

@@ -10,11 +10,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._attributes.coded import Coded, all_arrays, restored
-from deltamesh._attributes.domains import Places
+from deltamesh._attributes.domains import Domains
+from deltamesh._attributes.section import CodedAttribute, attribute_arrays, restore_attribute
 from deltamesh._geometry.integers import NO_POINTS, NONE, Integers
-from deltamesh._order.reordering import Order, arrays, reordered
-from deltamesh._parts import Told
+from deltamesh._order.reordering import Order, order_arrays, reordered
+from deltamesh._parts import Annotations
 from deltamesh._shape.polygons import assembled
 from deltamesh._shape.structure import EMPTY, Structure
 from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -26,21 +26,21 @@ class Content:
 
     Attributes
     ----------
-    domains : Places
+    domains : Domains
         The vertices, corners and polygons of the structure.
     integers : Integers
         Of the geometry.
-    attributes : tuple of Coded
-    annotations : Told or None
+    attributes : tuple of CodedAttribute
+    annotations : Annotations or None
         Parts, names, transforms and metadata.
     order : Order or None
         The order of the input, where it is kept.
     """
 
-    domains: Places
+    domains: Domains
     integers: Integers
-    attributes: tuple[Coded, ...] = ()
-    annotations: Told | None = None
+    attributes: tuple[CodedAttribute, ...] = ()
+    annotations: Annotations | None = None
     order: Order | None = None
 
     @property
@@ -53,7 +53,12 @@ class Content:
         s = self.structure
         merged = (s.merged,) if len(s.merged) else ()
         annotations = () if self.annotations is None else self.annotations.arrays()
-        further = (*arrays(self.order), *merged, *all_arrays(self.attributes), *annotations)
+        further = (
+            *order_arrays(self.order),
+            *merged,
+            *attribute_arrays(self.attributes),
+            *annotations,
+        )
         return digest(s.faces, s.split_points, self.integers, further)
 
     def mesh(self, points: NDArray[np.float64], single: bool) -> PolyMesh:
@@ -70,7 +75,9 @@ class Content:
         vertices = points[s.points]
         mesh = replace(
             assembled(vertices, s.faces, s.polygons),
-            attributes=tuple(restored(one, self.domains, vertices) for one in self.attributes),
+            attributes=tuple(
+                restore_attribute(one, self.domains, vertices) for one in self.attributes
+            ),
             precision="float32" if single else "float64",
         )
         mesh = mesh if self.annotations is None else self.annotations.given_to(mesh)
@@ -78,7 +85,7 @@ class Content:
 
 
 # The content before the first section.
-NOTHING: Final = Content(Places(EMPTY), Integers(NO_POINTS, NONE, NO_POINTS, NO_POINTS))
+NOTHING: Final = Content(Domains(EMPTY), Integers(NO_POINTS, NONE, NO_POINTS, NO_POINTS))
 
 
 def digest(
@@ -107,7 +114,7 @@ def digest(
     i = integers
     all_of_them = (
         *(faces, split_points, i.values, i.anchors, i.positions, i.isolated, i.refinements),
-        *(i.corrections, i.forms, *further),
+        *(i.corrections, i.formats, *further),
     )
     result = hashlib.blake2b(digest_size=8)
     for array in all_of_them:

@@ -1,13 +1,16 @@
-"""`.dmesh` files: what they say of themselves, whether they are whole, from and to anywhere."""
+"""Files in `.dmesh` format, at paths and in file objects: read, verified, described, written."""
 
 from __future__ import annotations
 
 import io
 import os
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Unpack
 
-from deltamesh._sources import Source, read_source
+from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
+from deltamesh._options import EncodeOptions
+from deltamesh._sources import Source, read_file, read_source
 from deltamesh_formats.atomic import PathOrFile, write_file
 from deltamesh_formats.container.layout import Container
 from deltamesh_formats.container.reader import read_container
@@ -31,36 +34,22 @@ def info(source: Source) -> Container:
     return read_container(read_source(source))
 
 
-def verify(source: Source, **options: Any) -> Container:
+def verify(
+    source: Source,
+    *,
+    solver: str = "auto",
+    threads: int | None = None,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Callable[[str], None] | None = None,
+) -> Container:
     """Decode a file and return what it says of itself; damage of any kind raises.
 
     Parameters
     ----------
     source : path, binary file object or bytes-like
-    **options
-        Those of `deltamesh.decode`.
-
-    Raises
-    ------
-    FormatError, LimitError, SolveError
-    """
-    from deltamesh._codec import decode
-
-    data = read_source(source)
-    decode(data, **options)
-    return read_container(data)
-
-
-def load(source: Source, **options: Any) -> PolyMesh:
-    """Decode a `.dmesh` file: polygons, attributes, parts and metadata of what was encoded.
-
-    Vertices and faces come in the order of the source only if that was kept (`keep_order`).
-
-    Parameters
-    ----------
-    source : path, binary file object or bytes-like
-    **options
-        Those of `deltamesh.decode`, which is the same.
+    solver, threads, max_vertices, memory, progress
+        As in `deltamesh.decode`.
 
     Raises
     ------
@@ -68,10 +57,57 @@ def load(source: Source, **options: Any) -> PolyMesh:
     """
     from deltamesh._codec import decode
 
-    return decode(source, **options)
+    data = read_source(source)
+    decode(
+        data,
+        solver=solver,
+        threads=threads,
+        max_vertices=max_vertices,
+        memory=memory,
+        progress=progress,
+    )
+    return read_container(data)
 
 
-def save(target: PathOrFile, mesh: PolyMesh, **options: Any) -> None:
+def load(
+    source: PathOrFile,
+    *,
+    solver: str = "auto",
+    threads: int | None = None,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Callable[[str], None] | None = None,
+) -> PolyMesh:
+    """Decode a `.dmesh` file: polygons, attributes, parts and metadata of what was encoded.
+
+    Vertices and faces come in the order of the source only if that was kept (`keep_order`).
+
+    Parameters
+    ----------
+    source : path or binary file object
+        A file object is read from where it is to its end, and need not be seekable.
+    solver, threads, max_vertices, memory, progress
+        As in `deltamesh.decode`, which does the same with bytes.
+
+    Raises
+    ------
+    FormatError, LimitError, SolveError, OSError
+    TypeError
+        For anything but a path or a file that is open in binary mode.
+    """
+    from deltamesh._codec import decode
+
+    return decode(
+        read_file(source),
+        solver=solver,
+        threads=threads,
+        max_vertices=max_vertices,
+        memory=memory,
+        progress=progress,
+    )
+
+
+def save(target: PathOrFile, mesh: PolyMesh, **options: Unpack[EncodeOptions]) -> None:
     """Encode a mesh into a `.dmesh` file, with all its attributes, parts and metadata.
 
     A file at a path appears whole or not at all, whoever else writes it at the same time. One that
@@ -101,9 +137,9 @@ def save(target: PathOrFile, mesh: PolyMesh, **options: Any) -> None:
 
 def _check_extension(target: str | os.PathLike[str]) -> None:
     """Refuse to write a `.dmesh` under the name of a mesh file."""
-    from deltamesh_formats.meshfiles.files import FORMATS
+    from deltamesh_formats.meshfiles.formats import format_of_extension
 
-    extension = Path(target).suffix.lower().removeprefix(".")
-    if extension in FORMATS:
-        what = extension.upper()
-        raise OptionError(f"{os.fspath(target)}: save writes .dmesh, write_mesh writes {what}")
+    other = format_of_extension(Path(target).suffix)
+    if other is not None:
+        name = os.fspath(target)
+        raise OptionError(f"{name}: save writes .dmesh, write_mesh writes {other.title}")

@@ -1,25 +1,19 @@
-"""What decoding a file may take; checked before anything of that size is allocated."""
+"""Limits of decoding, checked before anything of that size is allocated."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from deltamesh._methods import METHODS
 from deltamesh_formats.container.layout import ATTRIBUTES, POLYGONS, Container, Section
 from deltamesh_formats.container.texts import text_size, texts_of
 from deltamesh_formats.errors import FormatError, LimitError
 
-# As many as a 32-bit index can name, were there memory for them.
+# The vertices that a 32-bit index can name, were there memory for them.
 DEFAULT_MAX_VERTICES = 1 << 32
 DEFAULT_MEMORY = 16 << 30
 
-# Bytes, measured as peak memory of whole processes over the counts (`benchmarks/memory.py`), and
-# rounded up: faces, half-edges and fronts; coder tables; factorization and its solves.
-BASE = {
-    "cartesian": 192 << 20,
-    "lossless": 256 << 20,
-    "highpass": 256 << 20,
-    "refined": 256 << 20,
-}
+# Bytes beside those of the method, measured as these are: half-edges and fronts.
 PER_FACE = 320
 PER_TEXT_BYTE = 24
 PER_TRANSFORM = 400
@@ -28,7 +22,6 @@ PER_GLUED_FACE = 240  # more, where polygons are made of triangles
 # those of the surface, corner by corner.
 PER_ELEMENT = 160
 PER_NUMBER = 40
-PER_VERTEX = {"cartesian": 400, "lossless": 600, "highpass": 4000, "refined": 4000}
 
 # The range coder spends at least log2(65536 / (65536 - P_MIN)) bits on a bit, and at least one
 # bit on each vertex or face: a file of b bytes cannot hold more of them than that.
@@ -37,7 +30,7 @@ PER_BYTE = 15200
 
 @dataclass(frozen=True)
 class Counts:
-    """What a file announces, before anything of it is decoded.
+    """Counts that a file announces, before anything of it is decoded.
 
     Attributes
     ----------
@@ -61,18 +54,18 @@ def memory_needed(container: Container) -> int:
     Raises
     ------
     FormatError
-        If the table of the attributes is none, or the text of the parts.
+        If the attribute table or the text of the parts is malformed.
     """
     moved = sum(len(one.names) for one in texts_of(container).divisions if one.moved)
     return _memory_of_counts(container) + PER_TRANSFORM * moved
 
 
 def _memory_of_counts(container: Container) -> int:
-    """Likewise, but for what only the text of the parts, not unpacked yet, tells."""
-    method = container.parameters.method
-    fixed, per_vertex = BASE[method], PER_VERTEX[method]
+    """Estimate the memory without the transforms, whose text is not unpacked yet."""
+    method = METHODS[container.parameters.method]
     per_face = PER_FACE + (PER_GLUED_FACE if POLYGONS in container.sections else 0)
-    needed = fixed + per_vertex * container.vertices + per_face * container.faces
+    needed = method.memory + method.memory_per_vertex * container.vertices
+    needed += per_face * container.faces
     return needed + _memory_of_attributes(container) + PER_TEXT_BYTE * text_size(container)
 
 
@@ -90,6 +83,13 @@ def _memory_of_attributes(container: Container) -> int:
     return needed
 
 
+def memory_for_counts(vertices: int, faces: int) -> int:
+    """Estimate the memory that encoding or decoding takes, in bytes, by the dearest method."""
+    fixed = max(method.memory for method in METHODS.values())
+    per_vertex = max(method.memory_per_vertex for method in METHODS.values())
+    return fixed + per_vertex * vertices + PER_FACE * faces
+
+
 def check_limits(container: Container, counts: Counts, max_vertices: int, memory: int) -> None:
     """Refuse a file whose counts are above the limits, or cannot be true.
 
@@ -98,7 +98,7 @@ def check_limits(container: Container, counts: Counts, max_vertices: int, memory
     LimitError
         For more vertices, or more memory, than allowed.
     FormatError
-        For none or more faces, or more of anything else, than the bytes of a section can hold.
+        For no faces, or more elements than the bytes of a section can hold.
     """
     n, m = container.vertices, container.faces
     if n > max_vertices:
@@ -108,10 +108,9 @@ def check_limits(container: Container, counts: Counts, max_vertices: int, memory
         raise FormatError("a file without faces", section.offset)
     if counts.faces > _most(section) or not used <= counts.vertices <= 3 * counts.faces:
         raise FormatError(f"{n} vertices and {m} faces do not fit into this file", section.offset)
-    method = container.parameters.method
-    geometry = {"cartesian": "CART", "lossless": "EXAC"}.get(method, "ANCH")
-    bits = 3 if method == "lossless" else 1  # a coordinate has one or more
-    _check_held(container, geometry, counts.isolated, "isolated vertices", bits)
+    method = METHODS[container.parameters.method].layout
+    bits = 3 if method.exact else 1  # a coordinate has one or more
+    _check_held(container, method.geometry[0], counts.isolated, "isolated vertices", bits)
     _check_held(container, "STCH", m - counts.faces, "faces beside the manifold")
     _check_held(container, "COPY", n - counts.points, "copies of vertices")
     _check_memory(_memory_of_counts(container), memory)

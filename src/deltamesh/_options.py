@@ -1,14 +1,18 @@
-"""The options of the encoder, checked in one place."""
+"""Options of the encoder, and the one place where they are checked."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from numbers import Integral
+from typing import TypedDict
 
+from deltamesh._methods import AUTO, BOUNDS, METHOD_OPTIONS, METHODS, RATES
+from deltamesh_formats.container.layout import MethodLayout
 from deltamesh_formats.errors import OptionError
 
-METHODS = ("auto", "refined", "highpass", "cartesian", "lossless")
+CHOICES = (AUTO, *METHODS)
 ANCHOR_METHODS = ("farthest", "greedy", "random")
 # What is asked for by default: bits a coordinate, and a step in diagonals of the bounding box. The
 # range of the deltas is no scale to go by: one vertex of high valence makes it a thousand times
@@ -20,9 +24,6 @@ DEFAULT_HIGHPASS_STEP = 1 / 1000
 DEFAULT_COARSE = 8.0
 MAX_COARSE = 64.0
 SOLVERS = ("auto", "rslab", "pardiso", "scipy")
-# The ways to say how small, at most one of them, and how good, which go together.
-RATES = ("bits", "step")
-BOUNDS = ("quality", "normal_error", "dihedral_error", "max_error", "max_error_rel")
 DEFAULT_QUALITY, MAX_QUALITY = 5, 9
 # How long to search for fewer bytes: not at all, among the likeliest, among all.
 DEFAULT_EFFORT, MAX_EFFORT = 2, 3
@@ -34,9 +35,38 @@ MAX_THREADS = 1024
 MAX_NAME = 255
 
 
+class EncodeOptions(TypedDict, total=False):
+    """Keywords of `deltamesh.encode`, which documents them, for functions that hand them on."""
+
+    method: str
+    bits: int | None
+    step: float | None
+    quality: int | None
+    normal_error: float | None
+    dihedral_error: float | None
+    max_error: float | None
+    max_error_rel: float | None
+    effort: int
+    diffusion: bool
+    anchors: int | float | None
+    anchor_method: str
+    seed: int
+    coarse: float | None
+    solver: str
+    threads: int | None
+    drop_isolated: bool
+    keep_order: bool
+    drop: str | Iterable[str]
+    bits_uv: int
+    bits_normal: int
+    lossless_attributes: bool
+    source_format: str
+    progress: Callable[[str], None] | None
+
+
 @dataclass(frozen=True)
 class Options:
-    """What to encode how; `deltamesh.encode` documents each.
+    """Options of the encoder, checked; `deltamesh.encode` documents each.
 
     Raises
     ------
@@ -44,7 +74,7 @@ class Options:
         For the first option that is unknown, out of range, or contradicts another.
     """
 
-    method: str = "auto"
+    method: str = AUTO
     bits: int | None = None
     step: float | None = None
     quality: int | None = None
@@ -69,14 +99,12 @@ class Options:
     source_format: str = ""
 
     def __post_init__(self) -> None:
-        _require_one_of("method", self.method, METHODS)
+        _require_one_of("method", self.method, CHOICES)
         _require_one_of("anchor_method", self.anchor_method, ANCHOR_METHODS)
         _require_one_of("solver", self.solver, SOLVERS)
         self._check_rate()
         _require_within("effort", self.effort, 1, MAX_EFFORT)
         if self.coarse is not None:
-            fits = self.method in ("auto", "refined")
-            _require(fits, f"coarse means nothing with method {self.method}")
             fits = 1 <= self.coarse <= MAX_COARSE
             _require(fits, f"coarse must lie in 1..{MAX_COARSE:g}, not {self.coarse!r}")
         _require_within("bits_uv", self.bits_uv, 1, MAX_BITS_UV)
@@ -90,14 +118,9 @@ class Options:
         _require(fits, "source_format must be printable, and at most 255 bytes")
 
     def _check_rate(self) -> None:
-        rates = [name for name in RATES if getattr(self, name) is not None]
-        bounds = [name for name in BOUNDS if getattr(self, name) is not None]
-        if rates:
-            _require(len(rates + bounds) == 1, f"{' and '.join(rates + bounds)} exclude each other")
-        meaningless = self.method == "lossless" and rates + bounds
-        _require(
-            not meaningless, f"{' and '.join(rates + bounds)} mean nothing with method lossless"
-        )
+        # Options with defaults may be left as they are with any method.
+        names = (*RATES, *BOUNDS, "coarse")
+        check_together(self.method, [n for n in names if getattr(self, n) is not None])
         for name in ("step", *BOUNDS[1:]):
             value = getattr(self, name)
             fits = value is None or (math.isfinite(value) and value > 0)
@@ -106,23 +129,53 @@ class Options:
             _require_within("quality", self.quality, 1, MAX_QUALITY)
         if self.bits is not None:
             # Of 0 bits, the connectivity and the anchors make a surface; nothing else does.
-            least = 0 if self.method in ("auto", "highpass") else 1
-            _require_within("bits", self.bits, least, MAX_BITS)
+            bare = self.method == AUTO or METHODS[self.method].layout.bare
+            _require_within("bits", self.bits, 0 if bare else 1, MAX_BITS)
 
     @property
     def has_rate(self) -> bool:
         """Whether bits, a step or any bound was given."""
         return any(getattr(self, name) is not None for name in RATES + BOUNDS)
 
+    @property
+    def exact(self) -> bool:
+        """Whether positions are kept to the last bit."""
+        return self.method != AUTO and METHODS[self.method].layout.exact
+
+
+def check_together(method: str, given: Collection[str], shown: Callable[[str], str] = str) -> None:
+    """Refuse options that exclude each other, or mean nothing to the method.
+
+    Parameters
+    ----------
+    method : str
+        Of `CHOICES`.
+    given : collection of str
+        Names of the options that have been given.
+    shown : callable, optional
+        The name of an option in messages, such as "--bits" for "bits".
+
+    Raises
+    ------
+    OptionError
+    """
+    rates, bounds = ([name for name in names if name in given] for names in (RATES, BOUNDS))
+    if rates and len(rates + bounds) > 1:
+        raise OptionError(f"{' and '.join(map(shown, rates + bounds))} exclude each other")
+    known = METHOD_OPTIONS if method == AUTO else METHODS[method].options
+    for name in METHOD_OPTIONS:
+        if name in given and name not in known:
+            raise OptionError(f"{shown(name)} means nothing with {shown('method')} {method}")
+
 
 @dataclass(frozen=True)
 class Settings:
-    """What a method is told to do: options without anything left to search for.
+    """Options of one method, without anything left to search for.
 
     Attributes
     ----------
     method : str
-        Of `METHODS`, but not "auto".
+        Of `METHODS`.
     bits : int or None
     step : float or None
         With neither, the method has a default.
@@ -131,7 +184,7 @@ class Settings:
     anchors, anchor_method, seed
         As in `Options`.
     largest : float
-        Correct the vertices that would be further from where they were than that.
+        Correct the vertices that would be further than that from their input positions.
     """
 
     method: str
@@ -143,6 +196,11 @@ class Settings:
     anchor_method: str = "farthest"
     seed: int = 0
     largest: float = math.inf
+
+    @property
+    def layout(self) -> MethodLayout:
+        """What the container knows of the method."""
+        return METHODS[self.method].layout
 
 
 def settings_of(options: Options, method: str) -> Settings:

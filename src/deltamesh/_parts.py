@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 from deltamesh._graph.elements import Elements
 from deltamesh._graph.permutations import numbered
 from deltamesh._kernels.coding import choices as kernels
-from deltamesh._streams import entropy
+from deltamesh._kernels.coding.coder import Coder
+from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh._streams.labels import decode_labels, encode_labels
 from deltamesh_formats.container.packed import packed, unpacked
 from deltamesh_formats.container.reader import read_varint, take
 from deltamesh_formats.container.texts import Division, Texts, raw_texts, read_texts, write_texts
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
-from deltamesh_formats.polymesh.descriptions import unkept, unused
+from deltamesh_formats.polymesh.descriptions import losses_of, unreferenced_rows
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh
 
 _Ints = NDArray[np.int64]
@@ -29,46 +30,46 @@ _IDENTITY = np.eye(4).view(np.uint8)
 
 
 @dataclass(frozen=True)
-class Told:
-    """What a file tells of a mesh beside its shape and its attributes.
+class Annotations:
+    """Parts, names, transforms, metadata and losses of a mesh.
 
     Attributes
     ----------
     texts : Texts
     parts : tuple of Parts
-        Of the faces in the order of the file.
+        Of the polygons in the order of the file.
     """
 
     texts: Texts
     parts: tuple[Parts, ...]
 
     def arrays(self) -> tuple[_Ints, ...]:
-        """Return what the digest of a file covers of it."""
+        """Return the arrays that the digest of a file covers."""
         text = np.frombuffer(raw_texts(self.texts), dtype=np.uint8).astype(np.int64)
         return (text, *(array for parts in self.parts for array in _arrays(parts)))
 
     def given_to(self, mesh: PolyMesh) -> PolyMesh:
-        """Return a mesh, of the faces of the file, with all of this."""
+        """Return a mesh of the polygons of the file with these annotations."""
         texts = self.texts
         return replace(mesh, parts=self.parts, metadata=texts.metadata, lost=texts.lost)
 
 
-def told_of(mesh: PolyMesh, faces: _Ints) -> Told | None:
-    """Return what a file has to tell of a mesh, None if nothing.
+def annotations_of(mesh: PolyMesh, polygons: _Ints) -> Annotations | None:
+    """Return the annotations of a mesh, None if there are none.
 
     Parameters
     ----------
     mesh : PolyMesh
-    faces : int64 (p,)
-        Its polygon at each polygon of the file.
+    polygons : int64 (p,)
+        The polygon of the mesh at each polygon of the file.
     """
     kinds = [parts.kind for parts in mesh.parts]
-    found = tuple(replace(parts, of_face=parts.of_face[faces]) for parts in mesh.parts)
+    found = tuple(replace(parts, of_face=parts.of_face[polygons]) for parts in mesh.parts)
     divisions = tuple(
         Division(p.kind, p.names, bool((p.of_face < 0).any()), p.transforms is not None)
         for p in found
     )
-    lost = unkept(
+    lost = losses_of(
         mesh,
         attributes=mesh.attributes,
         parts=kinds,
@@ -77,21 +78,21 @@ def told_of(mesh: PolyMesh, faces: _Ints) -> Told | None:
         transforms=True,
     )
     metadata = {key: tuple(lines) for key, lines in mesh.metadata.items()}
-    texts = Texts(divisions, metadata, tuple(dict.fromkeys((*lost, *unused(mesh)))))
-    return None if texts.is_empty else Told(texts, found)
+    texts = Texts(divisions, metadata, tuple(dict.fromkeys((*lost, *unreferenced_rows(mesh)))))
+    return None if texts.is_empty else Annotations(texts, found)
 
 
-def encode_parts(told: Told, elements: Callable[[], Elements]) -> bytes:
+def encode_parts(annotations: Annotations, elements: Callable[[], Elements]) -> bytes:
     """Return the payload of PART.
 
     Parameters
     ----------
-    told : Told
+    annotations : Annotations
     elements : callable
-        Gives the faces of the file as elements, when they are needed.
+        Returns the polygons of the file as elements; called only when they are needed.
     """
-    payload = [write_texts(told.texts)]
-    for parts, division in zip(told.parts, told.texts.divisions, strict=True):
+    payload = [write_texts(annotations.texts)]
+    for parts, division in zip(annotations.parts, annotations.texts.divisions, strict=True):
         none = int(division.partly)
         labels, order = numbered(parts.of_face + none)
         streams = [b"" if len(order) < 2 else encode_labels(elements(), labels)]
@@ -102,8 +103,8 @@ def encode_parts(told: Told, elements: Callable[[], Elements]) -> bytes:
     return b"".join(payload)
 
 
-def decode_parts(payload: memoryview, count: int, elements: Callable[[], Elements]) -> Told:
-    """Return what a file of `count` faces tells: the mirror of `encode_parts`.
+def decode_parts(payload: memoryview, count: int, elements: Callable[[], Elements]) -> Annotations:
+    """Return the annotations of a file of `count` polygons: the mirror of `encode_parts`.
 
     Raises
     ------
@@ -114,18 +115,18 @@ def decode_parts(payload: memoryview, count: int, elements: Callable[[], Element
     found = []
     for division in texts.divisions:
         stream, start, at = _stream(payload, at)
-        labels = np.zeros(count, dtype=np.int64)  # what an empty stream stands for
+        labels = np.zeros(count, dtype=np.int64)  # as of an empty stream
         if stream:
             labels = _labels(stream, start, elements())
         stream, start, at = _stream(payload, at)
-        of_face = _order(stream, start, division, int(labels.max(initial=-1)) + 1)[labels]
+        of_face = _decode_order(stream, start, division, int(labels.max(initial=-1)) + 1)[labels]
         transforms = None
         if division.moved:
             transforms, at = _decode_transforms(payload, at, len(division.names))
         found.append(Parts(division.kind, division.names, of_face, transforms))
     if at < len(payload):
         raise FormatError("bytes after the last parts", at)
-    return Told(texts, tuple(found))
+    return Annotations(texts, tuple(found))
 
 
 def _stream(payload: memoryview, at: int) -> tuple[bytes, int, int]:
@@ -148,30 +149,34 @@ def _arrays(parts: Parts) -> tuple[_Ints, ...]:
 
 
 def _encode_order(order: _Ints, count: int) -> bytes:
-    """Code which of so many parts each label stands for."""
-    coder = entropy.encoder(len(order), kernels.SLOTS, kernels.MIXERS)
-    kernels.code_choices(coder, order.copy(), count)
-    return entropy.finish(coder)
+    """Code the part that each label stands for, of `count` parts."""
+    coded = order.copy()
+    return encode_with(
+        kernels.MODEL, len(order), lambda coder: kernels.code_choices(coder, coded, count)
+    )
 
 
-def _order(stream: bytes, start: int, division: Division, labels: int) -> _Ints:
+def _decode_order(stream: bytes, start: int, division: Division, labels: int) -> _Ints:
     """Return the part of each label, -1 for none: the mirror of `_encode_order`."""
     none = int(division.partly)
     count = len(division.names) + none
     if labels > count:
         raise FormatError(f"{labels} labels for {count} parts of kind {division.kind}", start)
-    order = np.zeros(labels, dtype=np.int64)
-    coder = entropy.decoder(stream, kernels.SLOTS, kernels.MIXERS)
-    if not kernels.code_choices(coder, order, count):
-        raise FormatError("a part that was passed over as the next one", start)
-    entropy.check_end(coder, start)
+
+    def run(coder: Coder) -> _Ints:
+        order = np.zeros(labels, dtype=np.int64)
+        if not kernels.code_choices(coder, order, count):
+            raise FormatError("non-canonical part number: the next part was skipped", start)
+        return order
+
+    order = decode_with(kernels.MODEL, stream, run, start)
     if none and order.min(initial=1) > 0:
-        raise FormatError("faces without a part are announced, but there are none", start)
+        raise FormatError("no face without a part, though some are announced", start)
     return order - none
 
 
 def _encode_transforms(transforms: _Transforms) -> bytes:
-    """Pack a bit a matrix, whether it is not the identity; then the bytes of those, by place."""
+    """Pack a bit per matrix, 1 unless it is the identity, and the other matrices bytewise."""
     matrices = np.ascontiguousarray(transforms, dtype="<f8").view(np.uint8)
     moves = (matrices != _IDENTITY).any(axis=(1, 2))
     planes = matrices[moves].reshape(-1, _MATRIX_BYTES).T
@@ -186,9 +191,9 @@ def _decode_transforms(payload: memoryview, at: int, count: int) -> tuple[_Trans
     moves = bits[:count].astype(bool)
     moved = int(moves.sum())
     if len(data) != size + moved * _MATRIX_BYTES or bits[count:].any():
-        raise FormatError("transforms of another number than the parts", at)
+        raise FormatError("transform count differs from the part count", at)
     matrices = np.broadcast_to(_IDENTITY, (count, *_IDENTITY.shape)).copy()
     matrices[moves] = data[size:].reshape(_MATRIX_BYTES, moved).T.reshape(-1, 4, 32)
     if (matrices[moves] == _IDENTITY).all(axis=(1, 2)).any():
-        raise FormatError("an identity among the transforms that are none", at)
+        raise FormatError("non-canonical transform: identity stored explicitly", at)
     return matrices.view("<f8").astype(np.float64), end

@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 
 from deltamesh._content import NOTHING, Content
 from deltamesh._geometry.integers import Integers
+from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.solve import factorization
 from deltamesh._limits import check_limits
 from deltamesh._measures.metrics import diagonal
 from deltamesh._options import Options
 from deltamesh._progress import Progress, silent
 from deltamesh._sections.draft import Draft, begin
-from deltamesh._sections.geometry import METHODS, has_scale
+from deltamesh._sections.geometry import has_scale
 from deltamesh._sections.table import SECTIONS
 from deltamesh._shape.announced import announced
 from deltamesh._version import __version__
@@ -127,7 +128,7 @@ def decode_mesh(
     parameters, surface = container.parameters, content.structure.surface
     _check_scale(container, content.integers)
     factor = factorization(surface.laplacian, solver, threads)
-    coder = METHODS[parameters.method]
+    coder = geometry_codec(parameters.method)
     points = coder.reconstruct(surface, parameters, content.integers, factor)
     return content.mesh(points, parameters.single)
 

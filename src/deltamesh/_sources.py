@@ -1,23 +1,60 @@
-"""Where bytes come from: paths, binary file objects, bytes."""
+"""Sources of bytes: paths, binary file objects, bytes-like objects."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import BinaryIO, TypeAlias
+from typing import TypeAlias, cast
+
+from deltamesh_formats.atomic import PathOrFile
 
 Bytes: TypeAlias = bytes | bytearray | memoryview
-Source: TypeAlias = str | os.PathLike[str] | BinaryIO | Bytes
+Source: TypeAlias = PathOrFile | Bytes
 
 
-def read_source(source: Source) -> bytes | memoryview:
-    """Return the bytes of a file, wherever it is.
+def bytes_of(data: Bytes) -> memoryview:
+    """Return a bytes-like object (bytearray, mmap, an array of bytes) as bytes, without a copy.
+
+    Raises
+    ------
+    TypeError
+        For anything else.
+    """
+    try:
+        return memoryview(data).cast("B")
+    except TypeError:
+        what = type(data).__name__
+        raise TypeError(f"bytes are needed, not {what}: load takes a path or a file") from None
+
+
+def read_file(source: PathOrFile) -> bytes:
+    """Return the bytes of a file.
 
     Parameters
     ----------
-    source : path, binary file object or bytes-like
-        A file object is read from where it is to its end, and need not be seekable; a bytes-like
-        object (bytearray, mmap, an array of bytes) is not copied.
+    source : path or binary file object
+        A file object is read from where it is to its end, and need not be seekable.
+
+    Raises
+    ------
+    OSError
+        When the file cannot be opened or read.
+    TypeError
+        For anything else, and for a file open in text mode.
+    """
+    if isinstance(source, (str, os.PathLike)):
+        return Path(source).read_bytes()
+    if not hasattr(source, "read"):
+        what = type(source).__name__
+        raise TypeError(f"a path or a binary file is needed, not {what}: decode takes bytes")
+    data = source.read()
+    if not isinstance(data, bytes):
+        raise TypeError(f"a file to read from has to be open in binary mode: {source!r}")
+    return data
+
+
+def read_source(source: Source) -> bytes | memoryview:
+    """Return the bytes of a path, a binary file object or a bytes-like object.
 
     Raises
     ------
@@ -26,15 +63,10 @@ def read_source(source: Source) -> bytes | memoryview:
     TypeError
         For anything else.
     """
-    if isinstance(source, (str, os.PathLike)):
-        return Path(source).read_bytes()
-    if hasattr(source, "read"):
-        data = source.read()
-        if not isinstance(data, bytes):
-            raise TypeError(f"a file to read from has to be open in binary mode: {source!r}")
-        return data
+    if isinstance(source, (str, os.PathLike)) or hasattr(source, "read"):
+        return read_file(cast(PathOrFile, source))
     try:
-        return memoryview(source).cast("B")
+        return bytes_of(source)
     except TypeError:
         what = type(source).__name__
         raise TypeError(f"a path, a binary file or bytes are needed, not {what}") from None

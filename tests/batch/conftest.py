@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
 import sys
-import time
 from collections.abc import Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import children
 import pytest
 
 # A worker may die once of a task; the second one that does is the last that is asked to.
@@ -43,27 +43,25 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
     environment = {**os.environ, **_ENVIRONMENT, "PYTHONPATH": paths}
     common = ["--no-dashboard", "--scheduler-file", str(file)]
     dask = [sys.executable, "-m", "distributed.cli"]
-    commands = [["dask_scheduler", "--host", "127.0.0.1", "--port", "0", *common]]
+    scheduler = ["--host", "127.0.0.1", "--port", "0", "--idle-timeout", "15 minutes"]
+    commands = [["dask_scheduler", *scheduler, *common]]
     commands += [["dask_worker", "--nthreads", "1", "--death-timeout", "240", *common]] * 2
-    processes = []
-    try:
+    # Killed at the end, since a nanny takes seconds to say goodbye.
+    with ExitStack() as stack:
+        log = stack.enter_context(open(folder / "log", "ab"))
         for module, *arguments in commands:
             command = [*dask[:-1], f"{dask[-1]}.{module}", *arguments]
-            log = open(folder / "log", "ab")  # noqa: SIM115
-            with log:
-                processes.append(
-                    subprocess.Popen(command, env=environment, cwd=folder, stdout=log, stderr=log)
-                )
-        deadline = time.monotonic() + 240
-        while not file.exists() or not file.read_text().endswith("}"):
-            assert time.monotonic() < deadline, (folder / "log").read_text()
-            time.sleep(0.05)
+            streams = {"stdout": log, "stderr": log}
+            whole_session = children.started(
+                command, seconds=3600, env=environment, cwd=folder, **streams
+            )
+            stack.enter_context(whole_session)
+
+        def is_there() -> bool:
+            return file.exists() and file.read_text().endswith("}")
+
+        children.wait_for(is_there)
         address = json.loads(file.read_text())["address"]
         with distributed.Client(address, set_as_default=False) as client:
             client.wait_for_workers(2, timeout=240)
             yield Cluster(address, client)
-    finally:
-        # Killed, since a nanny takes seconds to say goodbye; a worker ends with its nanny.
-        for process in processes:
-            process.kill()
-            process.wait()

@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 import os
 import signal
-import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
+import children
 import meshes
 import pytest
 import works
@@ -24,7 +23,7 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 
 
 def test_groups_of_tasks_are_spread(cluster: Any) -> None:
-    from deltamesh.batch.cluster import run_on_dask
+    from deltamesh.batch._cluster import run_on_dask
 
     begun: list[str] = []
     tasks = [task(f"nap-{i}") for i in range(12)]
@@ -48,7 +47,7 @@ def test_groups_of_tasks_are_spread(cluster: Any) -> None:
 
 
 def test_a_file_that_kills_workers_is_given_up_and_not_its_neighbours(cluster: Any) -> None:
-    from deltamesh.batch.cluster import run_on_dask
+    from deltamesh.batch._cluster import run_on_dask
 
     tasks = [task("x-1"), task("die-2"), task("x-3"), task("raise-4"), task("x-5")]
     done = {
@@ -63,6 +62,7 @@ def test_a_file_that_kills_workers_is_given_up_and_not_its_neighbours(cluster: A
         assert done[name]["source"].endswith(name)
 
 
+@pytest.mark.slow
 def test_the_command_survives_the_death_of_a_worker(cluster: Any, tmp_path: Path) -> None:
     V, F = meshes.icosphere(4)
     names = [f"scans/{i:02}.ply" for i in range(20)]
@@ -77,25 +77,21 @@ def test_the_command_survives_the_death_of_a_worker(cluster: Any, tmp_path: Path
         lines = manifest.read_bytes().split(b"\n")[:-1] if manifest.exists() else []
         return [json.loads(one) for one in lines]
 
-    with subprocess.Popen(
-        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    ) as process:
-        try:
-            deadline = time.monotonic() + 240
-            while not any(record["status"] == "done" for record in records()):
-                assert process.poll() is None, process.stderr.read()
-                assert time.monotonic() < deadline
-                time.sleep(0.01)
-            victim = next(iter(cluster.workers().values()))
-            os.kill(victim, signal.SIGKILL)
-            _, said = process.communicate(timeout=240)
-        finally:
-            process.kill()
-    assert process.returncode == 0, said
+    with children.started(command, cwd=tmp_path) as child:
+
+        def one_is_done() -> bool:
+            assert child.process.poll() is None, child.written["stderr"]
+            return any(record["status"] == "done" for record in records())
+
+        children.wait_for(one_is_done)
+        victim = next(iter(cluster.workers().values()))
+        os.kill(victim, signal.SIGKILL)
+        done_by_it = child.finish()
+    assert done_by_it.returncode == 0, done_by_it.stderr
     done = [record for record in records() if record["status"] == "done"]
     assert sorted(record["source"] for record in done) == names, "all, and none twice"
     line = "batch -q -r scans --output-dir-flat serial"
-    subprocess.run([sys.executable, "-m", "deltamesh_cli", *line.split()], cwd=tmp_path, check=True)
+    children.run([sys.executable, "-m", "deltamesh_cli", *line.split()], cwd=tmp_path, check=True)
     for name in names:
         made = Path(name).name + ".dmesh"
         assert (tmp_path / "out" / made).read_bytes() == (tmp_path / "serial" / made).read_bytes()
@@ -107,9 +103,7 @@ def test_no_scheduler_is_a_failure(tmp_path: Path) -> None:
     (tmp_path / "a.ply").write_bytes(mesh_bytes(from_triangles(*meshes.tetrahedron()), "ply"))
     command = [sys.executable, "-m", "deltamesh_cli", "batch", "a.ply", "--scheduler"]
     environment = {**os.environ, "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "1s"}
-    done = subprocess.run(
-        [*command, "tcp://127.0.0.1:9"], cwd=tmp_path, env=environment, capture_output=True
-    )
+    done = children.run([*command, "tcp://127.0.0.1:9"], cwd=tmp_path, env=environment)
     assert done.returncode == 1
     assert b"deltamesh: tcp://127.0.0.1:9: cannot go on: " in done.stderr
     assert b"Traceback" not in done.stderr

@@ -10,16 +10,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh.batch import manifest
-from deltamesh.batch.manifest import (
+from deltamesh.batch import _manifest as manifest
+from deltamesh.batch._manifest import (
     ManifestError,
-    begun,
-    is_ours,
+    begun_record,
+    file_state,
     line,
     open_manifest,
     read_records,
-    state_of,
     still_done,
+    wrote_target,
 )
 
 # Names of files may be any bytes, which Python writes as lone surrogates; and they may hold lines.
@@ -51,24 +51,24 @@ def test_a_torn_last_line_is_left_out(made: list[dict[str, Any]], data: st.DataO
 
 def test_names_that_are_not_text_survive() -> None:
     name = os.fsdecode(b"\xff\n\xfe.ply")
-    assert read_records(line(begun(name, name)))[0]["source"] == name
+    assert read_records(line(begun_record(name, name)))[0]["source"] == name
 
 
 @pytest.mark.parametrize("text", [b"{", b"[]", b"{}", b"nonsense", b'{"status": 1}', b"\xff"])
 def test_a_line_that_is_no_record_is_named(text: bytes) -> None:
     with pytest.raises(ManifestError, match="line 2 is not a record"):
-        read_records(line(begun("a", "b")) + text + b"\n")
+        read_records(line(begun_record("a", "b")) + text + b"\n")
 
 
 def test_records_are_appended_and_the_last_counts(tmp_path: Path) -> None:
     path = str(tmp_path / "run.jsonl")
     with open_manifest(path, resume=False) as (known, append):
         assert known == {}
-        append([begun("a", "b"), begun("c", "d")])
+        append([begun_record("a", "b"), begun_record("c", "d")])
         append([{"source": "a", "target": "b", "status": "done"}])
     with open_manifest(path, resume=True) as (known, append):
         assert known["a", "b"]["status"] == "done"
-        assert known["c", "d"] == begun("c", "d")
+        assert known["c", "d"] == begun_record("c", "d")
         append([])
     assert len(read_records(Path(path).read_bytes())) == 3
 
@@ -76,14 +76,16 @@ def test_records_are_appended_and_the_last_counts(tmp_path: Path) -> None:
 @pytest.mark.parametrize("cut", [1, 5, 12, 30])
 def test_resuming_cuts_off_a_torn_line(tmp_path: Path, cut: int) -> None:
     path = tmp_path / "run.jsonl"
-    path.write_bytes(line(begun("a", "b")) + line(begun("c", "d"))[:cut])
+    path.write_bytes(line(begun_record("a", "b")) + line(begun_record("c", "d"))[:cut])
     with open_manifest(str(path), resume=True) as (known, append):
         assert list(known) == [("a", "b")]
-        append([begun("e", "f")])
-    assert read_records(path.read_bytes()) == [begun("a", "b"), begun("e", "f")]
+        append([begun_record("e", "f")])
+    assert read_records(path.read_bytes()) == [begun_record("a", "b"), begun_record("e", "f")]
 
 
-@pytest.mark.parametrize("data", [b"ply", b"ply\nformat ascii", line(begun("a", "b")) + b"x"])
+@pytest.mark.parametrize(
+    "data", [b"ply", b"ply\nformat ascii", line(begun_record("a", "b")) + b"x"]
+)
 def test_another_file_stays_as_it_is(tmp_path: Path, data: bytes) -> None:
     path = tmp_path / "mesh.ply"
     path.write_bytes(data)
@@ -97,7 +99,7 @@ def test_another_file_stays_as_it_is(tmp_path: Path, data: bytes) -> None:
 
 def test_a_manifest_is_not_overwritten_by_mistake(tmp_path: Path) -> None:
     path = tmp_path / "run.jsonl"
-    path.write_bytes(line(begun("a", "b")))
+    path.write_bytes(line(begun_record("a", "b")))
     with pytest.raises(FileExistsError), open_manifest(str(path), resume=False):
         pass
     assert path.read_bytes()
@@ -110,7 +112,7 @@ def test_a_manifest_is_not_overwritten_by_mistake(tmp_path: Path) -> None:
 def test_two_runs_cannot_write_one_manifest(tmp_path: Path) -> None:
     path = tmp_path / "run.jsonl"
     with open_manifest(str(path), resume=True) as (_, append):
-        append([begun("a", "b")])
+        append([begun_record("a", "b")])
         for options in ({"resume": True}, {"resume": False, "force": True}):
             with (
                 pytest.raises(ManifestError, match="another run"),
@@ -130,8 +132,8 @@ def done(tmp_path: Path) -> dict[str, Any]:
         "status": "done",
         "source": str(source),
         "target": str(target),
-        **state_of(str(source), "source"),
-        **state_of(str(target), "target"),
+        **file_state(str(source), "source"),
+        **file_state(str(target), "target"),
         "options": {"bits": 8},
         "version": "1",
     }
@@ -139,7 +141,7 @@ def done(tmp_path: Path) -> dict[str, Any]:
 
 def test_done_is_done(done: dict[str, Any]) -> None:
     assert still_done(done, {"bits": 8}, "1")
-    assert is_ours(done)
+    assert wrote_target(done)
 
 
 def test_other_options_or_another_version_undo_it(done: dict[str, Any]) -> None:
@@ -165,10 +167,10 @@ def test_a_change_undoes_it_and_a_touch_does_not(done: dict[str, Any], prefix: s
 
 
 def test_whose_output_it_is(done: dict[str, Any]) -> None:
-    assert is_ours(begun(done["source"], done["target"]))
-    assert not is_ours({**done, "status": "failed"})
+    assert wrote_target(begun_record(done["source"], done["target"]))
+    assert not wrote_target({**done, "status": "failed"})
     Path(done["target"]).write_bytes(b"edited by somebody")
-    assert not is_ours(done)
+    assert not wrote_target(done)
 
 
 def test_the_digest_is_that_of_sha256sum(tmp_path: Path) -> None:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
+import children
 import pytest
 import works
 from works import task
@@ -101,7 +100,7 @@ def test_closing_kills_what_runs(tmp_path: Path) -> None:
     beats = tmp_path / "beats"
     run = run_in_processes([works.Task("beat", str(beats), 1), task("a")], works.obey, jobs=2)
     next(run)  # what comes second is done first
-    wait_for(lambda: beats.exists() and beats.stat().st_size > 0)
+    children.wait_for(lambda: beats.exists() and beats.stat().st_size > 0)
     run.close()
     assert stopped(beats)
 
@@ -123,17 +122,10 @@ def test_workers_end_when_their_parent_is_killed(tmp_path: Path) -> None:
     script.write_text(SCRIPT)
     paths = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
     command = [sys.executable, str(script), str(beats)]
-    with subprocess.Popen(command, env={**os.environ, "PYTHONPATH": paths}) as process:
-        wait_for(lambda: beats.exists() and beats.stat().st_size > 0)
-        process.kill()
-    assert stopped(beats)
-
-
-def wait_for(condition: Callable[[], bool], seconds: float = 120) -> None:
-    deadline = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    with children.started(command, env={**os.environ, "PYTHONPATH": paths}) as child:
+        children.wait_for(lambda: beats.exists() and beats.stat().st_size > 0)
+        child.process.kill()
+        assert stopped(beats)
 
 
 def stopped(beats: Path) -> bool:

@@ -10,11 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from works import task
 
-from deltamesh._limits import memory_needed
-from deltamesh.batch.schedule import (
-    cores,
+from deltamesh._limits import memory_for_counts, memory_needed
+from deltamesh.batch._schedule import (
+    available_cores,
     groups,
-    memory_for_counts,
     memory_for_mesh_file,
     physical_memory,
     share,
@@ -87,13 +86,15 @@ def test_estimates_are_those_of_the_limits() -> None:
 def test_a_file_is_not_taken_for_smaller_than_it_is() -> None:
     from meshes import icosphere
 
-    from deltamesh_formats.meshfiles.files import FORMATS, mesh_bytes
+    from deltamesh_formats.meshfiles.files import mesh_bytes
+    from deltamesh_formats.meshfiles.formats import FORMATS
 
     V, F = icosphere(4)
     for file_format in FORMATS:
         size = len(mesh_bytes(from_triangles(V.round(3), F), file_format))
         estimate = memory_for_mesh_file(size, file_format)
         assert memory_for_counts(len(V), len(F)) <= estimate * 1.02, file_format
+        assert estimate <= memory_for_mesh_file(size, "unknown")
 
 
 def test_groups() -> None:
@@ -129,6 +130,6 @@ def test_a_rank_beyond_the_world_is_refused() -> None:
 
 
 def test_the_machine() -> None:
-    assert cores() >= 1
+    assert available_cores() >= 1
     memory = physical_memory()
     assert memory is None or memory > 1 << 26

@@ -8,18 +8,20 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
+import children
 import meshes
 import pytest
 from commandline import PROGRAM, cli, damaged, posix
 from killed import dead_process, left_of
 
 from deltamesh.batch import Task
-from deltamesh.batch.manifest import begun, line, open_manifest
+from deltamesh.batch._manifest import begun_record, line, open_manifest
 from deltamesh_cli import files
 from deltamesh_cli.batch import run as batch_run
 from deltamesh_cli.batch.work import Job, work
@@ -69,10 +71,17 @@ def contents(folder: str) -> dict[str, bytes]:
 
 def encoded(name: str, *options: str) -> bytes:
     """What `deltamesh encode` makes of a file."""
-    assert cli("encode -q -f", name, "serial.dmesh", *options) == 0
-    data = Path("serial.dmesh").read_bytes()
-    os.unlink("serial.dmesh")
-    return data
+    path = Path(name)
+    return encoded_once(path.read_bytes(), path.suffix, options)
+
+
+@cache
+def encoded_once(data: bytes, suffix: str, options: tuple[str, ...]) -> bytes:
+    with TemporaryDirectory() as folder:
+        source, target = Path(folder, f"mesh{suffix}"), Path(folder, "mesh.dmesh")
+        source.write_bytes(data)
+        assert cli("encode -q", str(source), str(target), *options) == 0
+        return target.read_bytes()
 
 
 def test_bytes_are_those_of_encode_beside_the_inputs(scans: Path) -> None:
@@ -194,10 +203,9 @@ def test_a_list_from_standard_input_with_any_name(scans: Path) -> None:
     names = ["scans/new\nline.ply", "scans/ünï 网格.ply", os.fsdecode(b"scans/\xff.ply"), "*.ply"]
     for name in names:
         mesh_file(name, meshes.tetrahedron())
-    done = subprocess.run(
+    done = children.run(
         [*PROGRAM, "batch", "-0", "--filelist", "-", "--manifest", "run.jsonl", "--json"],
-        input=b"\0".join(map(os.fsencode, names)) + b"\0",
-        capture_output=True,
+        given=b"\0".join(map(os.fsencode, names)) + b"\0",
     )
     assert done.returncode == 0, done.stderr
     assert sources() == sorted(names)
@@ -353,7 +361,7 @@ def test_what_was_begun_is_ours(scans: Path) -> None:
     target = Path(f"{NAMES[0]}.dmesh")
     target.write_bytes(b"written, but not yet on record")
     left_of(target, dead_process())
-    Path("run.jsonl").write_bytes(line(begun(NAMES[0], str(target))))
+    Path("run.jsonl").write_bytes(line(begun_record(NAMES[0], str(target))))
     assert cli("batch -q -r scans --manifest run.jsonl --resume") == 0
     assert target.read_bytes() == encoded(NAMES[0])
 
@@ -418,21 +426,12 @@ def test_verbose_tells_each_file(scans: Path, capsys: pytest.CaptureFixture[str]
 
 @posix
 def test_a_bar_is_drawn_on_a_terminal(scans: Path) -> None:
-    ours, theirs = os.openpty()
     environment = os.environ | {"TERM": "xterm", "COLUMNS": "100"}
     command = [*PROGRAM, "batch", "-r", "scans", "missing.ply"]
-    try:
-        done = subprocess.run(command, stderr=theirs, stdout=subprocess.PIPE, env=environment)
-        os.write(theirs, b"end")
-        text = b""
-        while not text.endswith(b"end"):
-            text += os.read(ours, 4096)
-    finally:
-        os.close(ours)
-        os.close(theirs)
+    done = children.run(command, terminal="stderr", env=environment)
     assert done.returncode == 1
-    assert b"4/4 files" in text
-    assert b"missing.ply: cannot read" in text
+    assert b"4/4 files" in done.stderr
+    assert b"missing.ply: cannot read" in done.stderr
 
 
 def many(count: int = 10) -> list[str]:
@@ -450,19 +449,13 @@ def interrupted(line: str, number: int, *, at: int) -> subprocess.CompletedProce
 
     SIGKILL, which a group would not survive, goes to the one process that was started.
     """
-    command = [*PROGRAM, *line.split()]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
-    ) as process:
-        try:
-            wait_for(lambda: Path("run.jsonl").exists() and len(finished()) >= at)
-            send = process.send_signal if number == signal.SIGKILL else group_signal(process.pid)
-            send(number)
-            # To the end of its output, which the workers write to too: none of them is left.
-            out, err = process.communicate(timeout=120)
-        finally:
-            process.kill()
-    return subprocess.CompletedProcess(command, process.returncode, out, err)
+    with children.started([*PROGRAM, *line.split()]) as child:
+        process = child.process
+        children.wait_for(lambda: Path("run.jsonl").exists() and len(finished()) >= at)
+        send = process.send_signal if number == signal.SIGKILL else group_signal(process.pid)
+        send(number)
+        # To the end of its output, which the workers write to too: none of them is left.
+        return child.finish()
 
 
 def group_signal(pid: int) -> Callable[[int], None]:
@@ -476,20 +469,13 @@ def finished() -> list[str]:
     return [record["source"] for record in found if record["status"] == "done"]
 
 
-def wait_for(condition: Callable[[], bool], seconds: float = 240) -> None:
-    deadline = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.005)
-
-
 @posix
 @pytest.mark.parametrize(
     ("number", "code", "told"),
     [
         (signal.SIGKILL, -9, b""),
         (signal.SIGINT, 130, b"deltamesh: interrupted\n"),
-        (signal.SIGTERM, 143, b"deltamesh: terminated\n"),
+        pytest.param(signal.SIGTERM, 143, b"deltamesh: terminated\n", marks=pytest.mark.slow),
     ],
 )
 def test_interrupted_and_resumed(scans: Path, number: int, code: int, told: bytes) -> None:
@@ -529,7 +515,7 @@ def test_a_file_that_takes_too_long_is_given_up(
 def test_the_work_is_light_to_import() -> None:
     """A worker must set the number of threads before numpy is imported."""
     code = "import deltamesh_cli.batch, sys; print('numpy' in sys.modules, 'rich' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    done = children.run([sys.executable, "-c", code], text=True)
     assert done.stdout == "False False\n"
 
 

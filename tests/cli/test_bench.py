@@ -189,7 +189,7 @@ def test_usage_errors(folder, options):
 
 
 def test_peers_are_measured_beside(folder, capsys):
-    for package in ("DracoPy", "meshoptimizer", "zstandard"):
+    for package in ("DracoPy", "meshopt", "zstandard"):
         pytest.importorskip(package)
     assert cli(f"bench torus.ply {FAST} --peers draco,meshopt,zstd --peer-bits 8 --csv") == 0
     rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))

@@ -12,6 +12,7 @@ from commandline import TORUS, cli, damaged
 
 from deltamesh_cli import failures, options, output
 from deltamesh_formats.meshfiles import files as meshfile
+from deltamesh_formats.meshfiles.formats import FORMATS
 from deltamesh_formats.polymesh.mesh import from_triangles
 
 
@@ -246,9 +247,13 @@ def test_a_table_is_aligned() -> None:
     assert output.table([("a", "1"), ("long", "23")]) == "  a      1\n  long  23"
 
 
-def test_the_formats_and_solvers_offered_are_those_there_are() -> None:
-    assert set(options.MESH_FORMATS) == set(meshfile.FORMATS)
-    assert np.all([name in options.MESH_FORMATS for name in options.TEXT_FORMATS])
+@pytest.mark.parametrize("command", ["encode", "decode", "bench"])
+def test_help_names_every_mesh_format(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli(f"{command} --help") == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "OBJ, PLY, OFF, STL or GLB" in said
+    assert command == "bench" or f"put-format [{'|'.join(FORMATS)}]" in said
+    assert all(one.title in said for one in FORMATS.values())
 
 
 def test_a_target_that_cannot_be_met_has_its_own_exit_code(folder: Path, capsys) -> None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 import stat
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
+import children
 import pytest
 from commandline import PROGRAM, TORUS, cli, posix
 
@@ -55,7 +55,7 @@ def test_a_name_that_is_not_unicode(folder: Path) -> None:
         Path(name).write_bytes(TORUS.read_bytes())
     except OSError:
         pytest.skip("the file system takes Unicode names only")
-    done = subprocess.run([*PROGRAM, "encode", name], capture_output=True, text=True)
+    done = children.run([*PROGRAM, "encode", name], text=True)
     assert done.returncode == 0
     assert "\\udcff\\udcfe.ply" in done.stdout
 
@@ -173,9 +173,7 @@ def test_a_full_disk_is_no_bug(folder: Path, line: str, capsys: pytest.CaptureFi
 )
 def test_standard_output_that_takes_no_more_is_no_bug(folder: Path, line: str) -> None:
     with open("/dev/full", "wb") as device:
-        done = subprocess.run(
-            [*PROGRAM, *line.split()], stdout=device, stderr=subprocess.PIPE, timeout=300
-        )
+        done = children.run([*PROGRAM, *line.split()], stdout=device)
     assert done.returncode == failures.FAILED
     assert done.stderr == b"deltamesh: standard output: cannot write: no space left on device\n"
 
@@ -183,9 +181,7 @@ def test_standard_output_that_takes_no_more_is_no_bug(folder: Path, line: str) -
 @full
 def test_standard_error_that_takes_no_more(folder: Path) -> None:
     with open("/dev/full", "wb") as device:
-        done = subprocess.run(
-            [*PROGRAM, "info", "nothing.dmesh"], stdout=device, stderr=device, timeout=300
-        )
+        done = children.run([*PROGRAM, "info", "nothing.dmesh"], stdout=device, stderr=device)
     assert done.returncode == failures.FAILED
 
 
@@ -197,9 +193,9 @@ def test_standard_output_by_another_name(folder: Path, torus_dmesh: bytes, name:
     os.symlink("/dev/stdout", "link")
     quiet = [] if name == "/dev/stdout" else ["-q"]
     command = [*PROGRAM, "encode", "torus.ply", name, *quiet]
-    assert subprocess.run(command, stdout=subprocess.PIPE, timeout=300).stdout == torus_dmesh
+    assert children.run(command).stdout == torus_dmesh
     with open("out", "wb") as file:
-        assert subprocess.run(command, stdout=file, timeout=300).returncode == failures.DONE
+        assert children.run(command, stdout=file).returncode == failures.DONE
     assert Path("out").read_bytes() == torus_dmesh
 
 

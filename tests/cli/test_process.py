@@ -7,8 +7,10 @@ import signal
 import subprocess
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 
+import children
 import pytest
 from commandline import PROGRAM, TORUS, cli, posix
 
@@ -17,48 +19,35 @@ from deltamesh_cli import failures, files, progress, signals
 
 def test_pipes(folder: Path) -> None:
     encode = [*PROGRAM, "encode", "-", "--input-format", "ply"]
-    made = subprocess.run(encode, input=TORUS.read_bytes(), capture_output=True)
+    made = children.run(encode, given=TORUS.read_bytes())
     assert (made.returncode, made.stderr) == (0, b"")
     assert made.stdout == Path("torus.dmesh").read_bytes()
-    back = subprocess.run([*PROGRAM, "decode", "-"], input=made.stdout, capture_output=True)
+    back = children.run([*PROGRAM, "decode", "-"], given=made.stdout)
     assert (back.returncode, back.stderr) == (0, b"")
     assert back.stdout.startswith(b"ply")
 
 
 def test_a_reader_that_has_gone_is_no_news(folder: Path) -> None:
     command = [*PROGRAM, "info", *["torus.dmesh"] * 200]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        assert process.stdout is not None
-        assert process.stderr is not None
-        process.stdout.readline()
-        process.stdout.close()
-        assert process.stderr.read() == b""
-    assert process.returncode == failures.FAILED
+    with children.started(command, stdout=subprocess.PIPE) as child:
+        assert child.process.stdout is not None
+        child.process.stdout.readline()
+        child.process.stdout.close()
+        done = child.finish()
+    assert (done.returncode, done.stderr) == (failures.FAILED, b"")
 
 
 @posix
 def test_binary_is_not_written_to_a_terminal(folder: Path) -> None:
-    ours, theirs = os.openpty()
-    try:
-        done = subprocess.run(
-            [*PROGRAM, "encode", "torus.ply", "-"], stdout=theirs, stderr=subprocess.PIPE
-        )
-    finally:
-        os.close(ours)
-        os.close(theirs)
-    assert done.returncode == failures.FAILED
+    done = children.run([*PROGRAM, "encode", "torus.ply", "-"], terminal="stdout")
+    assert (done.returncode, done.stdout) == (failures.FAILED, b"")
     assert b"standard output: cannot write: it is a terminal" in done.stderr
 
 
 @posix
 def test_a_mesh_is_not_read_from_a_terminal(folder: Path) -> None:
-    ours, theirs = os.openpty()
-    try:
-        command = [*PROGRAM, "encode", "-", "--input-format", "off"]
-        done = subprocess.run(command, stdin=theirs, capture_output=True)
-    finally:
-        os.close(ours)
-        os.close(theirs)
+    command = [*PROGRAM, "encode", "-", "--input-format", "off"]
+    done = children.run(command, terminal="stdin")
     assert done.returncode == failures.FAILED
     assert b"standard input: cannot read: it is a terminal" in done.stderr
 
@@ -66,22 +55,11 @@ def test_a_mesh_is_not_read_from_a_terminal(folder: Path) -> None:
 @posix
 def test_progress_is_shown_on_a_terminal_only(folder: Path) -> None:
     def told(*flags: str) -> bytes:
-        ours, theirs = os.openpty()
         command = [*PROGRAM, "test", "torus.dmesh", *flags]
         environment = os.environ | {"TERM": "xterm", "COLUMNS": "80"}
-        try:
-            done = subprocess.run(
-                command, stderr=theirs, stdout=subprocess.DEVNULL, env=environment
-            )
-            os.write(theirs, b"end")
-            text = b""
-            while not text.endswith(b"end"):
-                text += os.read(ours, 4096)
-        finally:
-            os.close(ours)
-            os.close(theirs)
+        done = children.run(command, terminal="stderr", env=environment)
         assert done.returncode == 0
-        return text.removesuffix(b"end")
+        return done.stderr
 
     assert b"starting" in told()
     assert told("--no-progress") == told("-q") == b""
@@ -111,12 +89,20 @@ def test_compilation_is_told_once(capsys: pytest.CaptureFixture[str]) -> None:
 def test_ctrl_c_ends_with_130_and_no_file(folder: Path) -> None:
     os.mkfifo("pipe.ply")
     command = [*PROGRAM, "encode", "pipe.ply", "out.dmesh"]
-    with subprocess.Popen(command, stderr=subprocess.PIPE) as process:
-        assert process.stderr is not None
-        with open("pipe.ply", "wb"):  # waits until the program has opened it, and waits for bytes
-            process.send_signal(signal.SIGINT)
-            assert process.stderr.read().endswith(b"deltamesh: interrupted\n")
-    assert process.returncode == 130
+    opened: list[int] = []
+
+    def is_open() -> bool:
+        with suppress(OSError):  # until the program has opened it, and waits for bytes
+            opened.append(os.open("pipe.ply", os.O_WRONLY | os.O_NONBLOCK))
+        return bool(opened)
+
+    with children.started(command) as child:
+        children.wait_for(is_open)
+        child.process.send_signal(signal.SIGINT)
+        done = child.finish()
+    os.close(*opened)
+    assert done.stderr.endswith(b"deltamesh: interrupted\n")
+    assert done.returncode == 130
     assert not Path("out.dmesh").exists()
 
 

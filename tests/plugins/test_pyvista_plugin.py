@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from dataclasses import replace
 from importlib.metadata import entry_points
 from pathlib import Path
 
+import children
 import numpy as np
 import polymeshes
 import pytest
@@ -141,4 +141,4 @@ def test_pyvista_finds_the_plugin_without_an_import(tmp_path: Path) -> None:
         "again = pyvista.read('ball.dmesh')\n"
         "assert (again.faces == ball.faces).all()\n"
     )
-    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True)
+    children.run([sys.executable, "-c", code], cwd=tmp_path, check=True)

@@ -7,19 +7,19 @@ from collections.abc import Callable, Generator
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
-from deltamesh.batch.plan import Task
+from deltamesh.batch import Task
 from deltamesh_cli.batch.work import Job, prepare, work
 from deltamesh_cli.failures import attempt
 
 if TYPE_CHECKING:
-    from deltamesh.batch.serial import Begin, Outcome
+    from deltamesh.batch import Begin, Outcome
 
     Engine: TypeAlias = Callable[[Job, list[Task], Begin], Generator[Outcome]]
 
 
 def here(job: Job, tasks: list[Task], begin: Begin) -> Generator[Outcome]:
     """Work in this process."""
-    from deltamesh.batch.serial import run_here
+    from deltamesh.batch import run_here
 
     return run_here(tasks, partial(work, job), begin=begin)
 
@@ -28,7 +28,7 @@ def in_processes(jobs: int, memory: float, timeout: float) -> Engine:
     """Return the engine that works in processes of this machine."""
 
     def engine(job: Job, tasks: list[Task], begin: Begin) -> Generator[Outcome]:
-        from deltamesh.batch.pool import run_in_processes
+        from deltamesh.batch import run_in_processes
 
         with attempt("worker processes", "cannot go on"):
             yield from run_in_processes(
@@ -50,7 +50,7 @@ def on_dask(address: str | None, workers: int) -> Engine:
     def engine(job: Job, tasks: list[Task], begin: Begin) -> Generator[Outcome]:
         logging.disable()  # of Dask: what goes wrong is told here
         with attempt(address or "local cluster", "cannot go on"):
-            from deltamesh.batch.cluster import dask_client, run_on_dask
+            from deltamesh.batch import dask_client, run_on_dask
 
             with dask_client(address, workers) as client:
                 yield from run_on_dask(client, tasks, partial(work, job), begin=begin)

@@ -9,16 +9,27 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
+from deltamesh._limits import memory_for_counts
 from deltamesh._version import __version__
-from deltamesh.batch.finding import Selection, find
-from deltamesh.batch.manifest import SKIPPED, Record, is_ours, still_done
-from deltamesh.batch.plan import Task, check_targets, flat, mirrored
-from deltamesh.batch.schedule import memory_for_counts, memory_for_mesh_file
-from deltamesh_cli import files, options
+from deltamesh.batch import (
+    SKIPPED,
+    Record,
+    Selection,
+    Task,
+    check_targets,
+    find,
+    flat,
+    memory_for_mesh_file,
+    mirrored,
+    still_done,
+    wrote_target,
+)
+from deltamesh_cli import files
 from deltamesh_cli.batch.work import Job, failed
 from deltamesh_cli.commands.decode import destination
 from deltamesh_cli.failures import Failure, attempt
 from deltamesh_formats.errors import DeltameshError, FormatError
+from deltamesh_formats.meshfiles.formats import EXTENSIONS
 
 # As many bytes as the header of a `.dmesh` file may have, and more.
 _HEADER: Final = 64
@@ -63,7 +74,7 @@ def selection(
     job: Job, places: Places, include: tuple[str, ...], exclude: tuple[str, ...], recursive: bool
 ) -> Selection:
     """Return what is taken from folders: what there is to decode, or to encode."""
-    kinds = (files.SUFFIX.removeprefix("."),) if job.decode else options.MESH_FORMATS
+    kinds = (files.SUFFIX.removeprefix("."),) if job.decode else tuple(EXTENSIONS)
     return Selection(kinds, include, exclude, recursive, places.folder)
 
 
@@ -122,7 +133,7 @@ def _decoded_name(job: Job, source: str, place: str) -> str:
     stem, suffix = os.path.splitext(place)
     if suffix.lower() != files.SUFFIX:
         raise OSError(errno.EINVAL, f"its name does not end in {files.SUFFIX}")
-    named = job.file_format or files.extension(stem) in options.MESH_FORMATS
+    named = job.file_format or files.extension(stem) in EXTENSIONS
     return destination(place, None, job.file_format, "" if named else _stored_format(source))[0]
 
 
@@ -165,7 +176,7 @@ def settled(
     """
     if before is not None and still_done(before, job.options(), __version__):
         return before
-    if before is not None and is_ours(before):
+    if before is not None and wrote_target(before):
         return None
     if skip_existing and os.path.lexists(task.target):
         return {"status": SKIPPED, "source": task.source, "target": task.target}

@@ -12,7 +12,7 @@ from typing import Final, TypeAlias
 
 import click
 
-from deltamesh.batch.manifest import DONE, FAILED, SKIPPED, Record
+from deltamesh.batch import DONE, FAILED, SKIPPED, Record
 from deltamesh_cli.failures import DONE as SUCCESS
 from deltamesh_cli.output import number, print_json, shown, table
 

@@ -10,9 +10,15 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import click
 
-from deltamesh.batch.manifest import Append, Record, begun, open_manifest, read_records
-from deltamesh.batch.manifest import key as key_of
-from deltamesh.batch.plan import Task
+from deltamesh.batch import (
+    Append,
+    Record,
+    Task,
+    begun_record,
+    open_manifest,
+    read_records,
+    record_key,
+)
 from deltamesh_cli.batch.plan import Item, settled
 from deltamesh_cli.batch.report import Tell, Totals, progress, tell_record
 from deltamesh_cli.batch.work import Job, failed
@@ -100,7 +106,7 @@ def _known(keeping: Keeping) -> Records:
     if not (keeping.resume and keeping.manifest and os.path.exists(keeping.manifest)):
         return {}
     with attempt(keeping.manifest, "cannot resume"), open(keeping.manifest, "rb") as file:
-        return {key_of(record): record for record in read_records(file.read())}
+        return {record_key(record): record for record in read_records(file.read())}
 
 
 def _known_of(item: Item, job: Job, records: Records, keeping: Keeping) -> Record | None:
@@ -146,7 +152,7 @@ def _settle(
             overwrite = keeping.force or os.path.lexists(item.target)
             todo.append(replace(item, overwrite=overwrite))
             continue
-        before = record is records.get(key_of(record))
+        before = record is records.get(record_key(record))
         if not before:
             new.append(record)
         tell(record, before)
@@ -162,7 +168,7 @@ def _work_on(
     remove_temporaries(task.target for task in todo)
 
     def begin(tasks: list[Task]) -> None:
-        append(begun(task.source, task.target) for task in tasks)
+        append(begun_record(task.source, task.target) for task in tasks)
 
     shown_progress = progress(
         telling.show_progress,

@@ -10,10 +10,9 @@ import warnings
 from dataclasses import dataclass
 from typing import Any, Final
 
-from deltamesh._options import METHODS
+from deltamesh._options import CHOICES
 from deltamesh._version import __version__
-from deltamesh.batch.manifest import DONE, FAILED, Record, state_of
-from deltamesh.batch.plan import Task
+from deltamesh.batch import DONE, FAILED, Record, Task, file_state
 from deltamesh_cli import files, options, summary
 from deltamesh_cli.commands.decode import decode_into
 from deltamesh_cli.commands.encode import encode_file
@@ -79,10 +78,10 @@ def work(job: Job, task: Task) -> Record:
         # A file that exists has been settled before, and after the work task.overwrite decides.
         files.check_output(task.source, task.target, force=True)
         with attempt(task.source, "cannot read"):
-            before = state_of(task.source, "source")
+            before = file_state(task.source, "source")
         container, lost = _decode(job, task) if job.decode else _encode(job, task)
         with attempt(task.target, "cannot read"):
-            after = state_of(task.target, "target")
+            after = file_state(task.target, "target")
     except Failure as failure:
         return failed(job, task, failure, time.perf_counter() - start)
     return {
@@ -149,5 +148,5 @@ def prepare(job: Job) -> None:
     from deltamesh_formats.meshfiles.files import read_mesh
 
     mesh, method = read_mesh(io.BytesIO(_TETRAHEDRON), "off"), job.parameters.get("method")
-    for one in [method] if method in METHODS else METHODS:
+    for one in [method] if method in CHOICES else CHOICES:
         deltamesh.decode(deltamesh.encode(mesh.vertices, mesh.triangles, method=one, threads=1))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from deltamesh.batch.schedule import cores, physical_memory, share
+from deltamesh.batch import available_cores, physical_memory, share
 from deltamesh_cli import options
 from deltamesh_cli.batch.engines import here, in_processes, on_dask
 from deltamesh_cli.batch.options import SLURM, job_of, rank_of, refuse_two_of, with_options_of_both
@@ -198,7 +198,7 @@ def command(
     if on_cluster:
         engine = on_dask(scheduler, dask_local or 0)
     elif in_parallel:
-        count = cores() if jobs == 0 else jobs or 1
+        count = available_cores() if jobs == 0 else jobs or 1
         engine = in_processes(count, memory or physical_memory() or inf, timeout or inf)
     keeping = Keeping(manifest, resume, force, skip_existing)
     telling = Telling(as_json, quiet, verbose, show_progress)

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 from click.core import ParameterSource
 
-from deltamesh._options import BOUNDS, RATES, Options
+from deltamesh._methods import BOUNDS, RATES
+from deltamesh._options import Options
 from deltamesh_cli import files, measuring, options
 from deltamesh_cli.commands.encode import command as encode
 from deltamesh_cli.failures import DONE, tried
@@ -19,8 +20,7 @@ from deltamesh_cli.progress import progress
 from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
-    from deltamesh.bench.measure import Measurement
-    from deltamesh.bench.rates import Row
+    from deltamesh.bench import Measurement, Row
 
 # Of the options that say how to encode: those that may be lists, and those that are not encode's.
 _LISTS: Final = ("method", *RATES, *BOUNDS)
@@ -102,6 +102,7 @@ deltamesh bench scans -r --check rates.csv --tolerance 0.5%
 @options.as_json
 @options.verbosity
 @options.debug
+@options.name_formats
 def command(
     sources: tuple[str, ...],
     recursive: bool,
@@ -124,9 +125,9 @@ def command(
 ) -> None:
     """Measure what becomes of mesh files: bytes, errors, seconds.
 
-    Each is encoded, decoded and compared, all in memory. A folder stands for the obj, ply, off, stl
-    and glb files in it. The options of encoding are those of deltamesh encode; method and rates may
-    be lists, or be repeated: all are tried with all. A file that fails is reported, and the rest is
+    Each is encoded, decoded and compared, all in memory. Files are {formats}; a folder stands for
+    those in it. The options of encoding are those of deltamesh encode; method and rates may be
+    lists, or be repeated: all are tried with all. A file that fails is reported, and the rest is
     measured.
 
     --save keeps the rows, and --check compares with them: bytes or errors that have grown by more
@@ -183,7 +184,7 @@ def command(
 
 def _labels(given: dict[str, Any]) -> list[str]:
     """Return the label of each method with each rate."""
-    from deltamesh.bench.measure import label
+    from deltamesh.bench import label
 
     lists = {name: _flat(given.pop(name, ())) for name in _LISTS}
     methods = [{"method": method} for method in lists.pop("method")] or [{}]

@@ -115,10 +115,11 @@ def _measured(a: Loaded, b: Loaded, stage: Stage) -> _Found:
     from deltamesh._measures import metrics
     from deltamesh._mesh import TriangleMesh, triangulated
     from deltamesh._shape.complexes import distinct_faces
+    from deltamesh_formats.container.layout import METHODS
 
     stage("matching vertices")
     containers = [one.container for one in (a, b) if one.container]
-    exact = any(container.parameters.method == "lossless" for container in containers)
+    exact = any(METHODS[container.parameters.method].exact for container in containers)
     found = likeness.corresponding(a.mesh, b.mesh, exact)
     if found is None:
         stage("measuring surfaces")

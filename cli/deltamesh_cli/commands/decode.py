@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -11,6 +12,7 @@ from deltamesh_cli.failures import each
 from deltamesh_cli.meshes import container_of, decoded, note_not_kept, write_mesh_file
 from deltamesh_cli.output import print_json, shown
 from deltamesh_cli.progress import Stage, progress
+from deltamesh_formats.meshfiles.formats import FORMATS, format_of_extension
 
 if TYPE_CHECKING:
     from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -30,17 +32,14 @@ deltamesh decode - --output-format off < mesh.dmesh | wc
 @click.command(epilog=options.epilog(_EXAMPLES))
 @click.argument("source", type=options.FILE, metavar="IN")
 @options.output("IN without .dmesh")
-@click.option(
-    "--output-format",
-    type=click.Choice(options.MESH_FORMATS, case_sensitive=False),
-    help="Format of OUT.  [default: by its extension, or what was encoded]",
-)
+@options.output_format
 @options.solver
 @options.threads
 @options.limits
 @options.as_json
 @options.verbosity
 @options.debug
+@options.name_formats
 def command(
     source: str,
     target: str | None,
@@ -55,9 +54,8 @@ def command(
 ) -> None:
     """Rebuild the mesh of a .dmesh file.
 
-    OUT is an obj, ply, off, stl or glb file. Without OUT it is IN without ".dmesh"; where that has
-    no extension of a mesh file, the format is the one that was encoded, and its extension is
-    added.
+    OUT is a mesh file: {formats}. Without OUT it is IN without ".dmesh"; where that has no
+    extension of a mesh file, the format is the one that was encoded, and its extension is added.
 
     OUT gets all that IN holds and its format has a place for: polygons, attributes, names. What it
     has no place for is named in a note on standard error. ply holds attributes of any kind, obj
@@ -74,8 +72,8 @@ def command(
         target = files.STDIO
     if target is None and not source.lower().endswith(files.SUFFIX):
         raise click.UsageError(f"{shown(source)} does not end in {files.SUFFIX}: OUT is needed.")
-    known = files.extension(target or "") in options.MESH_FORMATS
-    if target not in (None, files.STDIO) and output_format is None and not known:
+    known = format_of_extension(files.extension(target or ""))
+    if target not in (None, files.STDIO) and output_format is None and known is None:
         raise click.UsageError(f"{shown(str(target))} names no mesh format: use --output-format.")
     files.check_usage(target, as_json)
 
@@ -84,8 +82,7 @@ def command(
         container = container_of(source, data, "cannot decode")
         stored = container.meta.source if container.meta is not None else ""
         name, file_format = destination(source, target, output_format, stored)
-        text = file_format in options.TEXT_FORMATS
-        files.check_output(source, name, force=force, text=text)
+        files.check_output(source, name, force=force, text=FORMATS[file_format].is_text)
         with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
             mesh, lost = decode_into(
                 name, file_format, source, data, stage, parameters, force=force
@@ -128,15 +125,14 @@ def destination(
     source: str, target: str | None, output_format: str | None, stored: str
 ) -> tuple[str, str]:
     """Return the name and the format of the output; `stored` is the format that was encoded."""
-    original = stored if stored in options.MESH_FORMATS else _FALLBACK_FORMAT
     name = source[: -len(files.SUFFIX)] if target is None else target
-    named = files.extension(name) if files.extension(name) in options.MESH_FORMATS else None
-    if target is not None:
-        return name, output_format or named or original
-    if output_format is not None and named is not None and named != output_format:
-        return name[: -len(named)] + output_format, output_format
-    file_format = output_format or named or original
-    return (name if named else f"{name}.{file_format}"), file_format
+    named = format_of_extension(files.extension(name))
+    original = stored if stored in FORMATS else _FALLBACK_FORMAT
+    file_format = output_format or (original if named is None else named.name)
+    if target is not None or (named is not None and named.name == file_format):
+        return name, file_format
+    stem = name if named is None else os.path.splitext(name)[0]
+    return f"{stem}.{FORMATS[file_format].extensions[0]}", file_format
 
 
 def _print_summary(

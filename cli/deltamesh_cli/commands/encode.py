@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from deltamesh._methods import AUTO, LOSSLESS
 from deltamesh._options import (
     ANCHOR_METHODS,
-    BOUNDS,
+    CHOICES,
     DEFAULT_BITS_NORMAL,
     DEFAULT_BITS_UV,
     DEFAULT_EFFORT,
@@ -17,9 +18,8 @@ from deltamesh._options import (
     MAX_BITS_UV,
     MAX_EFFORT,
     MAX_QUALITY,
-    METHODS,
     MIN_BITS_NORMAL,
-    RATES,
+    check_together,
 )
 from deltamesh_cli import files, options, summary
 from deltamesh_cli.failures import attempt, each
@@ -27,6 +27,7 @@ from deltamesh_cli.meshes import note_not_kept, parsed
 from deltamesh_cli.output import print_json, shown
 from deltamesh_cli.progress import Stage, progress
 from deltamesh_cli.signals import interruptible
+from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
     from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -89,8 +90,8 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 )
 @click.option(
     "--method",
-    type=click.Choice(METHODS),
-    default="auto",
+    type=click.Choice(CHOICES),
+    default=AUTO,
     show_default=True,
     help="What is quantized: differential coordinates, coarsely along the surface and finely across"
     " it (refined; scans, organic shapes); alike (highpass); x, y, z (cartesian; CAD); or nothing"
@@ -195,6 +196,7 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 @options.as_json
 @options.verbosity
 @options.debug
+@options.name_formats
 def command(
     source: str,
     target: str | None,
@@ -209,7 +211,7 @@ def command(
 ) -> None:
     """Compress a mesh file into a .dmesh file.
 
-    IN is an obj, ply, off, stl or glb file.
+    IN is a mesh file: {formats}.
 
     Connectivity is kept exactly, whatever it is: polygons, edges of three faces, faces turned over,
     faces twice, degenerate faces, several vertices at one position. Without --keep-order, vertices
@@ -261,17 +263,18 @@ def check_parameters(parameters: dict[str, Any]) -> None:
     """Refuse options that do not go together; what is left are keywords of `deltamesh.encode`."""
     if parameters.pop("lossless"):
         _choose_lossless(parameters)
-    if parameters["method"] in ("cartesian", "lossless"):
-        _refuse_high_pass_options(parameters)
-    _refuse_two_rates(parameters)
+    try:
+        check_together(parameters["method"], options.given(parameters), options.shown)
+    except OptionError as error:
+        raise click.UsageError(f"{error}.") from error
 
 
 def _choose_lossless(parameters: dict[str, Any]) -> None:
     source = click.get_current_context().get_parameter_source("method")
     method = parameters["method"]
-    if source is not click.core.ParameterSource.DEFAULT and method != "lossless":
+    if source is not click.core.ParameterSource.DEFAULT and method != LOSSLESS.name:
         raise click.UsageError(f"--lossless and --method {method} exclude each other.")
-    parameters["method"] = "lossless"
+    parameters["method"] = LOSSLESS.name
 
 
 def encode_file(
@@ -304,24 +307,6 @@ def encode_file(
         data = interruptible(lambda: _encoded(mesh, stage, parameters))
     files.write_output(target, data, force=force)
     return len(original), data, _not_kept(data)
-
-
-def _refuse_two_rates(parameters: dict[str, Any]) -> None:
-    rates = [name for name in RATES if parameters[name] is not None]
-    bounds = [name for name in BOUNDS if parameters[name] is not None]
-    given = [f"--{name.replace('_', '-')}" for name in rates + bounds]
-    if rates and len(given) > 1:
-        raise click.UsageError(f"{' and '.join(given)} exclude each other.")
-    if given and parameters["method"] == "lossless":
-        raise click.UsageError(f"{given[0]} means nothing with --method lossless.")
-
-
-def _refuse_high_pass_options(parameters: dict[str, Any]) -> None:
-    for name in ("anchors", "anchor_method", "diffusion", "seed"):
-        if parameters[name] is not None:
-            option = name.replace("_", "-")
-            method = parameters["method"]
-            raise click.UsageError(f"--{option} means nothing with --method {method}.")
 
 
 def _encoded(mesh: PolyMesh, stage: Stage, parameters: dict[str, Any]) -> bytes:

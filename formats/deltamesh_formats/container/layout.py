@@ -78,24 +78,79 @@ EXACT: Final = "EXAC"
 CORRECTIONS: Final = "FIXS"
 META: Final = "meta"
 CHECK: Final = "CHEK"
-# What a file of each method begins with, in this order; `CHEK` ends it.
-REQUIRED: Final[Mapping[str, tuple[str, ...]]] = {
-    "highpass": (PARAMETERS, CONNECTIVITY, ANCHORS, DELTAS),
-    "cartesian": (PARAMETERS, CONNECTIVITY, CARTESIAN),
-    "refined": (PARAMETERS, CONNECTIVITY, ANCHORS, DELTAS, NORMALS),
-    "lossless": (PARAMETERS, CONNECTIVITY, EXACT),
-}
-# What follows `CONN`, and what comes after all of these, in this order, where it is needed.
+# Sections that follow `CONN`, and those that follow the geometry, in this order, where needed.
 AFTER_CONNECTIVITY: Final = (STITCHES, COPIES, POLYGONS)
-FURTHER: Final[Mapping[str, tuple[str, ...]]] = {
-    "highpass": (CORRECTIONS, ATTRIBUTES, PARTS, ORDER),
-    "cartesian": (ATTRIBUTES, PARTS, ORDER),
-    "refined": (CORRECTIONS, ATTRIBUTES, PARTS, ORDER),
-    "lossless": (ATTRIBUTES, PARTS, ORDER),
+AFTER_GEOMETRY: Final = (ATTRIBUTES, PARTS, ORDER)
+
+
+@dataclass(frozen=True)
+class MethodLayout:
+    """A geometry method as the container knows it: its sections, and its rules for `PARM`.
+
+    Attributes
+    ----------
+    name : str
+    id : int
+        The byte in `PARM`; it never changes.
+    title : str
+        The name for people.
+    geometry : tuple of str
+        The sections of the geometry, in their order; isolated vertices are in the first.
+    corrected : bool
+        Whether `FIXS` may follow them.
+    anchored : bool
+        Whether the file has anchors, from which positions are solved for.
+    exact : bool
+        Whether positions are stored to the last bit: without bits, a step, or an origin.
+    bare : bool
+        Whether 0 bits leave the anchors alone, without a step.
+    coarse : bool
+        Whether the deltas may have a coarser step than `step`.
+    """
+
+    name: str
+    id: int
+    title: str
+    geometry: tuple[str, ...]
+    corrected: bool = False
+    anchored: bool = False
+    exact: bool = False
+    bare: bool = False
+    coarse: bool = False
+
+    @property
+    def required(self) -> tuple[str, ...]:
+        """The sections that a file begins with, in this order; `CHEK` ends it."""
+        return (PARAMETERS, CONNECTIVITY, *self.geometry)
+
+    @property
+    def further(self) -> tuple[str, ...]:
+        """The sections that may follow these, in this order."""
+        return (*((CORRECTIONS,) if self.corrected else ()), *AFTER_GEOMETRY)
+
+
+METHODS: Final[Mapping[str, MethodLayout]] = {
+    method.name: method
+    for method in (
+        MethodLayout(
+            "highpass", 0, "high-pass", (ANCHORS, DELTAS), corrected=True, anchored=True, bare=True
+        ),
+        MethodLayout("cartesian", 1, "Cartesian", (CARTESIAN,)),
+        MethodLayout(
+            "refined",
+            2,
+            "refined high-pass",
+            (ANCHORS, DELTAS, NORMALS),
+            corrected=True,
+            anchored=True,
+            coarse=True,
+        ),
+        MethodLayout("lossless", 3, "lossless", (EXACT,), exact=True),
+    )
 }
 KNOWN: Final = frozenset(
     {META, CHECK, *AFTER_CONNECTIVITY}.union(
-        *map(set, REQUIRED.values()), *map(set, FURTHER.values())
+        *({*method.required, *method.further} for method in METHODS.values())
     )
 )
 
@@ -118,7 +173,6 @@ PARAMETER_FIELDS: Final = (
     Field("anchor_count", "varint"),
     Field("isolated", "varint"),
 )
-METHODS: Final[Mapping[str, int]] = {"highpass": 0, "cartesian": 1, "refined": 2, "lossless": 3}
 FLAG_DIFFUSION: Final = 1
 FLAG_SINGLE: Final = 2
 ANCHOR_METHODS: Final[Mapping[str | None, int]] = {
@@ -157,10 +211,10 @@ MAX_TEXT: Final = 2**24
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:
     """Return the sections that a file of a method begins with, where those `present` are."""
-    ids = REQUIRED[method]
+    ids = METHODS[method].required
     after = ids.index(CONNECTIVITY) + 1
     needed = tuple(name for name in AFTER_CONNECTIVITY if name in present)
-    further = tuple(name for name in FURTHER[method] if name in present)
+    further = tuple(name for name in METHODS[method].further if name in present)
     return (*ids[:after], *needed, *ids[after:], *further)
 
 
@@ -175,13 +229,12 @@ class Parameters:
     diffusion : bool
         Whether the encoder diffused the quantization error; the decoder has no use for it.
     anchor_method : str or None
-        A key of `ANCHOR_METHODS`; None exactly for the methods without anchors, Cartesian and
-        lossless.
+        A key of `ANCHOR_METHODS`; None exactly for the methods without anchors.
     bits : int or None
         What was asked for, bits per coordinate; None when it was a step.
     step : float
-        Quantization step, in the unit of the mesh; 0 exactly for a high-pass file of 0 bits and a
-        lossless one.
+        Quantization step, in the unit of the mesh; 0 exactly for an exact method, and for a bare
+        one at 0 bits.
     origin : (float, float, float)
         Origin of the grid of the anchors, or of the Cartesian coordinates.
     anchor_step : float
@@ -193,7 +246,7 @@ class Parameters:
     isolated : int
         Number of points without a face.
     coarse : float
-        The step of the deltas over `step`; 1 unless they are refined.
+        The step of the deltas over `step`; 1 unless the method has coarse deltas.
     dead_zone, normal_dead_zone : float
         How far beyond half a step the encoder still rounded deltas, and refinements, to 0, in
         steps; multiples of 0.01. The decoder has no use for them.
@@ -202,15 +255,15 @@ class Parameters:
     """
 
     method: str
-    diffusion: bool
-    anchor_method: str | None
-    bits: int | None
-    step: float
-    origin: tuple[float, float, float]
-    anchor_step: float
-    seed: int
-    anchor_count: int
-    isolated: int
+    diffusion: bool = False
+    anchor_method: str | None = None
+    bits: int | None = None
+    step: float = 0.0
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    anchor_step: float = 0.0
+    seed: int = 0
+    anchor_count: int = 0
+    isolated: int = 0
     coarse: float = 1.0
     dead_zone: float = 0.0
     normal_dead_zone: float = 0.0
@@ -286,32 +339,31 @@ class Container:
 def parameter_faults(parameters: Parameters, vertices: int) -> Iterator[tuple[str, str]]:
     """Yield (field, what is wrong with it) by the rules of SPEC.md 4.1, for reader and writer."""
     p = parameters
-    anchored, lossless = p.method in ("highpass", "refined"), p.method == "lossless"
-    stepless = lossless or (p.method == "highpass" and p.bits == 0)
-    if anchored == (p.anchor_method is None):
+    method = METHODS[p.method]
+    stepless = method.exact or (method.bare and p.bits == 0)
+    if method.anchored == (p.anchor_method is None):
         yield "anchor_method", f"method {p.method} with anchor method {p.anchor_method or 'none'}"
     if p.bits is not None and not 0 <= p.bits <= MAX_BITS:
         yield "bits", f"{p.bits} bits, outside 0..{MAX_BITS}"
-    if p.bits is not None and lossless:
-        yield "bits", f"{p.bits} bits in a lossless file"
+    if p.bits is not None and method.exact:
+        yield "bits", f"{p.bits} bits in a {method.title} file"
     if not (math.isfinite(p.step) and p.step >= 0 and (p.step == 0) == stepless):
         yield "step", f"a quantization step of {p.step}"
     for axis, value in zip("xyz", p.origin, strict=True):
-        if not math.isfinite(value) or (lossless and value):
+        if not math.isfinite(value) or (method.exact and value):
             yield f"origin_{axis}", f"an origin of {value}"
     if not (math.isfinite(p.anchor_step) and p.anchor_step >= 0):
         yield "anchor_step", f"an anchor step of {p.anchor_step}"
     for name, count in (("anchor_count", p.anchor_count), ("isolated", p.isolated)):
         if not 0 <= count <= vertices:
             yield name, f"{count} {name.split('_')[0]} vertices among {vertices}"
-    if not (1 <= p.coarse < math.inf and (p.method == "refined" or p.coarse == 1)):
+    if not (1 <= p.coarse < math.inf and (method.coarse or p.coarse == 1)):
         yield "coarse", f"method {p.method} with deltas {p.coarse} times as coarse"
     for name in ("dead_zone", "normal_dead_zone"):
         if not 0 <= getattr(p, name) * ZONE_UNIT < 256:
             yield name, f"a dead zone of {getattr(p, name)}"
-    if not anchored and (p.anchor_step or p.anchor_count):
-        name = p.method.replace("cartesian", "Cartesian")
-        yield "anchor_count", f"anchors in a {name} file"
+    if not method.anchored and (p.anchor_step or p.anchor_count):
+        yield "anchor_count", f"anchors in a {method.title} file"
 
 
 def meta_faults(meta: Meta) -> Iterator[tuple[str, str]]:

@@ -15,15 +15,13 @@ from typing import Any, TypeAlias
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.layout import Container, Field, Meta, Parameters, Section
 from deltamesh_formats.errors import FormatError
+from deltamesh_formats.meshfiles.formats import format_of_beginning
 
 # Anything else with a contiguous buffer, such as an mmap, goes in as a memoryview.
 Buffer: TypeAlias = bytes | bytearray | memoryview
 
-_METHODS = {code: name for name, code in layout.METHODS.items()}
+_METHODS = {method.id: name for name, method in layout.METHODS.items()}
 _ANCHOR_METHODS = {code: name for name, code in layout.ANCHOR_METHODS.items()}
-
-# How a file begins that somebody could take for a `.dmesh`.
-_OTHER_FORMATS = {b"ply": "a PLY", b"glTF": "a GLB", b"OFF": "an OFF", b"solid": "an STL"}
 
 
 def read_container(data: Buffer) -> Container:
@@ -158,9 +156,9 @@ def _check_magic(view: memoryview) -> None:
         raise FormatError("the input is empty", 0)
     if layout.MAGIC.startswith(head):
         raise FormatError("truncated: the file ends within its signature", len(head))
-    for start, name in _OTHER_FORMATS.items():
-        if head.startswith(start):
-            raise FormatError(f"not a .dmesh file but {name} mesh file", 0)
+    other = format_of_beginning(head)
+    if other is not None:
+        raise FormatError(f"not a .dmesh file but a mesh file ({other.title})", 0)
     if b"DMS" in head:
         raise FormatError("a .dmesh file with a damaged signature: was it sent as text?", 0)
     raise FormatError("not a .dmesh file", 0)

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from html import escape
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from deltamesh_formats.container.layout import (
     ATTRIBUTES,
+    METHODS,
     ORDER,
     POLYGONS,
     Container,
@@ -25,13 +26,6 @@ from deltamesh_formats.printing import html_table, number, printable, table
 
 if TYPE_CHECKING:
     from deltamesh_formats.container.attribute_table import Entry
-
-METHODS: Final = {
-    "highpass": "high-pass",
-    "refined": "refined high-pass",
-    "cartesian": "Cartesian",
-    "lossless": "lossless",
-}
 
 
 def bits_per_vertex(size: int, vertices: int) -> float:
@@ -118,14 +112,15 @@ def _lines(container: Container) -> Iterator[str]:
 
 
 def _described(parameters: Parameters) -> Iterator[str]:
+    method = METHODS[parameters.method]
     words = [] if parameters.bits is None else [f"{parameters.bits} bits"]
     if parameters.step:
         words.append(f"step {number(parameters.step)}")
-        if parameters.method == "refined":
+        if method.coarse:
             words.append(f"deltas {number(parameters.coarse)} times as coarse")
-        if parameters.method != "cartesian":
+        if method.anchored:
             words.append("error diffusion" if parameters.diffusion else "plain rounding")
-    yield ": ".join(filter(None, (METHODS[parameters.method], ", ".join(words))))
+    yield ": ".join(filter(None, (method.title, ", ".join(words))))
     if parameters.anchor_method is not None:
         seed = f", seed {parameters.seed}" if parameters.anchor_method == "random" else ""
         yield f"anchors: {parameters.anchor_count}, {parameters.anchor_method}{seed}"

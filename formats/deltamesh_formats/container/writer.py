@@ -134,7 +134,7 @@ def _parameters(parameters: Parameters, vertices: int) -> bytes:
     for _, message in layout.parameter_faults(parameters, vertices):
         raise MeshError(f"cannot be written: {message}")
     values = {
-        "method": layout.METHODS[parameters.method],
+        "method": layout.METHODS[parameters.method].id,
         "flags": parameters.diffusion * layout.FLAG_DIFFUSION
         | parameters.single * layout.FLAG_SINGLE,
         "anchor_method": layout.ANCHOR_METHODS[parameters.anchor_method],

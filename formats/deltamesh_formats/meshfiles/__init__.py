@@ -1,1 +1,1 @@
-"""Readers and writers of mesh files, a package for each format."""
+"""Mesh files: a table of their formats, and a package with reader and writer for each."""

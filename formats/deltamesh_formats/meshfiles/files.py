@@ -1,69 +1,45 @@
-"""Mesh files in and out: OBJ, PLY, OFF, STL and GLB, everything in them that a `PolyMesh` holds.
+"""Reading and writing of mesh files in any of the formats, by path or file object.
 
-The readers and writers are in the packages beside this module. A reader names what it has to leave
-out in the mesh (`lost`), a writer names what its format has no place for in what it returns.
+`deltamesh_formats.meshfiles.formats` has the table of the formats. A reader names in the mesh what
+it has to leave out (`lost`); a writer returns descriptions of what its format has no place for.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 
 from deltamesh_formats.atomic import PathOrFile, write_file
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles.glb import reader as glb_in
-from deltamesh_formats.meshfiles.glb import writer as glb_out
-from deltamesh_formats.meshfiles.obj import reader as obj_in
-from deltamesh_formats.meshfiles.obj import writer as obj_out
-from deltamesh_formats.meshfiles.off import reader as off_in
-from deltamesh_formats.meshfiles.off import writer as off_out
-from deltamesh_formats.meshfiles.ply import reader as ply_in
-from deltamesh_formats.meshfiles.ply import writer as ply_out
-from deltamesh_formats.meshfiles.stl import reader as stl_in
-from deltamesh_formats.meshfiles.stl import writer as stl_out
-from deltamesh_formats.meshfiles.written import Written
-from deltamesh_formats.polymesh.mesh import PolyMesh, checked
-from deltamesh_formats.polymesh.texture_origin import with_origin
+from deltamesh_formats.meshfiles.file_format import FileFormat, Written
+from deltamesh_formats.meshfiles.formats import FORMATS, format_of_extension
+from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.polymesh.texture_origin import marked_top_left, with_origin
+from deltamesh_formats.polymesh.validation import checked
 
-__all__ = ["FORMATS", "mesh_bytes", "mesh_format", "read_mesh", "write_mesh", "written"]
-
-_READERS: Final[dict[str, Callable[[bytes], PolyMesh]]] = {
-    "obj": obj_in.read,
-    "ply": ply_in.read,
-    "off": off_in.read,
-    "stl": stl_in.read,
-    "glb": glb_in.read,
-}
-_WRITERS: Final[dict[str, Callable[[PolyMesh], Written]]] = {
-    "obj": obj_out.write,
-    "ply": ply_out.write,
-    "off": off_out.write,
-    "stl": stl_out.write,
-    "glb": glb_out.write,
-}
-FORMATS: Final = tuple(_READERS)
+__all__ = ["mesh_bytes", "mesh_format", "read_mesh", "write_mesh", "written"]
 
 
-def mesh_format(target: PathOrFile, file_format: str | None = None) -> str:
+def mesh_format(target: PathOrFile, file_format: str | None = None) -> FileFormat:
     """Return the format that is asked for or, without one, that of the file name's extension.
 
     Raises
     ------
     MeshError
-        When it is not one of `FORMATS`.
+        When it is not in the table of the formats.
     """
     name = _name(target)
-    found = (file_format or Path(name).suffix).removeprefix(".").lower()
-    if found in FORMATS:
+    asked = (file_format or Path(name).suffix).removeprefix(".").lower()
+    found = format_of_extension(asked)
+    if found is not None:
         return found
     known = ", ".join(FORMATS)
-    if found:
-        raise MeshError(f"{name}: {found!r} is not a mesh format known here: {known}")
-    raise MeshError(f"{name}: the name does not tell the mesh format; give one of {known}")
+    if asked:
+        raise MeshError(f"{name}: {asked!r} is not a known mesh format: {known}")
+    raise MeshError(f"{name}: its name has no extension of a mesh format; give one of {known}")
 
 
 def read_mesh(source: PathOrFile, file_format: str | None = None) -> PolyMesh:
@@ -73,13 +49,14 @@ def read_mesh(source: PathOrFile, file_format: str | None = None) -> PolyMesh:
     ----------
     source : path or binary file object
     file_format : str, optional
-        One of `FORMATS`; by default the file name's extension tells.
+        Name of the format, such as "ply"; by default the one of the file name's extension.
 
     Returns
     -------
     PolyMesh
-        Vertices and polygons in the order of the file, attributes, names; `faces` has the polygons
-        cut into triangles. The meshes of a GLB scene are one, each in its place.
+        Vertices and polygons in the order of the file, with attributes, names of parts and
+        metadata; `lost` names what else the file has. The meshes of a scene become one mesh, each
+        at its place.
 
     Raises
     ------
@@ -92,28 +69,28 @@ def read_mesh(source: PathOrFile, file_format: str | None = None) -> PolyMesh:
     data = Path(source).read_bytes() if isinstance(source, (str, os.PathLike)) else source.read()
     try:
         with np.errstate(all="ignore"):  # what overflows is refused as not finite
-            return checked(_READERS[known](data))
+            mesh = checked(replace(known.read(data), format=known.name))
     except (OSError, MemoryError):
         raise
     except MeshError as error:
         raise MeshError(f"{name}: {error}") from None
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
-        raise MeshError(f"{name}: not readable as {known.upper()} ({reason})") from error
+        raise MeshError(f"{name}: not readable as {known.title} ({reason})") from error
+    return marked_top_left(mesh) if known.has_top_left_textures else mesh
 
 
 def written(mesh: PolyMesh, file_format: str) -> Written:
-    """Return the bytes of a mesh file, and words for what they do not hold.
+    """Return the bytes of a mesh file, and descriptions of what they do not hold.
 
-    The same mesh gives the same bytes. Positions are kept to the last bit by OBJ, OFF, PLY and an
-    STL with names; a binary STL and GLB round them to float32. Texture coordinates count from the
-    corner of the picture that the format has them count from.
+    The same mesh gives the same bytes. Positions are exact, or float32 where the format has
+    nothing else (binary STL, GLB). Texture coordinates begin where the format has their origin.
 
     Parameters
     ----------
     mesh : PolyMesh
     file_format : str
-        One of `FORMATS`.
+        Name of the format.
 
     Raises
     ------
@@ -122,11 +99,12 @@ def written(mesh: PolyMesh, file_format: str) -> Written:
     """
     if len(mesh.offsets) < 2:
         raise MeshError("a mesh without faces is not written")
-    return _WRITERS[file_format](with_origin(mesh, top_left=file_format == "glb"))
+    known = FORMATS[file_format]
+    return known.write(with_origin(mesh, top_left=known.has_top_left_textures))
 
 
 def mesh_bytes(mesh: PolyMesh, file_format: str) -> bytes:
-    """Return the bytes of a mesh file; `written` also tells what they do not hold."""
+    """Return the bytes of a mesh file; `written` also returns what they do not hold."""
     return written(mesh, file_format).data
 
 
@@ -142,14 +120,14 @@ def write_mesh(
     ----------
     target : path or binary file object
     mesh : PolyMesh
-        `polymesh.from_triangles` makes one of plain arrays.
+        `deltamesh.from_arrays` makes one of plain arrays.
     file_format : str, optional
-        One of `FORMATS`; by default the file name's extension tells.
+        Name of the format, such as "ply"; by default the one of the file name's extension.
 
     Returns
     -------
     tuple of str
-        Words for what the format has no place for.
+        Descriptions of what the format has no place for.
 
     Raises
     ------
@@ -158,7 +136,7 @@ def write_mesh(
     OSError
         When the file cannot be written.
     """
-    made = written(mesh, mesh_format(target, file_format))
+    made = written(mesh, mesh_format(target, file_format).name)
     write_file(target, made.data)
     return made.lost
 

@@ -1,1 +1,1 @@
-"""The mesh of polygons that readers make and writers take, and functions of it."""
+"""Mesh of polygons that readers return and writers take, and functions of it."""

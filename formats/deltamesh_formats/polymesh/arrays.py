@@ -1,20 +1,22 @@
-"""Meshes from plain arrays and back: what a program has at hand, a name for each of them.
+"""Conversion of plain arrays to meshes, and of attributes of meshes to arrays by name.
 
-`from_arrays` makes a `PolyMesh` and says what is wrong with the arrays; `to_arrays` gives the
+`from_arrays` makes a `PolyMesh` and names what is wrong with the arrays; `to_arrays` returns the
 attributes of a domain by their names.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh, Role, checked
+from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh, Role
+from deltamesh_formats.polymesh.names import distinct_names
+from deltamesh_formats.polymesh.validation import checked
 
 Named: TypeAlias = Mapping[str, ArrayLike]
 
@@ -64,6 +66,24 @@ def from_arrays(
     >>> mesh.vertex_data["T"]
     array([1, 2, 3])
     """
+    return checked(unchecked(vertices, faces, vertex=vertex, corner=corner, face=face))
+
+
+def unchecked(
+    vertices: ArrayLike,
+    faces: ArrayLike | Sequence[ArrayLike],
+    *,
+    vertex: Named | None = None,
+    corner: Named | None = None,
+    face: Named | None = None,
+) -> PolyMesh:
+    """Return the mesh of `from_arrays`, whose positions and indices may be anything.
+
+    Raises
+    ------
+    MeshError
+        For arrays that do not fit each other.
+    """
     V = _numbers(vertices, "vertices", "fiu")
     if V.ndim != 2 or V.shape[1] != 3:
         raise MeshError(f"vertices must have shape (n, 3), not {V.shape}")
@@ -83,14 +103,12 @@ def from_arrays(
         for domain, named in given
         for name, values in (named or {}).items()
     )
-    return checked(
-        PolyMesh(
-            np.ascontiguousarray(V, dtype=np.float64),
-            corners,
-            offsets,
-            attributes,
-            precision="float32" if V.dtype == np.float32 else "float64",
-        )
+    return PolyMesh(
+        np.ascontiguousarray(V, dtype=np.float64),
+        corners,
+        offsets,
+        attributes,
+        precision="float32" if V.dtype == np.float32 else "float64",
     )
 
 
@@ -155,19 +173,7 @@ def to_arrays(
     chosen = [a for a in mesh.attributes if a.domain == domain and keep(a)]
     arrays = (a.dense() for a in chosen)
     columns = (A[:, 0] if A.shape[1] == 1 else A for A in arrays)
-    return dict(zip(distinct(a.name for a in chosen), columns, strict=True))
-
-
-def distinct(names: Iterable[str]) -> list[str]:
-    """Return names of which none is there twice."""
-    found: dict[str, None] = {}
-    for name in names:
-        new, number = name, 1
-        while new in found:
-            number += 1
-            new = f"{name}_{number}"
-        found[new] = None
-    return list(found)
+    return dict(zip(distinct_names(a.name for a in chosen), columns, strict=True))
 
 
 def _numbers(values: ArrayLike, name: str, kinds: str) -> NDArray[Any]:

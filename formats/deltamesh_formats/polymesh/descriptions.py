@@ -1,4 +1,4 @@
-"""What a mesh has beyond positions and faces, in words: for warnings of what is not kept."""
+"""Descriptions of attributes, parts and metadata in plain English, for warnings of losses."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _DOMAINS: Final[dict[Domain, str]] = {"vertex": "vertices", "corner": "corners",
 _METADATA: Final = {"mtllib": "material libraries", "copyright": "copyright"}
 
 
-def unkept(
+def losses_of(
     mesh: PolyMesh,
     *,
     attributes: Collection[Attribute] = (),
@@ -29,47 +29,54 @@ def unkept(
     polygons: bool = False,
     transforms: bool = False,
 ) -> tuple[str, ...]:
-    """Return words for what is lost when only positions and triangles are kept, and this.
+    """Return descriptions of what is lost of a mesh that is converted to another form.
+
+    Positions and triangles are kept; the arguments name what is kept besides.
 
     Parameters
     ----------
     mesh : PolyMesh
     attributes : collection of Attribute
-        Those of the mesh that are kept.
+        Attributes of the mesh.
     parts : collection of str
-        Kinds of parts that are.
+        Kinds of parts.
     metadata : collection of str
-        Keys that are; comments and headers are never named.
+        Keys of metadata; comments and headers are never named as lost.
     polygons, transforms : bool
-        Whether they are.
+        Whether faces of more than three corners are kept, and transforms of parts.
+
+    Returns
+    -------
+    tuple of str
+        Each once; those of `mesh.lost` come first.
     """
-    words = dict.fromkeys(mesh.lost)
+    losses = dict.fromkeys(mesh.lost)
     if not polygons and (mesh.sizes != 3).any():
-        words["polygons of more than three corners"] = None
+        losses["polygons of more than three corners"] = None
     for attribute in mesh.attributes:
         if not any(attribute is kept for kept in attributes):
-            words[attribute_words(attribute)] = None
+            losses[describe_attribute(attribute)] = None
     for group in mesh.parts:
         if group.kind not in parts:
-            words[KIND_WORDS[group.kind]] = None
+            losses[KIND_WORDS[group.kind]] = None
         if group.transforms is not None and not transforms and _moves(group.transforms):
-            words["transforms"] = None
-    return (*words, *_metadata_words(mesh, metadata))
+            losses["transforms"] = None
+    return (*losses, *_metadata_losses(mesh, metadata))
 
 
-def unused(mesh: PolyMesh) -> Iterator[str]:
-    """Yield words for rows of attributes that no element has: they go when a mesh is encoded."""
+def unreferenced_rows(mesh: PolyMesh) -> Iterator[str]:
+    """Yield descriptions of rows of attributes that no element has; an encoder drops these."""
     for attribute in mesh.attributes:
         if attribute.index is None:
             continue
         used = np.bincount(attribute.index[attribute.index >= 0], minlength=len(attribute.values))
         if not used.all():
             whose = "vertex" if attribute.domain == "vertex" else "face"
-            yield f"{attribute_words(attribute)} that no {whose} refers to"
+            yield f"{describe_attribute(attribute)} that no {whose} refers to"
 
 
-def attribute_words(attribute: Attribute) -> str:
-    """Return what to call an attribute: "normals", "colours of faces", "quality of vertices"."""
+def describe_attribute(attribute: Attribute) -> str:
+    """Return a plural for an attribute: "normals", "colours of faces", "quality of vertices"."""
     what = _ROLES.get(attribute.role, attribute.name)
     if attribute.name[-1:].isdigit() and attribute.role in _ROLES:
         what += f" ({attribute.name})"
@@ -83,7 +90,7 @@ def _moves(transforms: np.ndarray) -> bool:
     return bool((transforms != np.eye(4)).any())
 
 
-def _metadata_words(mesh: PolyMesh, kept: Collection[str]) -> Iterator[str]:
-    for key, words in _METADATA.items():
+def _metadata_losses(mesh: PolyMesh, kept: Collection[str]) -> Iterator[str]:
+    for key, description in _METADATA.items():
         if mesh.metadata.get(key) and key not in kept:
-            yield words
+            yield description

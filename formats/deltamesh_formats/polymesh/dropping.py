@@ -1,4 +1,4 @@
-"""Leaving out what is not wanted of a mesh."""
+"""Removal of attributes, parts and metadata from a mesh by their names."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from typing import Final
 
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
-# All attributes, parts and metadata; and where the parts of a scene were placed.
+# Names of everything that can be dropped, and of the transforms of parts.
 EVERYTHING: Final = "all"
 TRANSFORMS: Final = "transforms"
 
 
 def without(mesh: PolyMesh, names: Collection[str]) -> PolyMesh:
-    """Return a mesh without what has one of these names; its vertices and faces stay.
+    """Return a mesh without what has one of these names, but with all vertices and faces.
 
     Parameters
     ----------
     mesh : PolyMesh
     names : collection of str
         Names or roles of attributes ("uv" is every set of texture coordinates, "uv1" the second
-        one), kinds of parts ("group"), keys of metadata ("comments"), "transforms", "all". What
-        the mesh does not have is no error: one list may do for many meshes.
+        one), kinds of parts ("group"), keys of metadata ("comments"), "transforms", "all". Names
+        that the mesh does not have are ignored: one list may serve many meshes.
     """
     if EVERYTHING in names:
         return replace(mesh, attributes=(), parts=(), metadata={})

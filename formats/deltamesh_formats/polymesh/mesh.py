@@ -1,7 +1,7 @@
-"""The mesh as files have it: polygons, attributes, parts, and what a reader had to leave behind.
+"""Mesh as files have it: polygons, attributes, parts, and names of what a reader left out.
 
-Plain arrays in frozen dataclasses: what a reader of `deltamesh_formats.meshfiles` makes and a
-writer takes. Polygons are rows of a compressed table, corner after corner; an attribute has a row
+It is plain arrays in frozen dataclasses, which readers of `deltamesh_formats.meshfiles` return and
+writers take. Polygons are rows of a compressed table, corner after corner; an attribute has a row
 for each vertex, corner or face, or a table of rows and an index into it, so that the separate
 indices of OBJ (`f v/vt/vn`) survive. Positions are where the file puts them in space: the
 transforms of a scene are applied, and kept beside to be undone.
@@ -16,7 +16,6 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.kinds import Kind
 from deltamesh_formats.polymesh.triangles import Triangles, triangulate
 
@@ -27,7 +26,7 @@ Precision: TypeAlias = Literal["float32", "float64"]
 
 @dataclass(frozen=True)
 class Attribute:
-    """Numbers that belong to the vertices, corners or faces.
+    """Attribute: numbers of the vertices, corners or faces.
 
     Attributes
     ----------
@@ -74,7 +73,7 @@ class Attribute:
 
 @dataclass(frozen=True)
 class Parts:
-    """One way in which the faces are divided and named.
+    """Division of the faces into parts with names.
 
     Attributes
     ----------
@@ -97,7 +96,7 @@ class Parts:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class PolyMesh:
-    """What a mesh file holds.
+    """Mesh of polygons, with everything that a mesh file holds.
 
     Attributes
     ----------
@@ -113,11 +112,11 @@ class PolyMesh:
         "comments" (those above the first element), "obj_info", "mtllib", "header", "copyright",
         "texture_origin" ("top left" of a GLB; that of others is at the bottom left).
     lost : tuple of str
-        What the file has and this class has no place for, in words.
+        Descriptions of what the file has and this class has no place for.
     precision : {"float32", "float64"}
-        What the source holds positions in; text is float64.
+        Type of the positions in the source; that of text is float64.
     format : str
-        Of the file; "" for a mesh from elsewhere.
+        Name of the format of the file; "" for a mesh from elsewhere.
     """
 
     vertices: NDArray[np.float64]
@@ -219,41 +218,3 @@ def _keep_rows(attribute: Attribute, keep: NDArray[np.bool_]) -> Attribute:
     if attribute.index is None:
         return replace(attribute, values=attribute.values[keep])
     return replace(attribute, index=attribute.index[keep])
-
-
-def checked(mesh: PolyMesh) -> PolyMesh:
-    """Refuse what is no mesh; leave out, and name, faces of fewer than three corners.
-
-    Raises
-    ------
-    MeshError
-        For a mesh without faces, a position that is not finite, an index out of range; the
-        message names the first element at fault.
-    """
-    V, n = mesh.vertices, len(mesh.vertices)
-    also = _also(mesh)
-    if not n:
-        raise MeshError(f"it holds no mesh: no vertices and no faces{also}")
-    bad = ~np.isfinite(V).all(axis=1)
-    if bad.any():
-        i = int(np.argmax(bad))
-        raise MeshError(f"vertex {i} is not finite: {V[i].tolist()}")
-    bad = (mesh.corners < 0) | (mesh.corners >= n)
-    if bad.any():
-        face = int(np.searchsorted(mesh.offsets, np.argmax(bad), side="right")) - 1
-        indices = mesh.corners[mesh.offsets[face] : mesh.offsets[face + 1]].tolist()
-        raise MeshError(f"face {face} has vertex indices {indices}, outside 0..{n - 1}")
-    whole = mesh.sizes >= 3
-    if not whole.all():
-        lost = f"{np.count_nonzero(~whole)} faces of fewer than three corners"
-        mesh = replace(keep_faces(mesh, whole), lost=(*mesh.lost, lost))
-        also = _also(mesh)
-    if len(mesh.offsets) == 1:
-        raise MeshError(f"it holds {n} vertices but no faces: a point cloud{also}")
-    return mesh
-
-
-def _also(mesh: PolyMesh) -> str:
-    """Return what a file has instead of a mesh, fit for a message."""
-    words = ", ".join(mesh.lost)
-    return f" (and {words if words.isprintable() else ascii(words)[1:-1]})" if words else ""

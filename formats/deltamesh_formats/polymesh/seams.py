@@ -1,6 +1,6 @@
-"""Attributes of corners for formats and libraries that have attributes of vertices only.
+"""Conversion of attributes of corners to vertices, for libraries that have only the latter.
 
-A seam is where the corners at a vertex differ, as texture coordinates do where a chart ends.
+A seam is where corners at a vertex differ, as texture coordinates do where a chart ends.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 
 
 def at_vertices(mesh: PolyMesh, attribute: Attribute) -> NDArray[Any] | None:
-    """Return an attribute of corners as one of vertices, (n, width); None where it has seams.
+    """Return an attribute of corners as one of vertices, (n, width); None if it has seams.
 
-    A vertex without faces has NaN, or 0. Numbers are compared bit by bit.
+    An isolated vertex has NaN, or 0. Numbers are compared bit by bit.
     """
     values = attribute.dense()
     first = _first_corners(mesh)
@@ -27,17 +27,18 @@ def at_vertices(mesh: PolyMesh, attribute: Attribute) -> NDArray[Any] | None:
     return Attribute(attribute.name, "vertex", values, index=first).dense()
 
 
-def split(mesh: PolyMesh, attribute: Attribute) -> PolyMesh:
-    """Repeat the vertices at the seams of an attribute of corners, which becomes one of vertices.
+def split_at_seams(mesh: PolyMesh, attribute: Attribute) -> PolyMesh:
+    """Return a mesh with the vertices at the seams of an attribute of corners repeated.
 
-    A vertex stays what its first corner has; the others follow after all vertices, in the order of
-    their corners. Faces and all other attributes are as they were.
+    The attribute becomes one of vertices. A vertex keeps the value of its first corner; vertices
+    for other values follow after all vertices, in the order of their corners. Faces and all other
+    attributes are as they were.
 
     Parameters
     ----------
     mesh : PolyMesh
     attribute : Attribute
-        One of its corners.
+        Attribute of its corners.
     """
     n, c = len(mesh.vertices), len(mesh.corners)
     values = attribute.dense()

@@ -1,4 +1,4 @@
-"""One line about a mesh, as text and, for notebooks, as HTML."""
+"""Summary of a mesh in one line of text or, for notebooks, in HTML."""
 
 from __future__ import annotations
 

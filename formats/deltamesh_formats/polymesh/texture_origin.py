@@ -1,9 +1,8 @@
-"""Where texture coordinates begin: at the bottom left of the picture, or at its top left as in GLB.
+"""Origin of texture coordinates: the bottom left of the picture, or its top left.
 
 glTF 2.0, section 3.9.3, has (0, 0) at the top left; OBJ, PLY, OFF and the libraries that draw them
-have it at the bottom left. Numbers stay as a file has them, so that they come back to the last bit
-where nothing is converted; metadata tell which they are, and who writes another kind of file turns
-them.
+have it at the bottom left. A mesh keeps the numbers of its file, so that they come back to the last
+bit in a file of the same kind, and has the origin in its metadata; writers of other kinds convert.
 """
 
 from __future__ import annotations
@@ -25,27 +24,27 @@ def is_top_left(mesh: PolyMesh) -> bool:
     return mesh.metadata.get(KEY) == TOP_LEFT
 
 
-def told_top_left(mesh: PolyMesh) -> PolyMesh:
-    """Return a mesh of which metadata tell that, if it has texture coordinates."""
+def marked_top_left(mesh: PolyMesh) -> PolyMesh:
+    """Return a mesh with metadata of that origin, if it has texture coordinates."""
     if mesh.attribute("uv", "vertex", "corner") is None:
         return mesh
     return replace(mesh, metadata={**mesh.metadata, KEY: TOP_LEFT})
 
 
 def with_origin(mesh: PolyMesh, *, top_left: bool) -> PolyMesh:
-    """Return a mesh whose texture coordinates begin there: v becomes 1 - v where they do not yet.
+    """Return a mesh whose texture coordinates begin there: v becomes 1 - v if they do not yet.
 
-    What is no fraction, whole numbers that are not normalized, stays as it is.
+    Integers that are not normalized are not fractions, and stay as they are.
     """
     if is_top_left(mesh) == top_left:
         return mesh
     metadata = {key: words for key, words in mesh.metadata.items() if key != KEY}
-    attributes = tuple(_turned(a) if a.role == "uv" else a for a in mesh.attributes)
-    turned = replace(mesh, attributes=attributes, metadata=metadata)
-    return told_top_left(turned) if top_left else turned
+    attributes = tuple(_flipped(a) if a.role == "uv" else a for a in mesh.attributes)
+    flipped = replace(mesh, attributes=attributes, metadata=metadata)
+    return marked_top_left(flipped) if top_left else flipped
 
 
-def _turned(attribute: Attribute) -> Attribute:
+def _flipped(attribute: Attribute) -> Attribute:
     values: NDArray[Any] = attribute.values.copy()
     if attribute.width < 2:
         return attribute

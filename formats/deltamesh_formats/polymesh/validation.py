@@ -1,25 +1,83 @@
-"""What the arrays of a `PolyMesh` must be; one made by hand may be anything."""
+"""Validator of meshes, the one place where arrays from outside are checked.
+
+A `PolyMesh` may come from a reader, from arrays, or be made by hand, and then be anything.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, keep_faces
 
 
-def check_shapes(mesh: PolyMesh) -> None:
-    """Refuse a mesh whose arrays have other shapes or types than `PolyMesh` says.
+def checked(mesh: PolyMesh, largest: float = math.inf) -> PolyMesh:
+    """Return the mesh without its faces of fewer than three corners, or refuse it.
+
+    What is left out is named in `lost`.
+
+    Parameters
+    ----------
+    mesh : PolyMesh
+    largest : float
+        The largest absolute value of a coordinate.
 
     Raises
     ------
     MeshError
-        The array, attribute or part is named.
+        For an array of another shape or type than `PolyMesh` says, a position that is not finite or
+        too large, an index out of range, or a mesh without faces; the message names the array,
+        attribute or part, or the first element at fault.
     """
+    _check_shapes(mesh)
+    if not len(mesh.vertices):
+        raise MeshError(f"it holds no mesh: no vertices and no faces{_also(mesh)}")
+    _check_positions(mesh.vertices, largest)
+    _check_indices(mesh)
+    whole = mesh.sizes >= 3
+    if not whole.all():
+        lost = f"{np.count_nonzero(~whole)} faces of fewer than three corners"
+        mesh = replace(keep_faces(mesh, whole), lost=(*mesh.lost, lost))
+    if len(mesh.offsets) == 1:
+        n = len(mesh.vertices)
+        raise MeshError(f"it holds {n} vertices but no faces: a point cloud{_also(mesh)}")
+    return mesh
+
+
+def _check_positions(V: NDArray[np.float64], largest: float) -> None:
+    bad = ~np.isfinite(V).all(axis=1)
+    if bad.any():
+        i = int(np.argmax(bad))
+        raise MeshError(f"vertex {i} is not finite: {V[i].tolist()}")
+    bad = (np.abs(V) > largest).any(axis=1)
+    if bad.any():
+        i = int(np.argmax(bad))
+        raise MeshError(f"vertex {i} is beyond {largest:g}: {V[i].tolist()}")
+
+
+def _check_indices(mesh: PolyMesh) -> None:
+    n = len(mesh.vertices)
+    bad = (mesh.corners < 0) | (mesh.corners >= n)
+    if bad.any():
+        face = int(np.searchsorted(mesh.offsets, np.argmax(bad), side="right")) - 1
+        indices = mesh.corners[mesh.offsets[face] : mesh.offsets[face + 1]].tolist()
+        raise MeshError(f"face {face} has vertex indices {indices}, outside 0..{n - 1}")
+
+
+def _also(mesh: PolyMesh) -> str:
+    """Return the contents of a file that has no mesh, fit for a message."""
+    words = ", ".join(mesh.lost)
+    return f" (and {words if words.isprintable() else ascii(words)[1:-1]})" if words else ""
+
+
+def _check_shapes(mesh: PolyMesh) -> None:
+    """Refuse a mesh whose arrays have other shapes or types than `PolyMesh` says."""
     n, c = len(mesh.vertices), len(mesh.corners)
     _expect("vertices", mesh.vertices, np.float64, (n, 3))
     _expect("corners", mesh.corners, np.int64, (c,))

@@ -1,4 +1,4 @@
-"""What attributes belong to, in the order of the file, and what of it is near what."""
+"""Domains of attributes: the vertices, corners and polygons of a file, with their neighbours."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ _Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Places:
-    """The vertices, corners and faces of a file, known to encoder and decoder.
+class Domains:
+    """The vertices, corners and polygons of a file, as encoder and decoder both know them.
 
     Attributes
     ----------
@@ -29,11 +29,11 @@ class Places:
 
     @property
     def polygons(self) -> Polygons:
-        """Those of the file."""
+        """The polygons of the file."""
         return self.structure.polygons
 
     def count(self, domain: Domain) -> int:
-        """Return how many elements a domain has."""
+        """Return the number of elements of a domain."""
         counts = {
             "vertex": len(self.structure.points),
             "corner": len(self.polygons.corners),
@@ -43,16 +43,21 @@ class Places:
 
     @cached_property
     def vertices(self) -> Elements:
-        """The vertices, those in no face too."""
+        """The vertices as elements, with the isolated ones."""
         return self.structure.vertices
 
     @cached_property
     def faces(self) -> Elements:
-        """The polygons."""
+        """The polygons as elements."""
         s = self.structure
         return of_polygons(s.points[s.faces], self.polygons.offsets, self.polygons.of_corners)
 
     @cached_property
-    def face_of_corners(self) -> _Ints:
-        """The polygon of each corner, (c,)."""
+    def vertex_of_corners(self) -> _Ints:
+        """The vertex at each corner of the polygons, int64 (c,)."""
+        return np.asarray(self.structure.faces.ravel()[self.polygons.corners])
+
+    @cached_property
+    def polygon_of_corners(self) -> _Ints:
+        """The polygon of each corner, int64 (c,)."""
         return np.repeat(np.arange(self.count("face")), np.diff(self.polygons.offsets))

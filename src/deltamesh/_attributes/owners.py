@@ -1,17 +1,18 @@
-"""What the values of an attribute belong to: vertices, faces, or classes of corners at a point."""
+"""Owners of the values of an attribute: vertices, polygons, or wedges, and which have a value."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._attributes.coded import Coded
-from deltamesh._attributes.domains import Places
-from deltamesh._attributes.seams import decode_classes, encode_classes
+from deltamesh._attributes.domains import Domains
+from deltamesh._attributes.wedges import decode_wedges, encode_wedges
 from deltamesh._graph.elements import Elements, of_wedges
+from deltamesh._graph.permutations import numbered
+from deltamesh._streams.labels import decode_labels, encode_labels
 from deltamesh_formats.container.attribute_table import FACES, OWN_CLASSES, Entry
 from deltamesh_formats.errors import FormatError
 
@@ -19,88 +20,135 @@ _Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Units:
-    """Where the elements of an attribute's domain have their values from.
+class Owners:
+    """Elements that own the values of an attribute.
 
     Attributes
     ----------
     of_elements : int64 (count,)
-        The unit of each element.
+        The owner of each element of the domain.
     elements : Elements
-        The units.
-    classes : int64 (3 m,) or None
-        Of the corners of the triangles, where these are the units.
+        The owners, and their neighbours.
+    has : bool (owners,)
+        Whether an owner has a value.
+    wedges : int64 (3 m,) or None
+        The wedge of each corner of the triangles, where wedges are the owners.
     reference : int
         As `Entry.classes`.
-    streams : list of bytes
-        What tells the classes, if anything has to.
+    streams : tuple of bytes
+        The coded wedges and the coded presence of values, each if there is one.
     """
 
     of_elements: _Ints
     elements: Elements
-    classes: _Ints | None = None
+    has: NDArray[np.bool_]
+    wedges: _Ints | None = None
     reference: int = OWN_CLASSES
-    streams: list[bytes] = field(default_factory=list)
+    streams: tuple[bytes, ...] = ()
+
+    def rows(self, of_elements: _Ints) -> _Ints:
+        """Return the row of each owner, from those of the elements."""
+        rows = np.empty(self.elements.count, dtype=np.int64)
+        rows[self.of_elements] = of_elements
+        return rows
 
 
-def encode_units(entry: Entry, rows: _Ints, places: Places, before: Sequence[Coded]) -> Units:
-    """Return the units of elements with these rows (count,), -1 for none.
+def encode_owners(
+    entry: Entry, rows: _Ints, domains: Domains, earlier: Sequence[_Ints | None]
+) -> Owners:
+    """Return the owners of the values of elements with these rows.
 
-    Corners have the classes of an attribute before if those are the same.
+    Parameters
+    ----------
+    entry : Entry
+    rows : int64 (count,)
+        -1 for an element without a value.
+    domains : Domains
+    earlier : sequence of int64 (3 m,) or None
+        Of each attribute before, the wedges of its own; corners with the same wedges refer to them.
     """
-    simple = _simple(entry, places)
-    if simple is not None:
-        return simple
-    first = places.polygons.offsets[:-1]
-    if (rows == rows[first][places.face_of_corners]).all():
-        return Units(places.face_of_corners, places.faces, reference=FACES)
-    stream, classes = encode_classes(places.structure, places.polygons, rows + 1)
-    for k, other in enumerate(before):
-        own = other.classes if other.entry.classes == OWN_CLASSES else None
-        if own is not None and np.array_equal(own, classes):
-            return _of_classes(classes, places, k + 2)
-    return _of_classes(classes, places, OWN_CLASSES, [stream])
+    owners = _owners(entry, rows, domains, earlier)
+    has = owners.rows(rows) >= 0
+    if has.all():
+        return owners
+    presence = encode_labels(owners.elements, numbered(has.astype(np.int64))[0])
+    return replace(owners, has=has, streams=(*owners.streams, presence))
 
 
-def decode_units(
+def decode_owners(
     payload: memoryview,
     streams: list[tuple[int, int]],
     entry: Entry,
-    places: Places,
-    before: Sequence[Coded],
-) -> Units:
-    """Return the units; their stream, the first, is taken off the list.
+    domains: Domains,
+    earlier: Sequence[_Ints | None],
+) -> Owners:
+    """Return the owners: the mirror of `encode_owners`.
+
+    Their streams, the first ones, are removed from the list.
 
     Raises
     ------
     FormatError
     """
-    simple = _simple(entry, places)
-    if simple is not None:
-        return simple
-    if entry.classes == FACES:
-        return Units(places.face_of_corners, places.faces, reference=FACES)
-    if entry.classes == OWN_CLASSES:
-        begin, end = streams.pop(0)
-        classes = decode_classes(payload, begin, end, places.structure)
-        p = places.polygons
-        if (classes[p.corners][p.of_corners] != classes).any():
-            raise FormatError("a corner of a polygon in two classes", begin)
-        return _of_classes(classes, places, OWN_CLASSES)
-    shared = before[entry.classes - 2].classes
-    assert shared is not None  # by the rules of the table
-    return _of_classes(shared, places, entry.classes)
+    start = streams[0][0] if streams else 0
+    owners = _known_owners(entry, domains)
+    if owners is None:
+        if entry.classes == OWN_CLASSES:
+            wedges = _own_wedges(payload, streams.pop(0), domains)
+        else:
+            shared = earlier[entry.classes - 2]
+            assert shared is not None  # by the rules of the table
+            wedges = shared
+        owners = _of_wedges(wedges, domains, entry.classes)
+    if not entry.partly:
+        return owners
+    begin, end = streams.pop(0)
+    try:
+        labels = decode_labels(payload[begin:end], owners.elements)
+    except FormatError as error:
+        raise FormatError(error.reason, begin + (error.offset or 0)) from None
+    if labels.max(initial=0) > 1:
+        raise FormatError("presence label above 1", start)
+    return replace(owners, has=(labels == 1) == entry.first_none)
 
 
-def _simple(entry: Entry, places: Places) -> Units | None:
+def _owners(entry: Entry, rows: _Ints, domains: Domains, earlier: Sequence[_Ints | None]) -> Owners:
     if entry.domain == "corner":
-        return None
-    elements = places.vertices if entry.domain == "vertex" else places.faces
-    return Units(np.arange(elements.count), elements)
+        first = domains.polygons.offsets[:-1]
+        per_polygon = (rows == rows[first][domains.polygon_of_corners]).all()
+        entry = replace(entry, classes=FACES if per_polygon else OWN_CLASSES)
+    known = _known_owners(entry, domains)
+    if known is not None:
+        return known
+    stream, wedges = encode_wedges(domains.structure, domains.polygons, rows + 1)
+    for k, other in enumerate(earlier):
+        if other is not None and np.array_equal(other, wedges):
+            return _of_wedges(wedges, domains, k + 2)
+    return replace(_of_wedges(wedges, domains, OWN_CLASSES), streams=(stream,))
 
 
-def _of_classes(
-    classes: _Ints, places: Places, reference: int, streams: Sequence[bytes] = ()
-) -> Units:
-    elements = of_wedges(classes)
-    return Units(classes[places.polygons.corners], elements, classes, reference, list(streams))
+def _known_owners(entry: Entry, domains: Domains) -> Owners | None:
+    """Return vertices or polygons as owners, None where wedges are."""
+    if entry.domain == "corner":
+        if entry.classes != FACES:
+            return None
+        of_elements, elements, reference = domains.polygon_of_corners, domains.faces, FACES
+    else:
+        elements = domains.vertices if entry.domain == "vertex" else domains.faces
+        of_elements, reference = np.arange(elements.count), OWN_CLASSES
+    return Owners(of_elements, elements, np.ones(elements.count, bool), reference=reference)
+
+
+def _own_wedges(payload: memoryview, stream: tuple[int, int], domains: Domains) -> _Ints:
+    begin, end = stream
+    wedges = decode_wedges(payload, begin, end, domains.structure)
+    p = domains.polygons
+    if (wedges[p.corners][p.of_corners] != wedges).any():
+        raise FormatError("corner of a polygon in two wedges", begin)
+    return wedges
+
+
+def _of_wedges(wedges: _Ints, domains: Domains, reference: int) -> Owners:
+    elements = of_wedges(wedges)
+    of_elements = wedges[domains.polygons.corners]
+    return Owners(of_elements, elements, np.ones(elements.count, bool), wedges, reference)

@@ -1,4 +1,4 @@
-"""The choice of anchors, the vertices whose positions are stored beside the deltas.
+"""Choice of anchors, the vertices whose positions are stored beside the deltas.
 
 `farthest` and `random` follow from integers that the decoder has; it calls them as well, so what
 they return for given arguments is part of the format. `greedy` looks at the geometry: its indices

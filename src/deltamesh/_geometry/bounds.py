@@ -1,4 +1,4 @@
-"""What a quality means: bounds on errors."""
+"""Bounds on errors, from a quality or from errors in units."""
 
 from __future__ import annotations
 
@@ -7,14 +7,16 @@ from dataclasses import dataclass
 from typing import Final
 
 from deltamesh._measures.metrics import VertexErrors
+from deltamesh._methods import AUTO
 from deltamesh._options import DEFAULT_QUALITY, Options
 from deltamesh_formats.errors import TargetError
 
-# By how much positions may differ between machines and solvers, over the diagonal.
-TOLERANCE: Final = 1e-9
+# Positions may differ by that between machines and solvers, in diagonals of the bounding box
+# (SPEC.md 5.4).
+POSITION_TOLERANCE: Final = 1e-9
 
-# What quality 5 means: the mean deviation of the face normals in degrees, which shading does not
-# show, and the RMS distance over the diagonal, which bounds how far a silhouette drifts. Two levels
+# The bounds of quality 5: the mean deviation of the face normals in degrees, which shading does not
+# show, and the RMS distance over the diagonal, which bounds the error of a silhouette. Two levels
 # up halve both.
 QUALITY_NORMAL: Final = 1.0
 QUALITY_RMS: Final = 1.5e-3
@@ -35,29 +37,29 @@ class Bounds:
 
     def excess(self, errors: VertexErrors) -> float:
         """Return the largest of the shares."""
-        return max(self.drift(errors), self.look(errors))
+        return max(self.distance_excess(errors), self.angle_excess(errors))
 
-    def drift(self, errors: VertexErrors) -> float:
+    def distance_excess(self, errors: VertexErrors) -> float:
         """Return the largest share of a distance."""
         return max(_share(errors.rms, self.rms), _share(errors.max, self.max))
 
-    def look(self, errors: VertexErrors) -> float:
+    def angle_excess(self, errors: VertexErrors) -> float:
         """Return the largest share of an angle."""
         normal = _share(errors.normal_deviation, self.normal_deviation)
         return max(normal, _share(errors.dihedral, self.dihedral))
 
     @property
-    def has_look(self) -> bool:
+    def has_angle(self) -> bool:
         """Whether an angle is bounded."""
         return min(self.normal_deviation, self.dihedral) < math.inf
 
     def missed(self, errors: VertexErrors) -> TargetError:
-        """Return what to raise where the errors are the least that could be had."""
+        """Return the error to raise where no trial has smaller errors than these."""
         shares = self.shares(errors)
         name = max(shares, key=lambda name: shares[name])
         bound, had = getattr(self, name), getattr(errors, name)
         text = name.replace("_", " ")
-        return TargetError(f"{text} {bound:g} cannot be met: {had:g} is the least there was")
+        return TargetError(f"{text} {bound:g} cannot be met: the least found is {had:g}")
 
 
 def _share(error: float, bound: float) -> float:
@@ -80,19 +82,19 @@ def bounds_of(options: Options, scale: float) -> Bounds | None:
     TargetError
         For a distance that positions may differ by between machines.
     """
-    if options.method == "auto" and not options.has_rate:
+    if options.method == AUTO and not options.has_rate:
         return _of_quality(DEFAULT_QUALITY, scale)
     largest = min(options.max_error or math.inf, (options.max_error_rel or math.inf) * scale)
-    if not largest > 2 * TOLERANCE * scale and scale:
+    if not largest > 2 * POSITION_TOLERANCE * scale and scale:
         raise TargetError(
             f"a distance of {largest:g} cannot be promised: positions may differ by"
-            f" {TOLERANCE * scale:g} between machines"
+            f" {POSITION_TOLERANCE * scale:g} between machines"
         )
-    look = Bounds() if options.quality is None else _of_quality(options.quality, scale)
+    quality = Bounds() if options.quality is None else _of_quality(options.quality, scale)
     bounds = Bounds(
-        rms=look.rms,
-        max=largest - TOLERANCE * scale,
-        normal_deviation=min(options.normal_error or math.inf, look.normal_deviation),
+        rms=quality.rms,
+        max=largest - POSITION_TOLERANCE * scale,
+        normal_deviation=min(options.normal_error or math.inf, quality.normal_deviation),
         dihedral=options.dihedral_error or math.inf,
     )
     return None if bounds == Bounds() else bounds

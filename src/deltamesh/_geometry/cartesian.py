@@ -1,7 +1,6 @@
-"""The Cartesian method: positions on a grid, predicted by parallelograms.
+"""Cartesian method: positions on a grid, predicted by parallelograms.
 
-For CAD parts and very coarse meshes, and the baseline of every comparison. The encoder's functions
-and the decoder's are mirrors: quantize / reconstruct, write / read.
+For CAD parts and very coarse meshes, and the baseline of every comparison.
 """
 
 from __future__ import annotations
@@ -11,14 +10,16 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._geometry.integers import NO_POINTS, NONE, Integers, Quantized
+from deltamesh._geometry.integers import Integers, Quantized
 from deltamesh._geometry.quantize import from_grid, grid_step, to_grid
 from deltamesh._geometry.solve import Factor
 from deltamesh._kernels.coding import parallelogram
 from deltamesh._kernels.coding.coder import Coder
+from deltamesh._methods import CARTESIAN
 from deltamesh._options import DEFAULT_CARTESIAN_BITS, Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams import entropy
+from deltamesh_formats.container import layout
 from deltamesh_formats.container.layout import Parameters, Section
 from deltamesh_formats.container.reader import payload_of
 
@@ -30,69 +31,45 @@ def quantize(
     settings: Settings,
     factor: Factor,
 ) -> Quantized:
-    """Choose the grid, and round; the mirror is `reconstruct`.
-
-    Parameters
-    ----------
-    surface : Surface
-    vertices, isolated : float64 (n, 3), (i, 3)
-        Positions of the vertices of the faces in coding order, and of the others by x.
-    settings : Settings
-    factor : callable
-        Not used: there is nothing to solve.
-
-    Raises
-    ------
-    MeshError
-    """
+    """Choose the grid, and round to its points."""
     everything = np.concatenate([vertices, isolated])
     origin = everything.min(axis=0)
     bits = settings.bits if settings.bits or settings.step else DEFAULT_CARTESIAN_BITS
     step = settings.step or grid_step(everything, bits or 1)
     grid, last = to_grid(vertices, origin, step), to_grid(isolated, origin, step)
     parameters = Parameters(
-        method="cartesian",
-        diffusion=False,
-        anchor_method=None,
+        method=CARTESIAN.name,
         bits=bits,
         step=step,
         origin=(float(origin[0]), float(origin[1]), float(origin[2])),
-        anchor_step=0.0,
-        seed=0,
-        anchor_count=0,
         isolated=surface.isolated_count,
     )
-    integers = Integers(np.concatenate([grid, last]), NONE, NO_POINTS, NO_POINTS)
+    integers = Integers(np.concatenate([grid, last]))
     return parameters, integers, reconstruct(surface, parameters, integers, factor)
 
 
 def reconstruct(
     surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
 ) -> NDArray[np.float64]:
-    """Return the positions; isolated vertices come last. There is nothing to solve."""
+    """Return the grid points; there is nothing to solve."""
     return from_grid(integers.values, np.array(parameters.origin), parameters.step)
 
 
-def write(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
+def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
     """Return the payload of CART."""
     coder = entropy.encoder(len(integers.values), parallelogram.SLOTS, parallelogram.MIXERS)
     _code(coder, surface, integers.values.copy())
-    return {"CART": entropy.finish(coder)}
+    return {layout.CARTESIAN: entropy.finish(coder)}
 
 
-def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
-    """Return the integers: the mirror of `write`.
-
-    Raises
-    ------
-    FormatError
-    """
+def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
+    """Return the grid points."""
     values = np.zeros((surface.vertex_count + surface.isolated_count, 3), dtype=np.int64)
-    with payload_of(sections["CART"]) as payload:
+    with payload_of(sections[layout.CARTESIAN]) as payload:
         coder = entropy.decoder(payload, parallelogram.SLOTS, parallelogram.MIXERS)
         _code(coder, surface, values)
         entropy.check_end(coder, 0)
-    return Integers(values, NONE, NO_POINTS, NO_POINTS)
+    return Integers(values)
 
 
 def _code(coder: Coder, surface: Surface, values: NDArray[np.int64]) -> None:

@@ -1,8 +1,7 @@
-"""The high-pass method: quantized delta coordinates and anchors.
+"""High-pass method: quantized delta coordinates and anchors.
 
 O. Sorkine, D. Cohen-Or, S. Toledo, "High-Pass Quantization for Mesh Encoding", SGP 2003;
-D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006. The encoder's
-functions and the decoder's are mirrors: quantize / reconstruct, write / read.
+D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
 """
 
 from __future__ import annotations
@@ -23,6 +22,7 @@ from deltamesh._measures.metrics import diagonal
 from deltamesh._options import DEFAULT_HIGHPASS_STEP, Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams import entropy
+from deltamesh_formats.container import layout
 from deltamesh_formats.container.layout import Parameters, Section
 from deltamesh_formats.container.reader import payload_of, take
 from deltamesh_formats.errors import FormatError, OptionError
@@ -42,20 +42,7 @@ def quantize(
     settings: Settings,
     factor: Factor,
 ) -> Quantized:
-    """Choose steps and anchors, and round.
-
-    Parameters
-    ----------
-    surface : Surface
-    vertices, isolated : float64 (n, 3), (i, 3)
-        Positions of the vertices of the faces in coding order, and of the others by x.
-    settings : Settings
-    factor : callable
-
-    Raises
-    ------
-    MeshError, OptionError, SolveError
-    """
+    """Choose steps and anchors, and round deltas and anchors."""
     delta = surface.laplacian @ vertices
     step = step_of(vertices, delta, settings)
     values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
@@ -64,20 +51,15 @@ def quantize(
         values = quantize_delta(delta, surface.graph, step, (share, share))
     parameters, integers = anchored(surface, vertices, isolated, values, step, settings, factor)
     W = solved(deltas(parameters, integers), parameters, integers, factor)
-    return finish(W, vertices, parameters, integers, settings)
+    return corrected(W, vertices, parameters, integers, settings)
 
 
 def reconstruct(
     surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
 ) -> NDArray[np.float64]:
-    """Solve [L; S] x = [delta'; c] in the least-squares sense; isolated vertices come last.
-
-    Raises
-    ------
-    SolveError
-    """
+    """Solve [L; S] x = [delta'; c] in the least-squares sense, and add the corrections."""
     W = solved(deltas(parameters, integers), parameters, integers, factor)
-    return finished(W, parameters, integers)
+    return all_positions(W, parameters, integers)
 
 
 def anchored(
@@ -93,7 +75,7 @@ def anchored(
     everything = np.concatenate([vertices, isolated])
     origin, fine = everything.min(axis=0), _anchor_step(everything, step)
     grid, isolated_grid = to_grid(vertices, origin, fine), to_grid(isolated, origin, fine)
-    coarse = settings.coarse if settings.method == "refined" else 1.0
+    coarse = settings.coarse if settings.layout.coarse else 1.0
     delta, fixed = to_delta(values, coarse * step), from_grid(grid, origin, fine)
     anchors = _choose(surface, vertices, delta, fixed, settings, factor)
     parameters = Parameters(
@@ -112,7 +94,7 @@ def anchored(
     return parameters, Integers(values, anchors, grid[anchors], isolated_grid)
 
 
-def finish(
+def corrected(
     W: NDArray[np.float64],
     vertices: NDArray[np.float64],
     parameters: Parameters,
@@ -132,7 +114,7 @@ def finish(
         fixes = to_grid(np.where(far[:, None], error, 0.0), np.zeros(3), parameters.step)
         if fixes.any():
             integers = replace(integers, corrections=fixes)
-    return parameters, integers, finished(W, parameters, integers)
+    return parameters, integers, all_positions(W, parameters, integers)
 
 
 def solved(
@@ -148,10 +130,10 @@ def deltas(parameters: Parameters, integers: Integers) -> NDArray[np.float64]:
     return to_delta(integers.values, parameters.coarse * parameters.step)
 
 
-def finished(
+def all_positions(
     vertices: NDArray[np.float64], parameters: Parameters, integers: Integers
 ) -> NDArray[np.float64]:
-    """Return the vertices of the faces, corrected, then the isolated ones."""
+    """Return the solution with its corrections, then the isolated vertices."""
     if len(integers.corrections):
         vertices = vertices + parameters.step * integers.corrections
     isolated = from_grid(integers.isolated, np.array(parameters.origin), parameters.anchor_step)
@@ -159,7 +141,7 @@ def finished(
 
 
 def step_of(vertices: NDArray[np.float64], delta: NDArray[np.float64], settings: Settings) -> float:
-    """Return the quantization step that is asked for, 0 for 0 bits."""
+    """Return the quantization step of the settings, 0 for 0 bits."""
     if settings.bits is not None:
         return delta_step(delta, settings.bits) if settings.bits else 0.0
     return settings.step or DEFAULT_HIGHPASS_STEP * diagonal(vertices) or 1.0
@@ -181,7 +163,7 @@ def _choose(
     settings: Settings,
     factor: Factor,
 ) -> NDArray[np.int64]:
-    """Return the anchors that are asked for, ascending where their indices are stored."""
+    """Return the anchors of the settings, ascending where their indices are stored."""
     components = int(surface.labels.max(initial=-1)) + 1
     try:
         k = choice.count_anchors(settings.anchors, surface.vertex_count, components)
@@ -199,43 +181,38 @@ def _computed(surface: Surface, method: str, k: int, seed: int) -> NDArray[np.in
     return choice.farthest(*surface.graph, surface.labels, k)
 
 
-def write(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
+def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
     """Return the payloads of ANCH and DELT, and of FIXS where there are corrections."""
     payloads = {
-        "ANCH": _write_anchors(surface, parameters, integers),
-        "DELT": _write_vectors(surface, integers.values) if parameters.step else b"",
+        layout.ANCHORS: _encode_anchors(surface, parameters, integers),
+        layout.DELTAS: _encode_vectors(surface, integers.values) if parameters.step else b"",
     }
     if len(integers.corrections):
-        payloads["FIXS"] = _write_vectors(surface, integers.corrections)
+        payloads[layout.CORRECTIONS] = _encode_vectors(surface, integers.corrections)
     return payloads
 
 
-def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
-    """Return the integers: the mirror of `write`.
-
-    Raises
-    ------
-    FormatError
-    """
-    with payload_of(sections["ANCH"]) as payload:
-        anchors, positions, isolated = _read_anchors(surface, parameters, payload)
-    with payload_of(sections["DELT"]) as payload:
+def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
+    """Return anchors, deltas and corrections."""
+    with payload_of(sections[layout.ANCHORS]) as payload:
+        anchors, positions, isolated = _decode_anchors(surface, parameters, payload)
+    with payload_of(sections[layout.DELTAS]) as payload:
         if parameters.step:
-            values = _read_vectors(surface, payload)
+            values = _decode_vectors(surface, payload)
         elif len(payload):
             raise FormatError("deltas in a file of 0 bits", 0)
         else:
             values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
     integers = Integers(values, anchors, positions, isolated)
-    if "FIXS" not in sections:
+    if layout.CORRECTIONS not in sections:
         return integers
-    with payload_of(sections["FIXS"]) as payload:
+    with payload_of(sections[layout.CORRECTIONS]) as payload:
         if not parameters.step:
             raise FormatError("corrections in a file of 0 bits", 0)
-        return replace(integers, corrections=_read_vectors(surface, payload))
+        return replace(integers, corrections=_decode_vectors(surface, payload))
 
 
-def _write_anchors(surface: Surface, parameters: Parameters, integers: Integers) -> bytes:
+def _encode_anchors(surface: Surface, parameters: Parameters, integers: Integers) -> bytes:
     both = np.concatenate([integers.positions, integers.isolated])
     bits = [int(size).bit_length() for size in both.max(axis=0, initial=0)]
     coder = entropy.encoder(len(both), points.SLOTS, points.MIXERS)
@@ -247,7 +224,7 @@ def _write_anchors(surface: Surface, parameters: Parameters, integers: Integers)
     return bytes(bits) + entropy.finish(coder)
 
 
-def _read_anchors(
+def _decode_anchors(
     surface: Surface, parameters: Parameters, payload: memoryview
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     bits = np.array(take(payload, 0, 3), dtype=np.int64)
@@ -260,7 +237,7 @@ def _read_anchors(
     isolated = np.zeros((surface.isolated_count, 3), dtype=np.int64)
     if parameters.anchor_method == "greedy":
         if not points.code_gaps(coder, anchors, n):
-            raise FormatError("an anchor that is no vertex", 3)
+            raise FormatError("an anchor beyond the last vertex", 3)
     else:
         anchors = _computed(surface, str(parameters.anchor_method), k, parameters.seed)
     labels = surface.labels
@@ -273,13 +250,13 @@ def _read_anchors(
     return anchors, positions, isolated
 
 
-def _write_vectors(surface: Surface, values: NDArray[np.int64]) -> bytes:
+def _encode_vectors(surface: Surface, values: NDArray[np.int64]) -> bytes:
     coder = entropy.encoder(len(values), residual.SLOTS, residual.MIXERS)
     delta_kernels.code_deltas(coder, *surface.graph, values.copy())
     return entropy.finish(coder)
 
 
-def _read_vectors(surface: Surface, payload: memoryview) -> NDArray[np.int64]:
+def _decode_vectors(surface: Surface, payload: memoryview) -> NDArray[np.int64]:
     values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
     coder = entropy.decoder(payload, residual.SLOTS, residual.MIXERS)
     delta_kernels.code_deltas(coder, *surface.graph, values)

@@ -1,13 +1,17 @@
-"""The integers of a geometry, exactly as they are entropy-coded."""
+"""Integers of a geometry, exactly as they are entropy-coded."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh_formats.container.layout import Parameters
+
+NONE: Final = np.zeros(0, dtype=np.int64)
+NO_POINTS: Final = np.zeros((0, 3), dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -17,35 +21,31 @@ class Integers:
     Attributes
     ----------
     values : int64 (n, 3)
-        Quantized delta coordinates; or grid points, or bit patterns of binary64, with the isolated
-        vertices last.
+        Quantized delta coordinates; or, without anchors, grid points or bit patterns of binary64,
+        with the isolated vertices last.
     anchors : int64 (k,)
     positions : int64 (k, 3)
         Grid points of the anchors.
     isolated : int64 (i, 3)
-        Grid points of the isolated vertices.
+        Grid points of the isolated vertices, where there are anchors.
     refinements : int64 (n, 1)
-        Of the deltas along the normals; empty where there are none.
+        Of the deltas along the normals.
     corrections : int64 (n, 3)
-        Of the positions, in steps; empty where there are none.
-    forms : int64 (k,)
-        Bytes that tell how bit patterns are spelled; empty where there are none.
+        Of the positions, in steps.
+    formats : int64 (k,)
+        Bytes of the number formats of the bit patterns.
+
+    All but the values are empty in a method that has none of them.
     """
 
     values: NDArray[np.int64]
-    anchors: NDArray[np.int64]
-    positions: NDArray[np.int64]
-    isolated: NDArray[np.int64]
-    refinements: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 1), np.int64))
-    corrections: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 3), np.int64))
-    forms: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    anchors: NDArray[np.int64] = field(default_factory=lambda: NONE)
+    positions: NDArray[np.int64] = field(default_factory=lambda: NO_POINTS)
+    isolated: NDArray[np.int64] = field(default_factory=lambda: NO_POINTS)
+    refinements: NDArray[np.int64] = field(default_factory=lambda: NONE.reshape(0, 1))
+    corrections: NDArray[np.int64] = field(default_factory=lambda: NO_POINTS)
+    formats: NDArray[np.int64] = field(default_factory=lambda: NONE)
 
 
-# What quantizing returns: what goes into the file, and what a decoder will make of it.
+# Parameters and integers of a file, and the positions that a decoder will make of them.
 Quantized = tuple[Parameters, Integers, NDArray[np.float64]]
-
-
-NONE = np.zeros(0, dtype=np.int64)
-
-
-NO_POINTS = np.zeros((0, 3), dtype=np.int64)

@@ -1,10 +1,12 @@
 """Steps, grids and rounding.
 
-The step of the papers: the range of what is quantized over 2^B, for B bits a coordinate
+The step of the papers: the range of the quantized values over 2^B, for B bits a coordinate
 (O. Sorkine, D. Cohen-Or, S. Toledo, "High-Pass Quantization for Mesh Encoding", SGP 2003).
 """
 
 from __future__ import annotations
+
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +14,8 @@ from numpy.typing import NDArray
 from deltamesh._kernels.coding import delta as kernels
 from deltamesh_formats.errors import MeshError
 
-# What the entropy coder takes: |value| < 2^31, with a bit to spare for diffused errors.
-LARGEST = 1 << 30
+# The entropy coder takes |value| < 2^31; a bit is to spare for diffused errors.
+MOST_STEPS: Final = 1 << 30
 
 
 def delta_step(delta: NDArray[np.float64], bits: int) -> float:
@@ -36,7 +38,7 @@ def to_grid(
     Raises
     ------
     MeshError
-        If the step is too small for the extent: 2^30 steps is what a file holds.
+        If the step is too small for the extent: a file holds up to 2^30 steps.
     """
     grid = np.rint((vertices - origin) / step)
     _check_size(grid, step)
@@ -69,7 +71,7 @@ def quantize_delta(
 
     Diffusion visits the vertices in their order and hands the error of each on, in equal parts,
     to its neighbours that are still to come; the sum of the errors over any region then nearly
-    vanishes, which is what low frequencies are made of. The decoder is the same.
+    vanishes, and with it the error in low frequencies. The decoder is the same.
 
     Parameters
     ----------
@@ -93,7 +95,7 @@ def quantize_delta(
     Raises
     ------
     MeshError
-        If the step is too small for the deltas: 2^30 steps is what a file holds.
+        If the step is too small for the deltas: a file holds up to 2^30 steps.
     """
     _check_size(delta / step, step)
     N = np.zeros_like(delta) if normals is None else normals
@@ -103,5 +105,5 @@ def quantize_delta(
 
 
 def _check_size(steps: NDArray[np.float64], step: float) -> None:
-    if len(steps) and not np.abs(steps).max() < LARGEST:
+    if len(steps) and not np.abs(steps).max() < MOST_STEPS:
         raise MeshError(f"a quantization step of {step:g} is too small for this mesh")

@@ -1,4 +1,4 @@
-"""The refined method: coarse delta coordinates, and a fine correction along the normals.
+"""Refined method: coarse delta coordinates, and a fine correction along the normals.
 
 An error along the surface only slides a vertex within it; normals and dihedral angles feel the
 error across it. So the deltas are quantized with `coarse` times the step, the surface is
@@ -28,7 +28,7 @@ from deltamesh._kernels.coding import residual
 from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams import entropy
-from deltamesh_formats.container.layout import Parameters, Section
+from deltamesh_formats.container.layout import NORMALS, Parameters, Section
 from deltamesh_formats.container.reader import payload_of
 
 # Dead zones: beyond half a step, what is still rounded to 0. Over eight meshes and both errors,
@@ -51,7 +51,7 @@ def quantize(
     settings: Settings,
     factor: Factor,
 ) -> Quantized:
-    """Quantize as `highpass.quantize` does, coarsely; then what is left along the normals."""
+    """Quantize as `highpass.quantize` does, coarsely; then the remainder along the normals."""
     L, graph = surface.laplacian, surface.graph
     delta = L @ vertices
     step = highpass.step_of(vertices, delta, settings)
@@ -70,22 +70,17 @@ def quantize(
     )
     W = highpass.solved(coarse + (step * fine) * N, parameters, integers, factor)
     integers = replace(integers, refinements=fine)
-    return highpass.finish(W, vertices, parameters, integers, settings)
+    return highpass.corrected(W, vertices, parameters, integers, settings)
 
 
 def reconstruct(
     surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
 ) -> NDArray[np.float64]:
-    """Solve for the coarse deltas, correct them along the normals, and solve again.
-
-    Raises
-    ------
-    SolveError
-    """
+    """Solve for the coarse deltas, correct them along the normals, and solve again."""
     coarse, N = _stage(surface, factor, parameters, integers)
     fine = coarse + (parameters.step * integers.refinements) * N
     W = highpass.solved(fine, parameters, integers, factor)
-    return highpass.finished(W, parameters, integers)
+    return highpass.all_positions(W, parameters, integers)
 
 
 def _stage(
@@ -97,24 +92,19 @@ def _stage(
     return coarse, vertex_normals(W, surface.faces, parameters.coarse * parameters.step)
 
 
-def write(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
+def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
     """Return the payloads of ANCH, DELT and NORM."""
     coder = entropy.encoder(surface.vertex_count, residual.SLOTS, residual.MIXERS)
     values = integers.refinements.copy()
     kernels.code_refinements(coder, *surface.graph, integers.values, values)
-    return {**highpass.write(surface, parameters, integers), "NORM": entropy.finish(coder)}
+    return {**highpass.encode(surface, parameters, integers), NORMALS: entropy.finish(coder)}
 
 
-def read(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
-    """Return the integers: the mirror of `write`.
-
-    Raises
-    ------
-    FormatError
-    """
-    integers = highpass.read(surface, parameters, sections)
+def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
+    """Return the integers of the high-pass method, and the refinements."""
+    integers = highpass.decode(surface, parameters, sections)
     refinements = np.zeros((surface.vertex_count, 1), dtype=np.int64)
-    with payload_of(sections["NORM"]) as payload:
+    with payload_of(sections[NORMALS]) as payload:
         coder = entropy.decoder(payload, residual.SLOTS, residual.MIXERS)
         kernels.code_refinements(coder, *surface.graph, integers.values, refinements)
         entropy.check_end(coder, 0)

@@ -1,6 +1,6 @@
-"""The search for the fewest bytes within bounds on the errors.
+"""Search for the fewest bytes within bounds on the errors.
 
-It believes only what it has measured: a trial is quantized, coded and decoded whole, and the file
+It believes measurements only: a trial is quantized, coded and decoded whole, and the file
 is the smallest trial within the bounds. Errors are nearly proportional to steps, so that few trials
 find a step; a method whose first trials show that it cannot win is given up.
 """
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from deltamesh._geometry.bounds import Bounds
 from deltamesh._geometry.integers import Integers
 from deltamesh._measures.metrics import VertexErrors
+from deltamesh._methods import AUTO, CARTESIAN, HIGHPASS, METHODS, REFINED
 from deltamesh._options import DEFAULT_COARSE, Options, Settings, settings_of
 from deltamesh_formats.container.layout import Parameters
 from deltamesh_formats.errors import MeshError, TargetError
@@ -29,7 +30,7 @@ CLOSE: Final = {1: 0.85, 2: 0.93, 3: 0.97}
 # than that effort calls near enough.
 MOST_TRIES, LOOSE_TRIES, TRIES = 16, 8, 4
 LOOSE: Final = 0.75
-# How far one guess may go beyond what has been measured.
+# The largest factor from a measured step to the next guess.
 FURTHEST: Final = 32.0
 # The least power of the step that errors are taken to grow with.
 FLATTEST: Final = 0.25
@@ -37,27 +38,24 @@ FLATTEST: Final = 0.25
 PER_OCTAVE: Final = 0.5
 # How coarse the deltas may be, by effort, the likeliest first.
 COARSE: Final = {1: (8.0,), 2: (8.0, 4.0), 3: (8.0, 4.0, 16.0, 2.0)}
-# Where drift, not the look, would bound the step, four times the anchors divide it by three or so,
-# for 0.15 bits a vertex; but not more of them than that share of the vertices.
-MORE_ANCHORS, LESS_DRIFT = 4, 3
+# Where a distance, not an angle, would bound the step, four times the anchors divide distances by
+# three or so, for 0.15 bits a vertex; but not more of them than that share of the vertices.
+MORE_ANCHORS, LESS_DISTANCE = 4, 3
 MOST_ANCHORS: Final = 0.016
 # With corrections, steps change by this as long as the files shrink.
 GROWTH: Final = 1.6
-# The first guess: step over mean edge for a mean normal deviation of one degree, by method, where
-# the coarse factor is 8; medians over scans and CAD parts.
-STEP_PER_DEGREE: Final = {"refined": 0.09, "highpass": 0.12, "cartesian": 0.03}
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One way to code a geometry: what a file would hold, and what a decoder would make of it.
+    """A geometry under some settings: the contents of a file, and what its decoder makes of them.
 
     Attributes
     ----------
     settings : Settings
     parameters : Parameters
     integers : Integers
-    write : callable
+    encode : callable
         Makes the payloads, which only a trial within the bounds needs.
     vertices : float64 (n, 3)
         Decoded.
@@ -67,14 +65,14 @@ class Trial:
     settings: Settings
     parameters: Parameters
     integers: Integers
-    write: Callable[[], dict[str, bytes]]
+    encode: Callable[[], dict[str, bytes]]
     vertices: NDArray[np.float64]
     errors: VertexErrors
 
     @cached_property
     def payloads(self) -> dict[str, bytes]:
         """The sections of the geometry, by their ids."""
-        return self.write()
+        return self.encode()
 
     @property
     def size(self) -> int:
@@ -86,7 +84,7 @@ Attempt = Callable[[Settings], Trial]
 
 
 def smallest(options: Options, bounds: Bounds | None, edge: float, attempt: Attempt) -> Trial:
-    """Return the smallest trial within the bounds; without bounds, what the options say.
+    """Return the smallest trial within the bounds; without bounds, the trial of the options.
 
     Parameters
     ----------
@@ -111,9 +109,9 @@ def smallest(options: Options, bounds: Bounds | None, edge: float, attempt: Atte
         start = _guess(settings, bounds, edge, best)
         if best is not None and best.settings.method == settings.method:
             settings = replace(settings, anchors=best.settings.anchors)
-        elif options.anchors is None and settings.method != "cartesian":
+        elif options.anchors is None and settings.layout.anchored:
             settings = _anchored(settings, bounds, start, attempt)
-        if bounds.has_look:
+        if bounds.has_angle:
             settings = replace(settings, largest=bounds.max)
         found = _fit(settings, bounds, start, options.effort, attempt, best, missed)
         if best is None or (found is not None and found.size < best.size):
@@ -126,60 +124,60 @@ def smallest(options: Options, bounds: Bounds | None, edge: float, attempt: Atte
 
 
 def _at_rate(options: Options, edge: float, attempt: Attempt) -> Trial:
-    """Return the trial at the rate of the options; for "auto", what has its errors in less."""
-    if options.method != "auto":
+    """Return the trial at the rate of the options; for "auto", the smallest of equal errors."""
+    if options.method != AUTO:
         return attempt(settings_of(options, options.method))
     if options.bits == 0:
-        return attempt(settings_of(options, "highpass"))
-    best = attempt(settings_of(options, "refined"))
+        return attempt(settings_of(options, HIGHPASS.name))
+    best = attempt(settings_of(options, REFINED.name))
     bounds = Bounds(normal_deviation=best.errors.normal_deviation, dihedral=best.errors.dihedral)
-    settings = replace(settings_of(options, "cartesian"), bits=None)
+    settings = replace(settings_of(options, CARTESIAN.name), bits=None)
     start = _guess(settings, bounds, edge, None)
     rival = _fit(settings, bounds, start, options.effort, attempt, best, [])
     return best if rival is None or best.size <= rival.size else rival
 
 
 def _candidates(options: Options, bounds: Bounds) -> Iterator[Settings]:
-    """Yield what to try, the likeliest first, and what is tried fast before what is not."""
-    if options.method not in ("auto", "refined"):
+    """Yield the settings to try, the likeliest first, and the fast ones before the others."""
+    if options.method not in (AUTO, REFINED.name):
         yield settings_of(options, options.method)
         return
-    refined = settings_of(options, "refined")
+    refined, cartesian = (settings_of(options, each.name) for each in (REFINED, CARTESIAN))
     coarse = COARSE[options.effort] if options.coarse is None else (options.coarse,)
-    if options.method == "auto" and not bounds.has_look:
-        # Of distances alone, the error of Cartesian coordinates has the least: it is white.
-        yield settings_of(options, "cartesian")
+    if options.method == AUTO and not bounds.has_angle:
+        # The error of Cartesian coordinates is white, which keeps distances the smallest.
+        yield cartesian
         return
     yield replace(refined, coarse=coarse[0])
-    if options.method == "auto":
-        yield settings_of(options, "cartesian")
+    if options.method == AUTO:
+        yield cartesian
     for c in coarse[1:]:
         yield replace(refined, coarse=c)
 
 
 def _anchored(settings: Settings, bounds: Bounds, step: float, attempt: Attempt) -> Settings:
-    """Return settings with more anchors where drift, not the look, would bound the step."""
+    """Return settings with more anchors where a distance, not an angle, would bound the step."""
     try:
         trial = attempt(replace(settings, step=step))
     except MeshError:  # the step is too small for the mesh: the search will find it as well
         return settings
-    drift, look = bounds.drift(trial.errors), bounds.look(trial.errors)
-    if drift <= look:
+    distance, angle = bounds.distance_excess(trial.errors), bounds.angle_excess(trial.errors)
+    if distance <= angle:
         return settings
     most = max(MOST_ANCHORS * len(trial.vertices) / trial.parameters.anchor_count, 1.0)
-    wanted = math.log(drift / look, LESS_DRIFT) if look else math.inf
+    wanted = math.log(distance / angle, LESS_DISTANCE) if angle else math.inf
     times = min(round(min(wanted, 99)), int(math.log(most, MORE_ANCHORS)))
     return replace(settings, anchors=trial.parameters.anchor_count * MORE_ANCHORS**times)
 
 
 def _guess(settings: Settings, bounds: Bounds, edge: float, best: Trial | None) -> float:
     """Return a step to begin with."""
-    # Twice as coarse deltas leave the look alone at steps 1.4 times as small, or nearly.
-    finer = math.sqrt(settings.coarse / DEFAULT_COARSE) if settings.method == "refined" else 1.0
+    # Twice as coarse deltas leave angles alone at steps 1.4 times as small, or nearly.
+    finer = math.sqrt(settings.coarse / DEFAULT_COARSE) if settings.layout.coarse else 1.0
     if best is not None and best.settings.method == settings.method:
         return best.parameters.step * math.sqrt(best.settings.coarse / settings.coarse)
     angle = min(bounds.normal_deviation, bounds.dihedral)
-    step = STEP_PER_DEGREE[settings.method] * edge * angle / finer
+    step = METHODS[settings.method].first_step * edge * angle / finer
     return min(step, bounds.rms, bounds.max, edge) or 1.0
 
 
@@ -205,7 +203,7 @@ def _fit(
         except MeshError:  # 2^30 steps are not enough for the mesh
             if excess:
                 break
-            step *= FURTHEST  # to tell at least what could be had
+            step *= FURTHEST  # so that an error can name the least bound that can be met
             continue
         x = excess[step] = bounds.excess(trial.errors)
         if x > 1:
@@ -262,13 +260,13 @@ def _power(excess: dict[float, float], step: float) -> float:
 def _with_corrections(best: Trial, bounds: Bounds, attempt: Attempt) -> Trial:
     """Return a smaller trial, if there is one, with more or with fewer corrections.
 
-    Where the look is bounded, the search has corrected from the beginning and found the largest
-    step that the look allows; a smaller one may need fewer corrections. Where it is not, the search
+    Where an angle is bounded, the search has corrected from the beginning and found the largest
+    step that the angle allows; a smaller one may need fewer corrections. Where none is, the search
     has found the largest step that needs none.
     """
-    if best.settings.method == "cartesian" or bounds.max == math.inf:
+    if not best.settings.layout.corrected or bounds.max == math.inf:
         return best
-    change = 1 / GROWTH if bounds.has_look else GROWTH
+    change = 1 / GROWTH if bounds.has_angle else GROWTH
     while True:
         step = change * best.parameters.step
         try:

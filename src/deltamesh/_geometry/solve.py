@@ -1,4 +1,4 @@
-"""The linear least-squares problem of the decoder, and the solvers behind it.
+"""Linear least-squares problem of the decoder, and the solvers behind it.
 
 The reconstruction of O. Sorkine, D. Cohen-Or, S. Toledo, "High-Pass Quantization for Mesh
 Encoding", SGP 2003, section 3: x' = argmin |A x - b|^2 with A = [L; S] and b = [delta'; c], where
@@ -148,7 +148,7 @@ def solver_name(name: str) -> str:
     Raises
     ------
     SolveError
-        If there is none of this name, or it is not installed; the message says what to do.
+        If there is none of this name, or it is not installed; the message says how to install it.
     """
     if name == "auto":
         return "rslab" if _installed("rslab") else "scipy"
@@ -282,7 +282,7 @@ def _factor_scipy(matrix: sparse.csr_array, threads: int) -> Solve:
     return lambda b: np.asarray(factor.solve(np.ascontiguousarray(b)))
 
 
-# name: (module, what to give to pip, factorization)
+# name: (module, requirement for pip, factorization)
 _SOLVERS: dict[str, tuple[str, str, Callable[[sparse.csr_array, int], Solve]]] = {
     "rslab": ("rslab", "rslab", _factor_rslab),
     "pardiso": ("pypardiso", "deltamesh[mkl]", _factor_pardiso),

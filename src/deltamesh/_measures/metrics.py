@@ -1,7 +1,7 @@
-"""How far two meshes are apart: every metric, defined once.
+"""Metrics of two meshes, each defined once.
 
 All compare a mesh with another of the same connectivity and vertex order, `reference` first.
-Lengths are in the unit of the vertices, angles in degrees. The sources are in each function.
+Lengths are in the unit of the vertices, angles in degrees. The sources are in each docstring.
 """
 
 from __future__ import annotations
@@ -27,14 +27,20 @@ VISUAL_WEIGHT = 0.15
 
 @dataclass(frozen=True)
 class VertexErrors:
-    """The errors that an encoder checks: see the functions of the same names.
+    """The errors that an encoder checks.
 
     Attributes
     ----------
     rms, max : float
         Vertex distances, in the unit of the vertices.
-    normal_deviation, dihedral : float
-        Degrees.
+    normal_deviation : float
+        The mean angle between corresponding face normals, weighted by the area in the reference, in
+        degrees. A face without area there has no weight; one that lost its area counts 90 degrees.
+    dihedral : float
+        The mean |change of the dihedral angle| over the interior edges, in degrees: the unweighted
+        form of L. Vasa, J. Rus, "Dihedral Angle Mesh Error", Comput. Graph. Forum 31(5), 2012.
+        Angles are oriented, convex and concave differ in sign, and a change is at most 180. An
+        interior edge is one of exactly two faces. A face without area continues its neighbour flat.
     """
 
     rms: float
@@ -129,24 +135,6 @@ def mean_edge(V: _Floats, F: _Ints) -> float:
     """Return the mean length of the edges, those of two faces counted twice; 0 without faces."""
     lengths = [_norm(V[F[:, i]] - V[F[:, i - 1]]) for i in range(3)]
     return float(np.mean(lengths)) if len(F) else 0.0
-
-
-def normal_deviation(V: _Floats, W: _Floats, F: _Ints) -> float:
-    """Return the mean angle between corresponding face normals, weighted by the area in V, degrees.
-
-    A face without area in V has no weight; one that lost its area in W counts 90 degrees.
-    """
-    return vertex_errors(V, W, F).normal_deviation
-
-
-def dihedral(V: _Floats, W: _Floats, F: _Ints) -> float:
-    """Return the mean |change of the dihedral angle| over the interior edges, in degrees.
-
-    The unweighted form of L. Vasa, J. Rus, "Dihedral Angle Mesh Error", Comput. Graph. Forum 31(5),
-    2012: angles are oriented, convex and concave differ in sign, and a change is at most 180. An
-    interior edge is one of exactly two faces. A face without area continues its neighbour flat.
-    """
-    return vertex_errors(V, W, F).dihedral
 
 
 def visual_error(V: _Floats, W: _Floats, F: _Ints) -> float:

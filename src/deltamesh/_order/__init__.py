@@ -1,1 +1,1 @@
-"""The order of vertices and polygons: a mesh in another order, and section ORDR."""
+"""Order of vertices and polygons: meshes in another order, and section ORDR."""

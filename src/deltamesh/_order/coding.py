@@ -1,14 +1,17 @@
-"""Keeping the order of vertices and faces: permutations of a known mesh in, bytes out, and back.
+"""Section ORDR: the order of vertices and polygons to a payload, and back; SPEC.md 5.11.
 
-An order is not without information: n! of them want log2(n!) bits. Those of real files follow the
-mesh, more or less: strips, scan lines, several of them in turns. Either all vertices come first, in
-steps over the mesh, and the faces are told by them; or the faces come first, and the vertices that
-they are the first to use come next, as most programs number them. The encoder tries.
+An order carries information: each of n! needs log2(n!) bits. Those of real files follow the mesh,
+more or less: strips, scan lines, several of them in alternation. Either all vertices come first, in
+steps over the mesh, and the polygons refer to them; or the polygons come first, and the vertices
+that they are the first to use follow in that order, as most programs number them. The encoder
+compares these plans.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -18,27 +21,27 @@ from deltamesh._graph.adjacency import adjacency_of_edges, edges_between
 from deltamesh._graph.permutations import inverse
 from deltamesh._kernels.coding import face_order, steps, vertex_order
 from deltamesh._kernels.coding.coder import Coder
-from deltamesh._order.reordering import Order, rows_of
+from deltamesh._order.reordering import Order, permuted_corners
 from deltamesh._shape.polygons import Polygons
-from deltamesh._streams import entropy
+from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.container.reader import read_varint, take
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
 
 _Ints = NDArray[np.int64]
-_Stream = Callable[["_Rows", Order, int, int, int | None], bytes]
+_Code = Callable[["_Rows", Order, int, int, int | None], bytes]
 
-# Plans are compared on so many vertices and faces, at most: enough to tell, seconds for any mesh.
+# Plans are compared on at most so many vertices and polygons, which takes seconds for any mesh.
 SAMPLE = 1 << 17
-# How much shorter than a rank an anchor has to seem before it is used, in bits.
+# Bits by which an anchor has to seem shorter than a rank before it is used.
 MARGINS = (0, 2, 4)
 
-# The bits of a plan: the anchors of faces; the newest neighbours as anchors; faces first.
-ANCHORS, NEWEST, FACES_FIRST = 3, 4, 8
+# Bits of a plan: the anchors of polygons; the newest neighbours as anchors; polygons first.
+ANCHORS, NEWEST, POLYGONS_FIRST = 3, 4, 8
 
 
 class _Rows(NamedTuple):
-    """Polygons, each told by a triangle of it.
+    """Polygons, each represented by one of its triangles.
 
     Attributes
     ----------
@@ -47,7 +50,7 @@ class _Rows(NamedTuple):
     corners : int64 (c,), offsets : int64 (p + 1,)
         The vertices of all corners.
     within : int64 (p, 3)
-        Which corner of the polygon each corner of its triangle is.
+        The corner of the polygon at each corner of its triangle.
     """
 
     faces: _Ints
@@ -73,38 +76,38 @@ def encode_order(faces: _Ints, polygons: Polygons, order: Order) -> bytes:
     Parameters
     ----------
     faces : int64 (m, 3)
-        Of the mesh as it is decoded; any triangles.
+        Triangles of the mesh as it is decoded.
     polygons : Polygons
-        Of these.
+        Their polygons.
     order : Order
-        Of all vertices, isolated ones too, and all polygons.
+        Order of all vertices, isolated ones too, and all polygons.
     """
     rows = _rows(faces, polygons)
     plan, margins = _choose(rows, order)
-    of_vertices, of_faces = (
+    of_vertices, of_polygons = (
         code(rows, order, plan, margin, None)
-        for code, margin in zip((_vertex_stream, _face_stream), margins, strict=True)
+        for code, margin in zip((_vertex_stream, _polygon_stream), margins, strict=True)
     )
-    return bytes([plan]) + write_varint(len(of_vertices)) + of_vertices + of_faces
+    return bytes([plan]) + write_varint(len(of_vertices)) + of_vertices + of_polygons
 
 
 def _choose(rows: _Rows, order: Order) -> tuple[int, list[int]]:
     """Return the plan that seems best, and the margins of its two streams."""
 
-    def size(code: _Stream, plan: int, margin: int) -> float:
-        count = len(order.vertices) if code is _vertex_stream else len(order.faces)
+    def size(code: _Code, plan: int, margin: int) -> float:
+        count = len(order.vertices) if code is _vertex_stream else len(order.polygons)
         return len(code(rows, order, plan, margin, SAMPLE)) * max(1.0, count / SAMPLE)
 
     plans = {}
-    for first in (0, FACES_FIRST):
+    for first in (0, POLYGONS_FIRST):
         sizes = {key: size(_vertex_stream, first | key, 0) for key in (0, NEWEST)}
-        others = {key: size(_face_stream, first | key, 0) for key in range(ANCHORS)}
+        others = {key: size(_polygon_stream, first | key, 0) for key in range(ANCHORS)}
         key, other = min(sizes, key=sizes.__getitem__), min(others, key=others.__getitem__)
         plans[first | key | other] = sizes[key] + others[other]
     plan = min(plans, key=plans.__getitem__)
     margins = [
         min(MARGINS, key=lambda margin: size(code, plan, margin))
-        for code in (_vertex_stream, _face_stream)
+        for code in (_vertex_stream, _polygon_stream)
     ]
     return plan, margins
 
@@ -112,52 +115,49 @@ def _choose(rows: _Rows, order: Order) -> tuple[int, list[int]]:
 def _vertex_stream(rows: _Rows, order: Order, plan: int, margin: int, stop: int | None) -> bytes:
     """Return the stream of the first `stop` vertices."""
     vertices = order.vertices
-    if plan & FACES_FIRST:
+    if plan & POLYGONS_FIRST:
         names = _by_use(rows, order)
         rows, vertices = _renamed(rows, names), names[vertices]
-    coder = _encoder(len(vertices), stop)
-    status = _code_vertices(coder, rows, plan, vertices, margin, stop)
-    return _finished(coder, status)
+    run = partial(_code_vertices, rows=rows, plan=plan, vertices=vertices, margin=margin, stop=stop)
+    return _stream(len(vertices), stop, run)
 
 
-def _face_stream(rows: _Rows, order: Order, plan: int, margin: int, stop: int | None) -> bytes:
-    """Return the stream of the first `stop` faces."""
+def _polygon_stream(rows: _Rows, order: Order, plan: int, margin: int, stop: int | None) -> bytes:
+    """Return the stream of the first `stop` polygons."""
     n = len(order.vertices)
-    places = np.full(n, -1) if plan & FACES_FIRST else inverse(order.vertices)
-    coder = _encoder(len(order.faces), stop)
-    status = _code_faces(coder, rows, plan, places, order.faces, order.turns, margin, stop)
-    return _finished(coder, status)
+    rank = np.full(n, -1) if plan & POLYGONS_FIRST else inverse(order.vertices)
+    run = partial(
+        _code_polygons, rows=rows, plan=plan, rank=rank, order=order, margin=margin, stop=stop
+    )
+    return _stream(len(order.polygons), stop, run)
 
 
-def _encoder(count: int, stop: int | None) -> Coder:
-    elements = count if stop is None else min(count, stop)
-    return entropy.encoder(elements, steps.SLOTS, steps.MIXERS)
+def _stream(count: int, stop: int | None, code: Callable[[Coder], int]) -> bytes:
+    def run(coder: Coder) -> None:
+        if code(coder) != steps.OK:
+            raise AssertionError("the order is not a permutation")
 
-
-def _finished(coder: Coder, status: int) -> bytes:
-    if status != steps.OK:
-        raise AssertionError("no permutation")
-    return entropy.finish(coder)
+    return encode_with(steps.MODEL, count if stop is None else min(count, stop), run)
 
 
 def _by_use(rows: _Rows, order: Order) -> _Ints:
-    """Return the place of each vertex (n,) if places go by their first use in a face."""
-    places = np.full(len(order.vertices), -1)
-    used = rows.corners[rows_of(rows.offsets, order.faces, order.turns)[0]]
+    """Return the rank of each vertex (n,) by the first polygon that uses it."""
+    rank = np.full(len(order.vertices), -1)
+    used = rows.corners[permuted_corners(rows.offsets, order.polygons, order.rotations)[0]]
     vertices, first = np.unique(used, return_index=True)
-    places[vertices[np.argsort(first)]] = np.arange(len(vertices))
-    return _with_the_unused(places)
+    rank[vertices[np.argsort(first)]] = np.arange(len(vertices))
+    return _with_isolated(rank)
 
 
-def _with_the_unused(places: _Ints) -> _Ints:
-    """Give the last places to the vertices that have none yet, in ascending order."""
-    unused = np.flatnonzero(places < 0)
-    places[unused] = len(places) - len(unused) + np.arange(len(unused))
-    return places
+def _with_isolated(rank: _Ints) -> _Ints:
+    """Return ranks (n,) with the last ones given to the vertices without a rank, ascending."""
+    isolated = np.flatnonzero(rank < 0)
+    rank[isolated] = len(rank) - len(isolated) + np.arange(len(isolated))
+    return rank
 
 
 def decode_order(payload: memoryview, faces: _Ints, polygons: Polygons, vertex_count: int) -> Order:
-    """Return what `encode_order` was given.
+    """Return the order: the mirror of `encode_order`.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def decode_order(payload: memoryview, faces: _Ints, polygons: Polygons, vertex_c
     faces : int64 (m, 3)
     polygons : Polygons
     vertex_count : int
-        With isolated vertices.
+        Number of vertices, with the isolated ones.
 
     Raises
     ------
@@ -173,41 +173,42 @@ def decode_order(payload: memoryview, faces: _Ints, polygons: Polygons, vertex_c
         If no encoder has written the payload; the offset counts from its beginning.
     """
     plan = take(payload, 0, 1)[0]
-    if plan >= 2 * FACES_FIRST or plan & 3 == ANCHORS:
-        raise FormatError("an unknown plan of the order", 0)
+    if plan >= 2 * POLYGONS_FIRST or plan & 3 == ANCHORS:
+        raise FormatError(f"unknown order plan: {plan}", 0)
     size, at = read_varint(payload, 1)
     if size > len(payload) - at:
-        raise FormatError("the order of the vertices is longer than its section", 1)
+        raise FormatError("the vertex order is longer than its section", 1)
     rows = _rows(faces, polygons)
     vertices = np.empty(vertex_count, dtype=np.int64)
-    order, turns = np.empty((2, len(rows.faces)), dtype=np.int64)
-    if plan & FACES_FIRST:
-        places = np.full(vertex_count, -1)
-        _read_faces(payload[at + size :], at + size, rows, plan, places, order, turns)
-        names = _with_the_unused(places)
-        _read_vertices(payload[at : at + size], at, _renamed(rows, names), plan, vertices)
-        vertices = inverse(names)[vertices]
-    else:
-        _read_vertices(payload[at : at + size], at, rows, plan, vertices)
-        places = inverse(vertices)
-        _read_faces(payload[at + size :], at + size, rows, plan, places, order, turns)
-    return Order(vertices, order, turns)
+    order = Order(vertices, *np.empty((2, len(rows.faces)), dtype=np.int64))
+    of_vertices, of_polygons = payload[at : at + size], payload[at + size :]
+    if plan & POLYGONS_FIRST:
+        rank = np.full(vertex_count, -1)
+        _read_polygons(of_polygons, at + size, rows, plan, rank, order)
+        names = _with_isolated(rank)
+        _read_vertices(of_vertices, at, _renamed(rows, names), plan, vertices)
+        return replace(order, vertices=inverse(names)[vertices])
+    _read_vertices(of_vertices, at, rows, plan, vertices)
+    _read_polygons(of_polygons, at + size, rows, plan, inverse(vertices), order)
+    return order
 
 
 def _read_vertices(stream: memoryview, at: int, rows: _Rows, plan: int, vertices: _Ints) -> None:
-    coder = entropy.decoder(stream, steps.SLOTS, steps.MIXERS)
-    if _code_vertices(coder, rows, plan, vertices) != steps.OK:
-        raise FormatError("the order of the vertices is corrupt", at)
-    entropy.check_end(coder, at)
+    def run(coder: Coder) -> None:
+        if _code_vertices(coder, rows, plan, vertices) != steps.OK:
+            raise FormatError("the vertex order is corrupt", at)
+
+    decode_with(steps.MODEL, stream, run, at)
 
 
-def _read_faces(
-    stream: memoryview, at: int, rows: _Rows, plan: int, places: _Ints, order: _Ints, turns: _Ints
+def _read_polygons(
+    stream: memoryview, at: int, rows: _Rows, plan: int, rank: _Ints, order: Order
 ) -> None:
-    coder = entropy.decoder(stream, steps.SLOTS, steps.MIXERS)
-    if _code_faces(coder, rows, plan, places, order, turns) != steps.OK:
-        raise FormatError("the order of the faces is corrupt", at)
-    entropy.check_end(coder, at)
+    def run(coder: Coder) -> None:
+        if _code_polygons(coder, rows, plan, rank, order) != steps.OK:
+            raise FormatError("the polygon order is corrupt", at)
+
+    decode_with(steps.MODEL, stream, run, at)
 
 
 def _code_vertices(
@@ -234,20 +235,20 @@ def _code_vertices(
     return status
 
 
-def _code_faces(
+def _code_polygons(
     coder: Coder,
     rows: _Rows,
     plan: int,
-    places: _Ints,
-    order: _Ints,
-    turns: _Ints,
+    rank: _Ints,
+    order: Order,
     margin: int = 0,
     stop: int | None = None,
 ) -> int:
-    stop = len(order) if stop is None else stop
-    placed = int(np.count_nonzero(places >= 0))
+    polygons, rotations = order.polygons, order.rotations
+    stop = len(polygons) if stop is None else stop
+    ranked = int(np.count_nonzero(rank >= 0))
     anchors = plan & ANCHORS
     status: int = face_order.code_faces(
-        coder, *rows, places, placed, anchors, order, turns, margin, stop
+        coder, *rows, rank, ranked, anchors, polygons, rotations, margin, stop
     )
     return status

@@ -1,4 +1,4 @@
-"""A mesh in another order of its vertices and faces, and how the one comes from the other."""
+"""Orders of the vertices and polygons of a mesh, and meshes in another order."""
 
 from __future__ import annotations
 
@@ -17,95 +17,95 @@ _Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Order:
-    """Where the elements of a mesh come in another order of it.
+    """Another order of the elements of a mesh.
 
     Attributes
     ----------
     vertices : int64 (n,)
         The vertex of the mesh at each place of the other order.
-    faces : int64 (p,)
-        Likewise, the polygon.
-    turns : int64 (p,)
-        The corner of that polygon at which it begins there.
+    polygons : int64 (p,)
+        The polygon of the mesh at each place.
+    rotations : int64 (p,)
+        The corner at which that polygon begins in the other order.
     """
 
-    vertices: NDArray[np.int64]
-    faces: NDArray[np.int64]
-    turns: NDArray[np.int64]
+    vertices: _Ints
+    polygons: _Ints
+    rotations: _Ints
 
 
-def arrays(order: Order | None) -> tuple[_Ints, ...]:
-    """Return what the digest of a file covers of an order."""
-    return () if order is None else (order.vertices, order.faces, order.turns)
+def order_arrays(order: Order | None) -> tuple[_Ints, ...]:
+    """Return the arrays of an order that the digest of a file covers."""
+    return () if order is None else (order.vertices, order.polygons, order.rotations)
 
 
 def order_of(polygons: Polygons, provenance: Provenance, starts: _Ints) -> Order:
-    """Return how the order of the input comes from that of a file.
+    """Return the order of the input, as another order of a file.
 
     Parameters
     ----------
     polygons : Polygons
         Of the file.
     provenance : Provenance
-        Of what is in the file, which may be less than what is in the input.
+        Of the elements of the file, which may be fewer than those of the input.
     starts : int64
-        Where the corners of each polygon of the input begin.
+        The first corner of each polygon of the input.
     """
-    order = np.argsort(provenance.polygons)
-    is_first = provenance.corners == np.repeat(
-        starts[provenance.polygons], np.diff(polygons.offsets)
-    )
-    begin = np.flatnonzero(is_first) - polygons.offsets[:-1]
-    return Order(np.argsort(provenance.vertices), order, begin[order])
+    p = provenance
+    order = np.argsort(p.polygons)
+    is_first = p.corners == np.repeat(starts[p.polygons], np.diff(polygons.offsets))
+    rotations = np.flatnonzero(is_first) - polygons.offsets[:-1]
+    return Order(np.argsort(p.vertices), order, rotations[order])
 
 
 def reordered(mesh: PolyMesh, order: Order) -> PolyMesh:
-    """Return a mesh in the other order of its vertices and polygons."""
-    corners, offsets = rows_of(mesh.offsets, order.faces, order.turns)
-    return rearranged(mesh, order.vertices, order.faces, corners, offsets)
+    """Return a mesh in another order of its vertices and polygons."""
+    corners, offsets = permuted_corners(mesh.offsets, order.polygons, order.rotations)
+    return permuted(mesh, order.vertices, order.polygons, corners, offsets)
 
 
-def rows_of(offsets: _Ints, faces: _Ints, begin: _Ints) -> tuple[_Ints, _Ints]:
-    """Return the corners of polygons in another order, each from another one on, and offsets.
+def permuted_corners(offsets: _Ints, polygons: _Ints, rotations: _Ints) -> tuple[_Ints, _Ints]:
+    """Return the corners of polygons in another order, and the offsets of the polygons.
 
     Parameters
     ----------
     offsets : int64 (p + 1,)
-        Where the corners of each polygon begin.
-    faces, begin : int64 (p,)
-        The polygons, and which of its corners each begins with.
+        The first corner of each polygon, and the end.
+    polygons, rotations : int64 (p,)
+        The polygons in their order, and the corner at which each begins.
     """
-    sizes = np.diff(offsets)[faces]
+    sizes = np.diff(offsets)[polygons]
     ends = np.concatenate(([0], np.cumsum(sizes)))
-    within = np.arange(ends[-1]) - np.repeat(ends[:-1] - begin, sizes)
-    return np.repeat(offsets[faces], sizes) + within % np.repeat(sizes, sizes), ends
+    within = np.arange(ends[-1]) - np.repeat(ends[:-1] - rotations, sizes)
+    return np.repeat(offsets[polygons], sizes) + within % np.repeat(sizes, sizes), ends
 
 
-def rearranged(
-    mesh: PolyMesh, vertices: _Ints, faces: _Ints, corners: _Ints, offsets: _Ints
+def permuted(
+    mesh: PolyMesh, vertices: _Ints, polygons: _Ints, corners: _Ints, offsets: _Ints
 ) -> PolyMesh:
-    """Return the mesh of these vertices, faces and corners of it, in this order.
+    """Return a mesh with its vertices, polygons and corners permuted.
 
     Parameters
     ----------
     mesh : PolyMesh
-    vertices, faces, corners : int64 (n,), (p,), (c,)
-        Permutations; the corners are those of the faces.
+    vertices, polygons, corners : int64 (n,), (p,), (c,)
+        The element of the mesh at each place; the corners are those of the polygons.
     offsets : int64 (p + 1,)
+        The first of the permuted corners of each polygon, and the end.
     """
-    rows = {"vertex": vertices, "corner": corners, "face": faces}
+    rows = {"vertex": vertices, "corner": corners, "face": polygons}
     return replace(
         mesh,
         vertices=mesh.vertices[vertices],
         corners=inverse(vertices)[mesh.corners[corners]],
         offsets=offsets,
-        attributes=tuple(at(a, rows[a.domain]) for a in mesh.attributes),
-        parts=tuple(replace(p, of_face=p.of_face[faces]) for p in mesh.parts),
+        attributes=tuple(permuted_attribute(a, rows[a.domain]) for a in mesh.attributes),
+        parts=tuple(replace(p, of_face=p.of_face[polygons]) for p in mesh.parts),
     )
 
 
-def at(attribute: Attribute, elements: _Ints) -> Attribute:
-    """Return an attribute of these elements, in this order."""
+def permuted_attribute(attribute: Attribute, elements: _Ints) -> Attribute:
+    """Return an attribute with the values of these elements, in this order."""
     if attribute.index is None:
         return replace(attribute, values=attribute.values[elements])
     return replace(attribute, index=attribute.index[elements])

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from deltamesh._content import NOTHING, Content
 from deltamesh._geometry.search import Trial
 from deltamesh._options import Options
-from deltamesh._parts import Told, told_of
+from deltamesh._parts import Annotations, annotations_of
 from deltamesh._progress import Progress
 from deltamesh._shape.diagonals import cut_polygons
 from deltamesh._shape.draft import ShapeDraft, first_draft
@@ -61,9 +61,9 @@ class Draft:
         return self.mesh.vertices[self.shape.triangle_provenance.points]
 
     @cached_property
-    def annotations(self) -> Told | None:
+    def annotations(self) -> Annotations | None:
         """Parts, names, transforms and metadata of the input, None if it has none."""
-        return told_of(self.mesh, self.shape.provenance.polygons)
+        return annotations_of(self.mesh, self.shape.provenance.polygons)
 
 
 def begin(mesh: PolyMesh, options: Options, progress: Progress) -> Draft:
@@ -80,6 +80,6 @@ def begin(mesh: PolyMesh, options: Options, progress: Progress) -> Draft:
     if len(triangles.faces) == 0:
         raise MeshError("the mesh has no faces")
     progress("topology")
-    exact, drop_isolated = options.method == "lossless", options.drop_isolated
+    exact, drop_isolated = options.exact, options.drop_isolated
     shape = first_draft(mesh.vertices, triangles, drop_isolated=drop_isolated, exact=exact)
     return Draft(mesh, options, progress, around, shape)

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._content import Content
-from deltamesh._geometry import cartesian, highpass, lossless, refined
 from deltamesh._geometry.bounds import bounds_of
 from deltamesh._geometry.integers import Integers
+from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.search import Trial, smallest
 from deltamesh._geometry.solve import factorization
 from deltamesh._measures.metrics import diagonal, errors_from, mean_edge
@@ -23,13 +22,6 @@ from deltamesh._shape.complexes import distinct_faces
 from deltamesh_formats.container.layout import Container, Parameters
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.triangles import fans
-
-METHODS: Final = {
-    "highpass": highpass,
-    "refined": refined,
-    "cartesian": cartesian,
-    "lossless": lossless,
-}
 
 
 def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
@@ -42,7 +34,7 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
 
     def attempt(settings: Settings) -> Trial:
         draft.progress(f"geometry, {settings.method}")
-        coder = METHODS[settings.method]
+        coder = geometry_codec(settings.method)
         parameters, integers, decoded = coder.quantize(
             surface, V[:used], V[used:], settings, factor
         )
@@ -50,8 +42,8 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
             largest = float(np.abs(V).max())
             reason = f"coordinates of {largest:g} are too large for method {settings.method}"
             raise MeshError(f"{reason}: try lossless")
-        write = partial(coder.write, surface, parameters, integers)
-        return Trial(settings, parameters, integers, write, decoded, errors_of(decoded))
+        payloads = partial(coder.encode, surface, parameters, integers)
+        return Trial(settings, parameters, integers, payloads, decoded, errors_of(decoded))
 
     trial = smallest(options, bounds, mean_edge(V[:used], surface.faces), attempt)
     content = replace(draft.content, integers=trial.integers)
@@ -61,8 +53,8 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
 def decode(container: Container, content: Content) -> Content:
     """Return the content with the integers of the geometry: the mirror of `encode`."""
     parameters = container.parameters
-    surface, coder = content.structure.surface, METHODS[parameters.method]
-    return replace(content, integers=coder.read(surface, parameters, container.sections))
+    surface, coder = content.structure.surface, geometry_codec(parameters.method)
+    return replace(content, integers=coder.decode(surface, parameters, container.sections))
 
 
 def has_scale(p: Parameters, i: Integers) -> bool:

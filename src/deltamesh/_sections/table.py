@@ -10,11 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final, Protocol
 
-from deltamesh._attributes.codings import Wanted
-from deltamesh._attributes.decoding import decode_attributes
-from deltamesh._attributes.domains import Places
-from deltamesh._attributes.encoding import encode_attributes
+from deltamesh._attributes.codings import AttributeSettings
+from deltamesh._attributes.domains import Domains
+from deltamesh._attributes.section import decode_attributes, encode_attributes
 from deltamesh._content import Content
+from deltamesh._geometry.bounds import POSITION_TOLERANCE
 from deltamesh._measures.metrics import diagonal
 from deltamesh._order.coding import decode_order, encode_order
 from deltamesh._order.reordering import order_of
@@ -27,10 +27,6 @@ from deltamesh._shape.structure import Structure
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.layout import Container
 from deltamesh_formats.container.reader import payload_of
-
-# Largest distance between the positions of two decoders, in diagonals of the bounding box
-# (SPEC.md 5.4).
-SOLVED: Final = 1e-9
 
 
 @dataclass(frozen=True)
@@ -104,12 +100,12 @@ def _of_shape(name: str, stage: str, module: ShapeSection) -> Section:
 
     def encode(draft: Draft) -> tuple[bytes, Draft]:
         payload, shape = module.encode(draft.shape)
-        content = replace(draft.content, domains=Places(shape.structure))
+        content = replace(draft.content, domains=Domains(shape.structure))
         return payload, replace(draft, shape=shape, content=content)
 
     def decode(payload: memoryview, container: Container, content: Content) -> Content:
         structure = module.decode(payload, container, content.structure)
-        return replace(content, domains=Places(structure))
+        return replace(content, domains=Domains(structure))
 
     return _single(name, stage, applies, encode, decode)
 
@@ -120,16 +116,16 @@ def _encode_attributes(draft: Draft) -> tuple[bytes, Draft]:
     return payload, replace(draft, content=replace(draft.content, attributes=coded))
 
 
-def _attribute_settings(draft: Draft) -> Wanted:
+def _attribute_settings(draft: Draft) -> AttributeSettings:
     options, trial = draft.options, draft.chosen
     V = trial.vertices[draft.content.structure.points]
-    as_they_are = trial.parameters.method in ("cartesian", "lossless")
-    return Wanted(
+    solved = layout.METHODS[trial.parameters.method].anchored
+    return AttributeSettings(
         bits_uv=options.bits_uv,
         bits_normal=options.bits_normal,
-        lossless=options.lossless_attributes or options.method == "lossless",
+        lossless=options.lossless_attributes or options.exact,
         positions=V,
-        tolerance=0.0 if as_they_are else SOLVED * diagonal(V),
+        tolerance=POSITION_TOLERANCE * diagonal(V) if solved else 0.0,
     )
 
 

@@ -1,4 +1,4 @@
-"""Columns of integers at elements, three to a stream, predicted as grid points are."""
+"""Columns of integers at elements, three to a stream, predicted by parallelograms."""
 
 from __future__ import annotations
 
@@ -10,41 +10,36 @@ from numpy.typing import NDArray
 from deltamesh._graph.elements import Elements
 from deltamesh._kernels.coding import parallelogram
 from deltamesh._kernels.coding.coder import Coder
-from deltamesh._streams import entropy
+from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.errors import FormatError
 
 _Ints = NDArray[np.int64]
 
 
-def threes(columns: _Ints) -> list[_Ints]:
-    """Return columns (n, k) three at a time; zeros are what is missing to the last three."""
+def split_columns(columns: _Ints) -> list[_Ints]:
+    """Return columns (n, k) three at a time; the last three are padded with zeros."""
     missing = -columns.shape[1] % 3
     padded = np.pad(columns, ((0, 0), (0, missing)))
     return [padded[:, a : a + 3].copy() for a in range(0, padded.shape[1], 3)]
 
 
-def together(found: Sequence[_Ints], at: int, count: int, width: int) -> _Ints:
-    """Return the columns (n, width): the mirror of `threes`.
+def join_columns(threes: Sequence[_Ints], at: int, count: int, width: int) -> _Ints:
+    """Return the columns (count, width): the mirror of `split_columns`.
 
     Raises
     ------
     FormatError
-        If what is missing is not zero.
+        At `at`, if the padding is not zero.
     """
-    columns = np.concatenate([np.zeros((count, 0), dtype=np.int64), *found], axis=1)
+    columns = np.concatenate([np.zeros((count, 0), dtype=np.int64), *threes], axis=1)
     if columns[:, width:].any():
-        raise FormatError("columns beyond those of an attribute that are not zero", at)
+        raise FormatError("nonzero padding column of an attribute", at)
     return columns[:, :width]
 
 
 def encode_columns(elements: Elements, columns: _Ints) -> list[bytes]:
     """Return a stream of every three columns (n, k) of integers in -2^30 .. 2^30."""
-    streams = []
-    for three in threes(columns):
-        coder = entropy.encoder(elements.count, parallelogram.SLOTS, parallelogram.MIXERS)
-        _code(coder, elements, three)
-        streams.append(entropy.finish(coder))
-    return streams
+    return [encode_three(elements, three) for three in split_columns(columns)]
 
 
 def decode_columns(
@@ -56,7 +51,7 @@ def decode_columns(
     ----------
     payload : memoryview
     streams : sequence of (begin, end)
-        Where they are in it.
+        Positions of the streams in it.
     elements : Elements
     width : int
 
@@ -64,15 +59,34 @@ def decode_columns(
     ------
     FormatError
     """
-    found = []
-    for begin, end in streams:
-        three = np.zeros((elements.count, 3), dtype=np.int64)
-        coder = entropy.decoder(payload[begin:end], parallelogram.SLOTS, parallelogram.MIXERS)
-        _code(coder, elements, three)
-        entropy.check_end(coder, begin)
-        found.append(three)
-    return together(found, streams[-1][0] if streams else 0, elements.count, width)
+    threes = [decode_three(payload[begin:end], elements, begin) for begin, end in streams]
+    return join_columns(threes, streams[-1][0] if streams else 0, elements.count, width)
 
 
-def _code(coder: Coder, e: Elements, values: _Ints) -> None:
+def encode_three(elements: Elements, values: _Ints) -> bytes:
+    """Return the stream of three columns (n, 3)."""
+    coded = values.copy()
+    return encode_with(
+        parallelogram.MODEL, elements.count, lambda coder: code_three(coder, elements, coded)
+    )
+
+
+def decode_three(payload: bytes | memoryview, elements: Elements, offset: int = 0) -> _Ints:
+    """Return three columns (n, 3): the mirror of `encode_three`.
+
+    Raises
+    ------
+    FormatError
+        With `offset` added to the position in the stream.
+    """
+    values = np.zeros((elements.count, 3), dtype=np.int64)
+    decode_with(
+        parallelogram.MODEL, payload, lambda coder: code_three(coder, elements, values), offset
+    )
+    return values
+
+
+def code_three(coder: Coder, elements: Elements, values: _Ints) -> None:
+    """Code three columns (n, 3), filled in place when decoding."""
+    e = elements
     parallelogram.code_positions(coder, e.indptr, e.indices, e.first, e.corners, e.within, values)

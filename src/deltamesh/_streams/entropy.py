@@ -1,8 +1,9 @@
-"""Setting up the entropy coder; its arithmetic is in `deltamesh._kernels.coding.coder`."""
+"""Entropy coder: streams of a model; the arithmetic is in `deltamesh._kernels.coding.coder`."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,18 +26,64 @@ from deltamesh._kernels.coding.coder import (
     is_finished,
     start_decoding,
 )
+from deltamesh._kernels.coding.models import Model
 from deltamesh_formats.errors import FormatError
 
 # Small files learn faster from a mixer that starts a little above the mean of its inputs, which
 # are all too careful at first, than from one that starts at zero.
 INITIAL_WEIGHT_SUM = 1.2
 
-# What each mixer of a model is: number of inputs, bound of the counts.
+# Number of inputs of each mixer, and the bound of the counts of its slots.
 Mixers = Sequence[tuple[int, int]]
 
 # No element takes more: three numbers of 31 + 31 + 1 bits, each of at most log2(65536 / P_MIN)
-# = 11.5. What is reserved and not written costs no memory.
+# = 11.5. Reserved bytes that are not written cost no memory.
 ELEMENT_BYTES = 280
+
+_Result = TypeVar("_Result")
+
+
+def encode_with(model: Model, elements: int, run: Callable[[Coder], object]) -> bytes:
+    """Return the stream that a kernel writes.
+
+    Parameters
+    ----------
+    model : Model
+    elements : int
+        Number of vertices, faces or points that are coded.
+    run : callable
+        Runs the kernel with the encoder that it is given.
+    """
+    coder = encoder(elements, *model)
+    run(coder)
+    return finish(coder)
+
+
+def decode_with(
+    model: Model, payload: bytes | memoryview, run: Callable[[Coder], _Result], offset: int = 0
+) -> _Result:
+    """Return what a kernel reads from a stream, and check that the stream ends there.
+
+    Parameters
+    ----------
+    model : Model
+    payload : bytes or memoryview
+        The stream.
+    run : callable
+        Runs the kernel with the decoder that it is given, and returns the result.
+    offset : int
+        Position of the stream in its section.
+
+    Raises
+    ------
+    FormatError
+        If the stream ends before or after the last element; its offset counts from the beginning
+        of the section.
+    """
+    coder = decoder(payload, *model)
+    result = run(coder)
+    check_end(coder, offset)
+    return result
 
 
 def _coder(data: NDArray[np.uint8], slots: int, mixers: Mixers) -> Coder:
@@ -69,18 +116,18 @@ def decoder(payload: bytes | memoryview, slots: int, mixers: Mixers) -> Coder:
 
 
 def finish(coder: Coder) -> bytes:
-    """Flush an encoder and return what it has written."""
+    """Flush an encoder and return its stream."""
     length = finish_encoding(coder)
     return coder.data[:length].tobytes()
 
 
 def check_end(coder: Coder, offset: int) -> None:
-    """Refuse a stream that does not end where its decoder has come to.
+    """Refuse a stream that does not end at the position of its decoder.
 
     Raises
     ------
     FormatError
-        With the place; `offset` is where the stream begins.
+        With the position; `offset` is that of the stream.
     """
     size, position = len(coder.data), int(coder.state[POSITION])
     if size and coder.data[-1] == 0:

@@ -1,11 +1,12 @@
-"""Floats to the last bit, three columns at once: what EXAC and the attributes code alike.
+"""Three columns of floats to the last bit, as in section EXAC and in exact attributes.
 
-How each column is spelled, the forms of `forms`, is told first; then follows a stream.
+The number formats of the columns come first; a stream of the indices in these formats follows.
 """
 
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -14,108 +15,113 @@ from numpy.typing import NDArray
 from deltamesh._graph.elements import Elements
 from deltamesh._kernels.coding import exact
 from deltamesh._kernels.coding.coder import Coder
-from deltamesh._streams import entropy
-from deltamesh._streams.number_formats import Form, Spelling, spelling_fault
+from deltamesh._kernels.coding.models import Model
+from deltamesh._streams.entropy import decode_with, encode_with
+from deltamesh._streams.number_formats import ColumnFormats, NumberFormat, fault_of
 from deltamesh_formats.errors import FormatError
+
+_Ints = NDArray[np.int64]
 
 SINGLE, DOUBLE = 32, 64
 _WIDTH: Final = struct.Struct("<B")
-# Of an axis: its number of forms and two flags; the grid; then of each form the base, the places,
-# the digits and the usual length.
-_AXIS: Final = struct.Struct("<Bh")
-_FORM: Final = struct.Struct("<BhBB")
-_FORMS, _RAW, _ZEROS = 3, 4, 8
-# One of our elements, of three numbers of up to 64 + 64 bits, is less than two of others.
+# Of a column: the number of its formats and two flags; the grid; then of each format the base, the
+# places, the digits and the usual length.
+_COLUMN: Final = struct.Struct("<Bh")
+_FORMAT: Final = struct.Struct("<BhBB")
+_FORMATS, _RAW, _ZEROS = 3, 4, 8
+# An element of three numbers of up to 64 + 64 bits takes fewer bytes than two elements of others.
 _ELEMENTS: Final = 2
 
 
-def encode_spelled(
+def encode_indices(
     elements: Elements,
     width: int,
-    axes: list[Spelling],
-    classes: NDArray[np.int64],
-    values: NDArray[np.int64],
+    columns: Sequence[ColumnFormats],
+    choices: _Ints,
+    indices: _Ints,
 ) -> bytes:
-    """Return the stream of numbers in their forms.
+    """Return the stream of numbers by their indices.
 
     Parameters
     ----------
     elements : Elements
     width : int
         Bits of a raw number.
-    axes : list of 3 Spelling
-    classes, values : int64 (n, 3)
-        As of `forms.to_integers`.
+    columns : sequence of 3 ColumnFormats
+    choices, indices : int64 (n, 3)
+        As of `number_formats.to_indices`.
     """
-    coder = entropy.encoder(_ELEMENTS * elements.count, *_model(axes))
-    _code(coder, elements, axes, width, classes.copy(), values.copy())
-    return entropy.finish(coder)
+
+    def run(coder: Coder) -> None:
+        _code(coder, elements, columns, width, choices.copy(), indices.copy())
+
+    return encode_with(_model(columns), _ELEMENTS * elements.count, run)
 
 
-def decode_spelled(
-    payload: memoryview, at: int, elements: Elements, width: int, axes: list[Spelling]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return classes and values, of the stream from `at` on: the mirror of `encode_spelled`.
+def decode_indices(
+    payload: memoryview, at: int, elements: Elements, width: int, columns: Sequence[ColumnFormats]
+) -> tuple[_Ints, _Ints]:
+    """Return choices and indices, from the stream at `at`: the mirror of `encode_indices`.
 
     Raises
     ------
     FormatError
     """
-    shape = (elements.count, 3)
-    classes, values = np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=np.int64)
-    coder = entropy.decoder(payload[at:], *_model(axes))
-    _code(coder, elements, axes, width, classes, values)
-    entropy.check_end(coder, at)
-    return classes, values
+
+    def run(coder: Coder) -> tuple[_Ints, _Ints]:
+        choices, indices = np.zeros((2, elements.count, 3), dtype=np.int64)
+        _code(coder, elements, columns, width, choices, indices)
+        return choices, indices
+
+    return decode_with(_model(columns), payload[at:], run, at)
 
 
 def parallelogram_errors(V: NDArray[np.float64], elements: Elements) -> NDArray[np.float64]:
-    """Return how far each parallelogram is off, float64 (p, 3)."""
+    """Return the distance of each parallelogram from the vertex it predicts, float64 (p, 3)."""
     apex = np.repeat(np.arange(len(V)), np.diff(elements.first))
     a, b, o = elements.corners.T
     return np.asarray(np.abs(V[a] + V[b] - V[o] - V[apex]))
 
 
-def _model(axes: list[Spelling]) -> tuple[int, entropy.Mixers]:
-    """Return the number of slots, and the mixers."""
-    forms = sum(len(how.forms) for how in axes)
-    slots = exact.FORMS_AT + forms * exact.FORM_SLOTS
-    return slots, 3 * exact.AXIS_MIXERS + forms * exact.FORM_MIXERS
+def _model(columns: Sequence[ColumnFormats]) -> Model:
+    count = sum(len(how.formats) for how in columns)
+    slots = exact.FORMATS_AT + count * exact.FORMAT_SLOTS
+    return Model(slots, 3 * exact.AXIS_MIXERS + count * exact.FORMAT_MIXERS)
 
 
 def _code(
     coder: Coder,
     elements: Elements,
-    axes: list[Spelling],
+    columns: Sequence[ColumnFormats],
     width: int,
-    classes: NDArray[np.int64],
-    values: NDArray[np.int64],
+    choices: _Ints,
+    indices: _Ints,
 ) -> None:
     e = elements
     table: list[tuple[int, ...]] = []
-    forms: list[tuple[int, ...]] = []
-    for how in axes:
-        table.append((len(forms), len(how.forms), int(how.raw), int(how.zeros)))
-        for form, usual in zip(how.forms, how.usual, strict=True):
-            forms.append((form.base, how.grid - form.places, form.digits, usual))
-    tables = np.array(table), np.array(forms, dtype=np.int64).reshape(-1, exact.FORM_SIZE)
+    formats: list[tuple[int, ...]] = []
+    for how in columns:
+        table.append((len(formats), len(how.formats), int(how.raw), int(how.zeros)))
+        for f, usual in zip(how.formats, how.usual, strict=True):
+            formats.append((f.base, how.grid - f.places, f.digits, usual))
+    tables = np.array(table), np.array(formats, dtype=np.int64).reshape(-1, exact.FORMAT_SIZE)
     around = e.indptr, e.indices, e.first, e.corners
-    exact.code_exact(coder, *around, *tables, np.int64(width), classes, values)
+    exact.code_exact(coder, *around, *tables, np.int64(width), choices, indices)
 
 
-def packed(width: int, axes: list[Spelling]) -> bytes:
-    """Return what is told of the forms; the mirror is `unpacked`."""
+def pack_formats(width: int, columns: Sequence[ColumnFormats]) -> bytes:
+    """Return the bytes of the formats; the mirror is `unpack_formats`."""
     parts = [_WIDTH.pack(width)]
-    for how in axes:
-        flags = len(how.forms) | _RAW * how.raw | _ZEROS * how.zeros
-        parts.append(_AXIS.pack(flags, how.grid))
-        for form, usual in zip(how.forms, how.usual, strict=True):
-            parts.append(_FORM.pack(form.base, form.places, form.digits, usual))
+    for how in columns:
+        flags = len(how.formats) | _RAW * how.raw | _ZEROS * how.zeros
+        parts.append(_COLUMN.pack(flags, how.grid))
+        for f, usual in zip(how.formats, how.usual, strict=True):
+            parts.append(_FORMAT.pack(f.base, f.places, f.digits, usual))
     return b"".join(parts)
 
 
-def unpacked(payload: memoryview) -> tuple[int, list[Spelling], int]:
-    """Return the width, the spelling of each axis, and where the stream begins.
+def unpack_formats(payload: memoryview) -> tuple[int, list[ColumnFormats], int]:
+    """Return the width of a raw number, the formats of each column, and where the stream begins.
 
     Raises
     ------
@@ -124,24 +130,25 @@ def unpacked(payload: memoryview) -> tuple[int, list[Spelling], int]:
     (width,), at = _take(payload, 0, _WIDTH)
     if width not in (SINGLE, DOUBLE):
         raise FormatError(f"numbers of {width} bits", 0)
-    axes = []
+    columns = []
     for _ in range(3):
         start = at
-        (flags, grid), at = _take(payload, at, _AXIS)
-        forms, usual = [], []
-        for _ in range(flags & _FORMS):
-            (*form, length), at = _take(payload, at, _FORM)
-            forms.append(Form(*form))
+        (flags, grid), at = _take(payload, at, _COLUMN)
+        formats, usual = [], []
+        for _ in range(flags & _FORMATS):
+            (*fields, length), at = _take(payload, at, _FORMAT)
+            formats.append(NumberFormat(*fields))
             usual.append(length)
-        how = Spelling(tuple(forms), tuple(usual), grid, bool(flags & _RAW), bool(flags & _ZEROS))
-        fault = "reserved bits are set" if flags > 15 else spelling_fault(how)
+        raw, zeros = bool(flags & _RAW), bool(flags & _ZEROS)
+        how = ColumnFormats(tuple(formats), tuple(usual), grid, raw, zeros)
+        fault = "reserved bits are set" if flags > 15 else fault_of(how)
         if fault:
             raise FormatError(fault, start)
-        axes.append(how)
-    return width, axes, at
+        columns.append(how)
+    return width, columns, at
 
 
 def _take(payload: memoryview, at: int, fields: struct.Struct) -> tuple[tuple[int, ...], int]:
     if len(payload) < at + fields.size:
-        raise FormatError("truncated: the forms of the coordinates", len(payload))
+        raise FormatError("truncated: number formats", len(payload))
     return fields.unpack_from(payload, at), at + fields.size

@@ -1,12 +1,12 @@
-"""Floats of an attribute to the last bit: every NaN, infinity and zero as it was.
+"""Floats of an attribute to the last bit, with every NaN, infinity and zero.
 
-Numbers that no form has, those that are not finite among them, are raw. What is predicted from
-them, and they from others, is the rest (`deltamesh._streams.exact`).
+Numbers that no number format holds, those that are not finite among them, are raw.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,17 +15,18 @@ from numpy.typing import NDArray
 from deltamesh._graph.elements import Elements
 from deltamesh._kernels.coding.exact import RAW
 from deltamesh._mesh import LARGEST
-from deltamesh._streams.columns import threes, together
+from deltamesh._streams.columns import join_columns, split_columns
 from deltamesh._streams.exact import (
     DOUBLE,
     SINGLE,
-    decode_spelled,
-    encode_spelled,
-    packed,
+    decode_indices,
+    encode_indices,
+    pack_formats,
     parallelogram_errors,
-    unpacked,
+    unpack_formats,
 )
-from deltamesh._streams.number_formats import Spelling, spelling, to_integers, to_values
+from deltamesh._streams.format_choice import choose_formats
+from deltamesh._streams.number_formats import RAW_ONLY, ColumnFormats, from_indices, to_indices
 from deltamesh_formats.errors import FormatError
 
 _Ints = NDArray[np.int64]
@@ -51,7 +52,7 @@ def _mask(size: int) -> int:
 
 def encode_floats(elements: Elements, bits: _Ints, size: int) -> list[bytes]:
     """Return a stream of every three columns of bit patterns (n, k) of floats of `size` bytes."""
-    return [_encoded(elements, three, size) for three in threes(bits)]
+    return [_encoded(elements, three, size) for three in split_columns(bits)]
 
 
 def _encoded(elements: Elements, bits: _Ints, size: int) -> bytes:
@@ -61,24 +62,25 @@ def _encoded(elements: Elements, bits: _Ints, size: int) -> bytes:
     usable = np.abs(V) <= LARGEST
     errors = parallelogram_errors(V, elements)
     raw = bits_of(short) if single and size == 8 else bits
-    axes, classes, values = [], np.empty_like(bits), np.empty_like(bits)
+    columns, choices, indices = [], np.empty_like(bits), np.empty_like(bits)
     for a in range(3):
         some, clean = usable[:, a], np.where(usable[:, a], V[:, a], 0.0)
-        how = _spelling(clean[some], errors[np.isfinite(errors[:, a]), a], single, not some.all())
-        classes[:, a], values[:, a] = to_integers(clean, how, single)
-        classes[~some, a] = RAW
-        axes.append(how)
-    values = np.where(classes == RAW, raw, values)
+        how = _formats(clean[some], errors[np.isfinite(errors[:, a]), a], single, not some.all())
+        choices[:, a], indices[:, a] = to_indices(clean, how, single)
+        choices[~some, a] = RAW
+        columns.append(how)
+    indices = np.where(choices == RAW, raw, indices)
     width = SINGLE if single else DOUBLE
-    return packed(width, axes) + encode_spelled(elements, width, axes, classes, values)
+    stream = encode_indices(elements, width, columns, choices, indices)
+    return pack_formats(width, columns) + stream
 
 
-def _spelling(values: _Floats, errors: _Floats, single: bool, raw: bool) -> Spelling:
-    """Return the forms of the values that may be in one, and whether others are raw."""
+def _formats(values: _Floats, errors: _Floats, single: bool, raw: bool) -> ColumnFormats:
+    """Return the formats of the values that may be in one; `raw` if there are others."""
     if not len(values):
-        return Spelling((), (), 0, raw=True, zeros=False)
-    how = spelling(values, errors, single)
-    return Spelling(how.forms, how.usual, how.grid, how.raw or raw, how.zeros)
+        return RAW_ONLY
+    how = choose_formats(values, errors, single)
+    return replace(how, raw=how.raw or raw)
 
 
 def decode_floats(
@@ -100,26 +102,27 @@ def decode_floats(
             found.append(_decoded(payload[begin:end], elements, size))
         except FormatError as error:
             raise FormatError(error.reason, begin + (error.offset or 0)) from None
-    return together(found, streams[-1][0] if streams else 0, elements.count, width)
+    return join_columns(found, streams[-1][0] if streams else 0, elements.count, width)
 
 
 def _decoded(payload: memoryview, elements: Elements, size: int) -> _Ints:
-    width, axes, at = unpacked(payload)
+    width, columns, at = unpack_formats(payload)
     single = width == SINGLE
     if size < 8 and not single:
-        raise FormatError(f"numbers of {width} bits for those of {8 * size}", 0)
-    classes, values = decode_spelled(payload, at, elements, width, axes)
-    V = np.empty(values.shape)
-    for a, how in enumerate(axes):
-        V[:, a] = to_values(classes[:, a], np.where(classes == RAW, 0, values)[:, a], how, single)
+        raise FormatError(f"{width}-bit numbers in an attribute of {8 * size} bits", 0)
+    choices, indices = decode_indices(payload, at, elements, width, columns)
+    is_raw = choices == RAW
+    V = np.empty(indices.shape)
+    for a, how in enumerate(columns):
+        V[:, a] = from_indices(choices[:, a], np.where(is_raw, 0, indices)[:, a], how, single)
     numbers = V.astype(f"f{size}")
     if not (np.abs(V) <= LARGEST).all() or (numbers != V).any():
-        raise FormatError(f"a number that none of {8 * size} bits is", at)
-    raw = values[classes == RAW]
+        raise FormatError(f"value not representable in {8 * size} bits", at)
+    raw = indices[is_raw]
     if size == 8 and single:
         raw = bits_of(from_bits(raw, np.dtype("f4")).astype(np.float64))
     elif (raw & ~_mask(size)).any():
-        raise FormatError(f"a number of more than {8 * size} bits", at)
+        raise FormatError(f"raw value exceeds {8 * size} bits", at)
     bits = bits_of(numbers)
-    bits[classes == RAW] = raw
+    bits[is_raw] = raw
     return bits

@@ -1,4 +1,4 @@
-"""Coding one label for each element of a mesh; SPEC.md 5.16."""
+"""Labels of the elements of a mesh; SPEC.md 5.16."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from deltamesh._graph.elements import Elements
 from deltamesh._kernels.coding import labels as kernels
-from deltamesh._streams import entropy
+from deltamesh._kernels.coding.coder import Coder
+from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.errors import FormatError
 
 _Ints = NDArray[np.int64]
@@ -26,12 +27,14 @@ def encode_labels(elements: Elements, labels: _Ints) -> bytes:
     ValueError
         For labels that are not numbered in the order in which they first appear.
     """
-    coder = entropy.encoder(elements.count, kernels.SLOTS, kernels.MIXERS)
     coded = np.array(labels, dtype=np.int64)
-    seen = kernels.code_labels(coder, elements.indptr, elements.indices, coded)
-    if seen < 0 or not np.array_equal(coded, labels):
-        raise ValueError("the labels are not numbered in the order of their first elements")
-    return entropy.finish(coder)
+
+    def run(coder: Coder) -> None:
+        seen = kernels.code_labels(coder, elements.indptr, elements.indices, coded)
+        if seen < 0 or not np.array_equal(coded, labels):
+            raise ValueError("the labels are not numbered in the order of their first elements")
+
+    return encode_with(kernels.MODEL, elements.count, run)
 
 
 def decode_labels(payload: bytes | memoryview, elements: Elements) -> _Ints:
@@ -42,9 +45,11 @@ def decode_labels(payload: bytes | memoryview, elements: Elements) -> _Ints:
     FormatError
         If no encoder has written the stream; the offset counts from its beginning.
     """
-    coder = entropy.decoder(payload, kernels.SLOTS, kernels.MIXERS)
-    labels = np.zeros(elements.count, dtype=np.int64)
-    if kernels.code_labels(coder, elements.indptr, elements.indices, labels) < 0:
-        raise FormatError("a label that was passed over as that of a neighbour", 0)
-    entropy.check_end(coder, 0)
-    return labels
+
+    def run(coder: Coder) -> _Ints:
+        labels = np.zeros(elements.count, dtype=np.int64)
+        if kernels.code_labels(coder, elements.indptr, elements.indices, labels) < 0:
+            raise FormatError("non-canonical label: a candidate was skipped", 0)
+        return labels
+
+    return decode_with(kernels.MODEL, payload, run)

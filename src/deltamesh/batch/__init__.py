@@ -1,68 +1,85 @@
-"""Many files: which they are, who works on which when, and a record of what became of each.
+"""Batches of files: finding them, working on them in parallel, and records of their outcomes.
 
-What is done with one file is a function of a `Task` that returns a record, a dictionary fit for
-JSON. `run_here`, `run_in_processes` and `run_on_dask` (with a `dask_client`) are three ways to call
-it on many tasks; each yields (task, record) when a task is done, and (task, exception) where there
-is no record. `find` and `check_targets` say which tasks there are, a manifest keeps the records on
-disk. `deltamesh batch` is made of these. They are imported when one of them is first used.
+The work on one file is a function of a `Task` that returns a record, a dictionary fit for JSON.
+`run_here`, `run_in_processes` and `run_on_dask` (with a `dask_client`) call it on many tasks; each
+yields (task, record) when a task is done, and (task, exception) where there is no record. `find`
+and `check_targets` plan the tasks, and a manifest keeps the records on disk. `deltamesh batch` is
+made of these. A name is imported when it is first used.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from deltamesh.batch.cluster import dask_client, run_on_dask
-    from deltamesh.batch.finding import Selection, find
-    from deltamesh.batch.manifest import open_manifest, still_done
-    from deltamesh.batch.plan import Task, check_targets, flat, mirrored
-    from deltamesh.batch.pool import run_in_processes
-    from deltamesh.batch.schedule import share
-    from deltamesh.batch.serial import WorkerError, run_here
+    from deltamesh.batch._cluster import dask_client as dask_client, run_on_dask as run_on_dask
+    from deltamesh.batch._finding import Selection as Selection, find as find
+    from deltamesh.batch._manifest import (
+        DONE as DONE,
+        FAILED as FAILED,
+        SKIPPED as SKIPPED,
+        Append as Append,
+        ManifestError as ManifestError,
+        Record as Record,
+        begun_record as begun_record,
+        file_state as file_state,
+        open_manifest as open_manifest,
+        read_records as read_records,
+        record_key as record_key,
+        still_done as still_done,
+        wrote_target as wrote_target,
+    )
+    from deltamesh.batch._plan import (
+        Task as Task,
+        check_targets as check_targets,
+        flat as flat,
+        mirrored as mirrored,
+    )
+    from deltamesh.batch._pool import run_in_processes as run_in_processes
+    from deltamesh.batch._schedule import (
+        available_cores as available_cores,
+        memory_for_mesh_file as memory_for_mesh_file,
+        physical_memory as physical_memory,
+        share as share,
+    )
+    from deltamesh.batch._serial import (
+        Begin as Begin,
+        Outcome as Outcome,
+        Work as Work,
+        WorkerError as WorkerError,
+        run_here as run_here,
+    )
+else:
+    from deltamesh._lazy import lazy_names
 
-_HOME = {
-    "Selection": "finding",
-    "Task": "plan",
-    "WorkerError": "serial",
-    "check_targets": "plan",
-    "dask_client": "cluster",
-    "find": "finding",
-    "flat": "plan",
-    "mirrored": "plan",
-    "open_manifest": "manifest",
-    "run_here": "serial",
-    "run_in_processes": "pool",
-    "run_on_dask": "cluster",
-    "share": "schedule",
-    "still_done": "manifest",
-}
-
-__all__ = [
-    "Selection",
-    "Task",
-    "WorkerError",
-    "check_targets",
-    "dask_client",
-    "find",
-    "flat",
-    "mirrored",
-    "open_manifest",
-    "run_here",
-    "run_in_processes",
-    "run_on_dask",
-    "share",
-    "still_done",
-]
-
-
-def __getattr__(name: str) -> Any:
-    """Import what was asked for."""
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    import importlib
-
-    return getattr(importlib.import_module(f"{__name__}.{_HOME[name]}"), name)
-
-
-def __dir__() -> list[str]:
-    return __all__
+    __getattr__, __dir__, __all__ = lazy_names(
+        __name__,
+        {
+            "deltamesh.batch._cluster": ("dask_client", "run_on_dask"),
+            "deltamesh.batch._finding": ("Selection", "find"),
+            "deltamesh.batch._manifest": (
+                "DONE",
+                "FAILED",
+                "SKIPPED",
+                "Append",
+                "ManifestError",
+                "Record",
+                "begun_record",
+                "file_state",
+                "open_manifest",
+                "read_records",
+                "record_key",
+                "still_done",
+                "wrote_target",
+            ),
+            "deltamesh.batch._plan": ("Task", "check_targets", "flat", "mirrored"),
+            "deltamesh.batch._pool": ("run_in_processes",),
+            "deltamesh.batch._schedule": (
+                "available_cores",
+                "memory_for_mesh_file",
+                "physical_memory",
+                "share",
+            ),
+            "deltamesh.batch._serial": ("Begin", "Outcome", "Work", "WorkerError", "run_here"),
+        },
+    )

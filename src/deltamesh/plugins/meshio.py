@@ -1,4 +1,4 @@
-"""meshio: `PolyMesh` to `meshio.Mesh` and back; `import deltamesh.plugins.meshio` registers.
+"""Plugin of meshio: `meshio.Mesh` and `.dmesh`; `import deltamesh.plugins.meshio` registers it.
 
 After that `meshio.read("x.dmesh")` and `mesh.write("x.dmesh")` work, with file objects too
 (`file_format="dmesh"`). Points and cells stay in their order: a block of cells is a run of faces
@@ -21,23 +21,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._files import load, save
-from deltamesh.plugins.fields import (
+from deltamesh.plugins._fields import (
     KINDS,
     Arrays,
     attributes_of,
-    dense,
-    in_order,
-    named,
+    by_name,
+    dense_arrays,
+    keeping_order,
     parts_of,
-    tell,
+    warn_of_losses,
 )
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh.arrays import distinct
-from deltamesh_formats.polymesh.descriptions import attribute_words
-from deltamesh_formats.polymesh.mesh import Parts, PolyMesh, checked
+from deltamesh_formats.polymesh.descriptions import describe_attribute
+from deltamesh_formats.polymesh.mesh import Parts, PolyMesh
+from deltamesh_formats.polymesh.names import distinct_names
 from deltamesh_formats.polymesh.seams import at_vertices
 from deltamesh_formats.polymesh.texture_origin import with_origin
-from deltamesh_formats.polymesh.validation import check_shapes
+from deltamesh_formats.polymesh.validation import checked
 
 _TYPES: Final = {3: "triangle", 4: "quad"}
 
@@ -51,24 +51,24 @@ def to_meshio(mesh: PolyMesh) -> meshio.Mesh:
         Of attributes of corners that have seams.
     """
     mesh = with_origin(mesh, top_left=False)
-    points, lost = dense(mesh, "vertex"), []
+    points, lost = dense_arrays(mesh, "vertex"), []
     for attribute in mesh.attributes:
         if attribute.domain == "corner":
             values = at_vertices(mesh, attribute)
             if values is None:
-                lost.append(f"{attribute_words(attribute)} with seams")
+                lost.append(f"{describe_attribute(attribute)} with seams")
             else:
                 points.append((attribute.name, values))
-    tell(lost, "a mesh of meshio")
+    warn_of_losses(lost, "a mesh of meshio")
     ends = [*(np.flatnonzero(np.diff(mesh.sizes)) + 1).tolist(), len(mesh.sizes)]
     runs = [slice(a, b) for a, b in zip([0, *ends[:-1]], ends, strict=True)]
     faces: Arrays = [(parts.kind, parts.of_face) for parts in mesh.parts]
-    faces += dense(mesh, "face")
+    faces += dense_arrays(mesh, "face")
     return meshio.Mesh(
         mesh.vertices,
         [_block(mesh, run) for run in runs],
-        point_data=named(points),
-        cell_data={name: [A[run] for run in runs] for name, A in named(faces).items()},
+        point_data=by_name(points),
+        cell_data={name: [A[run] for run in runs] for name, A in by_name(faces).items()},
         field_data=_names(mesh),
     )
 
@@ -113,7 +113,6 @@ def from_meshio(mesh: meshio.Mesh) -> PolyMesh:
         lost=tuple(lost),
         precision="float32" if V.dtype == np.float32 else "float64",
     )
-    check_shapes(found)
     return checked(found)
 
 
@@ -130,8 +129,8 @@ def write_dmesh(
     The options are those of `deltamesh.encode`, of which `keep_order` is True unless given.
     """
     found = from_meshio(mesh)
-    tell(found.lost, "a .dmesh")
-    save(target, found, **in_order(options))
+    warn_of_losses(found.lost, "a .dmesh")
+    save(target, found, **keeping_order(options))
 
 
 def register() -> None:
@@ -163,7 +162,8 @@ def _names(mesh: PolyMesh) -> dict[str, NDArray[np.int64]]:
     names = [f"{parts.kind}:{name}" for parts in mesh.parts for name in parts.names]
     numbers = [number for parts in mesh.parts for number in range(len(parts.names))]
     return {
-        name: np.array([number, 2]) for name, number in zip(distinct(names), numbers, strict=True)
+        name: np.array([number, 2])
+        for name, number in zip(distinct_names(names), numbers, strict=True)
     }
 
 

@@ -1,4 +1,4 @@
-"""PyVista: `PolyMesh` to `PolyData` and back; PyVista finds the reader and writer by itself.
+"""Plugin of PyVista: `PolyData` and `.dmesh`; PyVista finds the reader and writer by itself.
 
 With deltamesh installed `pyvista.read("x.dmesh")` and `mesh.save("x.dmesh")` work, without an
 import. Points and faces stay in their order, polygons are polygons.
@@ -19,23 +19,23 @@ import pyvista
 from numpy.typing import NDArray
 
 from deltamesh._files import load, save
-from deltamesh.plugins.fields import (
+from deltamesh.plugins._fields import (
     KINDS,
     Arrays,
     attributes_of,
-    dense,
-    in_order,
-    named,
+    by_name,
+    dense_arrays,
+    keeping_order,
     names_key,
     parts_of,
-    tell,
+    warn_of_losses,
 )
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh.descriptions import attribute_words
-from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, Role, checked
+from deltamesh_formats.polymesh.descriptions import describe_attribute
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, Role
 from deltamesh_formats.polymesh.seams import at_vertices
 from deltamesh_formats.polymesh.texture_origin import with_origin
-from deltamesh_formats.polymesh.validation import check_shapes
+from deltamesh_formats.polymesh.validation import checked
 
 _WIDTHS: Final[dict[Role, tuple[int, ...]]] = {"normal": (3,), "uv": (2, 3)}
 
@@ -58,24 +58,24 @@ def to_pyvista(mesh: PolyMesh) -> pyvista.PolyData:
         Of attributes of corners that have seams.
     """
     mesh = with_origin(mesh, top_left=False)
-    points, lost = dense(mesh, "vertex"), []
+    points, lost = dense_arrays(mesh, "vertex"), []
     roles: dict[str, Role] = {}
     for attribute in mesh.attributes:
         if attribute.domain == "corner":
             values = at_vertices(mesh, attribute)
             if values is None:
-                lost.append(f"{attribute_words(attribute)} with seams")
+                lost.append(f"{describe_attribute(attribute)} with seams")
             else:
                 points.append((attribute.name, values))
         if attribute.domain != "face":
             roles.setdefault(attribute.name, attribute.role)
-    tell(lost, "a PolyData")
+    warn_of_losses(lost, "a PolyData")
     faces = np.insert(mesh.corners, mesh.offsets[:-1], mesh.sizes)
     made = pyvista.PolyData(mesh.vertices.astype(mesh.precision), faces=faces)
-    for name, values in named(points).items():
+    for name, values in by_name(points).items():
         made.point_data.set_array(_known(values), name)
     cells: Arrays = [(parts.kind, parts.of_face) for parts in mesh.parts]
-    for name, values in named(cells + dense(mesh, "face")).items():
+    for name, values in by_name(cells + dense_arrays(mesh, "face")).items():
         made.cell_data.set_array(_known(values), name)
     _activate(made, roles)
     names = {names_key(parts.kind): parts.names for parts in mesh.parts}
@@ -126,7 +126,6 @@ def from_pyvista(mesh: pyvista.PolyData) -> PolyMesh:
         tuple(lost),
         "float32" if mesh.points.dtype == np.float32 else "float64",
     )
-    check_shapes(found)
     return checked(found)
 
 
@@ -146,8 +145,8 @@ def write_dmesh(mesh: pyvista.PolyData, path: str, **options: Any) -> None:
     The options are those of `deltamesh.encode`, of which `keep_order` is True unless given.
     """
     found = from_pyvista(mesh)
-    tell(found.lost, "a .dmesh")
-    save(path, found, **in_order(options))
+    warn_of_losses(found.lost, "a .dmesh")
+    save(path, found, **keeping_order(options))
 
 
 def _activate(made: pyvista.PolyData, roles: dict[str, Role]) -> None:

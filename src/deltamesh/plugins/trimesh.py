@@ -1,4 +1,4 @@
-"""trimesh: `PolyMesh` to `Trimesh` and back; `import deltamesh.plugins.trimesh` registers `.dmesh`.
+"""Plugin of trimesh: `Trimesh` and `.dmesh`; `import deltamesh.plugins.trimesh` registers it.
 
 After that `trimesh.load_mesh("x.dmesh")`, `trimesh.load` and `mesh.export("x.dmesh")` work, with
 file objects too (`file_type="dmesh"`). Vertices and faces stay as they are: nothing is merged
@@ -20,24 +20,25 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from deltamesh._codec import decode, encode
-from deltamesh.plugins.fields import (
+from deltamesh._codec import encode
+from deltamesh._files import load
+from deltamesh.plugins._fields import (
     KINDS,
     Arrays,
     attributes_of,
-    dense,
-    in_order,
-    named,
+    by_name,
+    dense_arrays,
+    keeping_order,
     names_key,
     parts_of,
-    tell,
+    warn_of_losses,
 )
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles.numbers import fractions
 from deltamesh_formats.polymesh.arrays import from_arrays, role_of
-from deltamesh_formats.polymesh.joining import joined
+from deltamesh_formats.polymesh.colours import as_fractions
+from deltamesh_formats.polymesh.concatenation import concatenate
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
-from deltamesh_formats.polymesh.seams import at_vertices, split
+from deltamesh_formats.polymesh.seams import at_vertices, split_at_seams
 from deltamesh_formats.polymesh.texture_origin import with_origin
 from deltamesh_formats.polymesh.triangles import Triangles
 
@@ -106,7 +107,7 @@ def load_dmesh(file_obj: BinaryIO, file_type: str | None = None, **options: Any)
     `split_seams` is that of `to_trimesh`; `process` is False unless it is given; `max_vertices`,
     `memory`, `solver` and `threads` are those of `deltamesh.decode`.
     """
-    mesh = decode(file_obj, **{name: options[name] for name in _DECODING if name in options})
+    mesh = load(file_obj, **{name: options[name] for name in _DECODING if name in options})
     made = _arguments(mesh, options.get("split_seams", False))
     made["metadata"] |= options.get("metadata") or {}
     return {**made, "process": options.get("process", False)}
@@ -118,8 +119,8 @@ def export_dmesh(mesh: trimesh.Trimesh, **options: Any) -> bytes:
     The options are those of `deltamesh.encode`, of which `keep_order` is True unless given.
     """
     found = from_trimesh(mesh)
-    tell(found.lost, "a .dmesh")
-    return encode(found, **in_order(options))
+    warn_of_losses(found.lost, "a .dmesh")
+    return encode(found, **keeping_order(options))
 
 
 def register() -> None:
@@ -132,15 +133,15 @@ def _arguments(mesh: PolyMesh, split_seams: bool) -> dict[str, Any]:
     mesh = with_origin(mesh, top_left=False)
     uv = mesh.attribute("uv", "corner")
     if split_seams and uv is not None:
-        mesh = split(mesh, uv)
+        mesh = split_at_seams(mesh, uv)
     cut = mesh.triangulation()
     found, shown = _visual(mesh, cut)
     normal = mesh.attribute("normal", "vertex")
     if normal is not None and np.isfinite(N := normal.dense()).all():
         found["vertex_normals"] = N
     face: Arrays = [(parts.kind, parts.of_face[cut.polygon]) for parts in mesh.parts]
-    face += [(name, A[cut.polygon]) for name, A in dense(mesh, "face", shown)]
-    corners = dense(mesh, "corner", shown)
+    face += [(name, A[cut.polygon]) for name, A in dense_arrays(mesh, "face", shown)]
+    corners = dense_arrays(mesh, "corner", shown)
     face += [(_CORNER + name, A[cut.corners].reshape(len(cut.faces), -1)) for name, A in corners]
     names = {names_key(parts.kind): list(parts.names) for parts in mesh.parts}
     words: dict[str, Any] = {key: list(some) for key, some in mesh.metadata.items()}
@@ -149,8 +150,8 @@ def _arguments(mesh: PolyMesh, split_seams: bool) -> dict[str, Any]:
     return {
         "vertices": mesh.vertices,
         "faces": cut.faces,
-        "vertex_attributes": named(dense(mesh, "vertex", shown)),
-        "face_attributes": named(face),
+        "vertex_attributes": by_name(dense_arrays(mesh, "vertex", shown)),
+        "face_attributes": by_name(face),
         "metadata": {**words, **names},
         "process": False,
         **found,
@@ -178,7 +179,7 @@ def _visual(mesh: PolyMesh, cut: Triangles) -> tuple[dict[str, Any], list[Attrib
 def _rgba(colour: Attribute) -> NDArray[np.uint8]:
     """Return colours as trimesh has them, uint8 (count, 4)."""
     found = np.full((len(colour.rows()), 4), 255, dtype=np.uint8)
-    values = np.nan_to_num(fractions(colour.dense(), colour.normalized))
+    values = np.nan_to_num(as_fractions(colour.dense(), normalized=colour.normalized))
     found[:, : colour.width] = np.rint(255 * np.clip(values, 0, 1))
     return found
 
@@ -266,7 +267,7 @@ def _from_scene(scene: trimesh.Scene) -> PolyMesh:
     if not placed:
         raise MeshError("a scene without meshes")
     meshes = [from_trimesh(one) for one in placed]
-    mesh = joined(meshes)
+    mesh = concatenate(meshes)
     if len(placed) == 1 and mesh.parts_of("object") is not None:
         return mesh
     names = tuple(str(one.metadata.get("node", "")) for one in placed)

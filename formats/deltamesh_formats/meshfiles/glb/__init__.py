@@ -1,1 +1,37 @@
 """GLB, the binary form of glTF 2.0."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from deltamesh_formats.meshfiles.file_format import FileFormat, Written
+
+if TYPE_CHECKING:
+    from deltamesh_formats.polymesh.mesh import PolyMesh
+
+
+def _read(data: bytes) -> PolyMesh:
+    from deltamesh_formats.meshfiles.glb.reader import read
+
+    return read(data)
+
+
+def _write(mesh: PolyMesh) -> Written:
+    from deltamesh_formats.meshfiles.glb.writer import write
+
+    return write(mesh)
+
+
+GLB: Final = FileFormat(
+    name="glb",
+    title="GLB",
+    extensions=("glb",),
+    beginnings=(b"glTF",),
+    bytes_per_vertex=24,  # three float32, six 16-bit indices
+    has_top_left_textures=True,
+    transforms=True,
+    parts=("object", "mesh", "material"),
+    metadata=("copyright",),
+    read=_read,
+    write=_write,
+)

@@ -1,7 +1,7 @@
-"""The outer form of a GLB and its accessors: JSON and buffers in, arrays out.
+"""Chunks, buffers and accessors of a GLB, as JSON and arrays.
 
-glTF 2.0 (Khronos Group, 2021): section 4 for the container, 3.6 for buffers and accessors. What a
-file says of itself is checked against its length before anything is allocated.
+glTF 2.0 (Khronos Group, 2021): section 4 for the chunks, 3.6 for buffers and accessors. Counts of a
+file are checked against its length before anything is allocated.
 """
 
 from __future__ import annotations
@@ -42,28 +42,28 @@ Tree = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Gltf:
-    """The JSON of a file, and the bytes of its buffers."""
+    """JSON of a file, and the bytes of its buffers."""
 
     tree: Tree
     buffers: list[bytes]
 
     def items(self, name: str) -> list[Any]:
-        """Return a list of the file's top level, empty when it has none."""
+        """Return a list at the top of the JSON, empty if it is not there."""
         return items(self.tree, name)
 
     def item(self, name: str, index: object) -> Tree:
-        """Return an object of such a list by its number.
+        """Return an object of such a list by its index.
 
         Raises
         ------
         MeshError
-            When there is no such number.
+            For an index out of range, and an element that is not an object.
         """
         found = self.items(name)
         if not isinstance(index, int) or not 0 <= index < len(found):
             raise MeshError(f"it refers to {name} {index!r}, of {len(found)}")
         if not isinstance(found[index], dict):
-            raise MeshError(f"{name} {index} is no object")
+            raise MeshError(f"{name} {index} is not an object")
         return found[index]  # type: ignore[no-any-return]
 
     def accessor(self, index: object) -> NDArray[Any]:
@@ -75,7 +75,7 @@ class Gltf:
         kind = _component(accessor)
         width = WIDTHS.get(accessor.get("type", ""))
         if width is None:
-            raise MeshError(f"accessor {index} is of type {accessor.get('type')!r}")
+            raise MeshError(f"accessor {index} has the unknown type {accessor.get('type')!r}")
         if "bufferView" in accessor:
             values = self._view(accessor["bufferView"], start, count, width, kind)
         else:
@@ -111,7 +111,7 @@ class Gltf:
         return np.ndarray((count, width), kind, data, begin + start, strides).astype(kind)
 
     def _replace(self, values: NDArray[Any], sparse: Tree, kind: np.dtype[Any]) -> None:
-        """Put the numbers of a sparse accessor in their places."""
+        """Replace the elements that a sparse accessor lists."""
         count, at, new = whole(sparse, "count"), sparse["indices"], sparse["values"]
         start = whole(at, "byteOffset", 0)
         places = self._view(at["bufferView"], start, count, 1, _component(at)).ravel()
@@ -123,15 +123,15 @@ class Gltf:
 
 
 def items(tree: Tree, name: str) -> list[Any]:
-    """Return a list in an object, empty when there is none."""
+    """Return a list in an object, empty if it is not there."""
     found = tree.get(name, [])
     if not isinstance(found, list):
-        raise MeshError(f"its {name} are no list")
+        raise MeshError(f"its {name} are not a list")
     return found
 
 
 def whole(tree: Tree, name: str, default: int | None = None) -> int:
-    """Return a whole number from 0 in an object."""
+    """Return a count, or another whole number from 0, in an object."""
     value = tree.get(name, default)
     if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**53:
         raise MeshError(f"its {name} is {value!r}, not a count")
@@ -139,7 +139,7 @@ def whole(tree: Tree, name: str, default: int | None = None) -> int:
 
 
 def reals(tree: Tree, name: str, count: int) -> NDArray[np.float64] | None:
-    """Return a list of so many finite numbers in an object, None when it is not there."""
+    """Return a list of `count` finite numbers in an object, None if it is not there."""
     if name not in tree:
         return None
     found = tree[name]
@@ -156,13 +156,13 @@ def _component(accessor: Tree) -> np.dtype[Any]:
     return np.dtype("<" + COMPONENTS[code])
 
 
-def read_container(data: bytes) -> Gltf:
-    """Take a GLB apart.
+def read_chunks(data: bytes) -> Gltf:
+    """Read the chunks of a GLB.
 
     Raises
     ------
     MeshError
-        When it is none, or needs what is not read.
+        For bytes that are not a GLB, and one that needs an extension that is not read.
     """
     if data[:4] != MAGIC:
         raise MeshError("it does not begin with 'glTF'")
@@ -170,7 +170,9 @@ def read_container(data: bytes) -> Gltf:
     if version != 2:
         raise MeshError(f"it is glTF version {version}, not 2")
     if length > len(data):
-        raise MeshError(f"its header tells {length} bytes, it has {len(data)}: is it cut short?")
+        raise MeshError(
+            f"its header announces {length} bytes, it has {len(data)}: is it cut short?"
+        )
     chunks: dict[bytes, bytes] = {}
     at = 12
     while at + 8 <= length:
@@ -186,7 +188,7 @@ def read_container(data: bytes) -> Gltf:
     except (ValueError, RecursionError) as error:
         raise MeshError(f"its JSON is not readable: {error}") from None
     if not isinstance(tree, dict):
-        raise MeshError("its JSON is no object")
+        raise MeshError("its JSON is not an object")
     for name in _COMPRESSED:
         if name in items(tree, "extensionsRequired"):
             raise MeshError(f"it needs the glTF extension {name}, which is not read")

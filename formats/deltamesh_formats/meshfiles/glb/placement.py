@@ -1,4 +1,4 @@
-"""Vectors under the transforms of a scene, there and back.
+"""Positions, normals and tangents under the transforms of a scene, and back.
 
 A transform is float64 (4, 4) with columns as axes; positions, normals and tangents are rows.
 """
@@ -14,12 +14,12 @@ Matrix = NDArray[np.float64]
 
 
 def is_identity(matrix: Matrix) -> bool:
-    """Tell whether a transform, or its linear part, leaves all as it is."""
+    """Tell whether a transform, or its linear part, is the identity."""
     return bool((matrix == np.eye(len(matrix))).all())
 
 
 def is_mirror(matrix: Matrix) -> bool:
-    """Tell whether a transform turns the winding of faces round."""
+    """Tell whether a transform reverses the winding of faces."""
     with np.errstate(all="ignore"):
         return bool(np.linalg.det(matrix[:3, :3]) < 0)
 

@@ -1,8 +1,8 @@
-"""GLB to a mesh: every placed mesh of the scene is an object, with its name and its transform.
+"""Reader of GLB: every placed mesh of the scene is an object, with its name and its transform.
 
-Kept: all attributes of vertices, names of nodes, meshes and materials. Strips and fans become
-triangles. Named as lost: points and lines, textures, what materials look like, animations, skins
-and so on. Compressed files are refused.
+It keeps all attributes of vertices, and names of nodes, meshes and materials. Strips and fans
+become triangles. Points, lines, textures, the look of materials, animations, skins and so on are
+named as lost. Compressed files are refused.
 """
 
 from __future__ import annotations
@@ -16,23 +16,22 @@ from numpy.typing import NDArray
 
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles.glb import placement
-from deltamesh_formats.meshfiles.glb.chunks import Gltf, Tree, items, read_container
-from deltamesh_formats.meshfiles.glb.names import name_of
-from deltamesh_formats.meshfiles.glb.scene import Placed, placed_meshes, what_is_lost
-from deltamesh_formats.meshfiles.strips import from_strips
+from deltamesh_formats.meshfiles.glb.chunks import Gltf, Tree, items, read_chunks
+from deltamesh_formats.meshfiles.glb.scene import Placed, placed_meshes, scene_losses
+from deltamesh_formats.meshfiles.glb.semantics import name_of
+from deltamesh_formats.meshfiles.triangle_strips import triangles_of_strips
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
-from deltamesh_formats.polymesh.texture_origin import told_top_left
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _MODES: Final = {0: "points", 1: "lines", 2: "lines", 3: "lines"}
 # Nodes may show a mesh, and primitives name an accessor, any number of times: a small file can ask
-# for any amount of memory. So many numbers are read, 2 GiB or so.
+# for any amount of memory. This many numbers, about 2 GiB, are read at most.
 _MOST: Final = 1 << 28
 
 
 @dataclass
 class _Block:
-    """Vertices that primitives share: their accessors, and where they have been put last."""
+    """Vertices that primitives share: their accessors, and their last place in the scene."""
 
     accessors: dict[str, int]
     start: int = 0
@@ -48,7 +47,7 @@ class _Primitive:
 
 @dataclass
 class _Scene:
-    """What has been read so far."""
+    """Mesh of the scene as it grows."""
 
     vertices: list[NDArray[np.float64]] = field(default_factory=list)
     # By name, type and so on: where the values of each block begin, and the values.
@@ -60,10 +59,10 @@ class _Scene:
     numbers: int = 0
 
     def add(self, numbers: int) -> None:
-        """Count numbers that are read, and refuse too many."""
+        """Count numbers that are read; too many are refused."""
         self.numbers += numbers
         if self.numbers > _MOST:
-            raise MeshError(f"its scene repeats parts of it until it is more than {_MOST} numbers")
+            raise MeshError(f"its scene repeats meshes until it has more than {_MOST} numbers")
 
 
 def read(data: bytes) -> PolyMesh:
@@ -72,9 +71,10 @@ def read(data: bytes) -> PolyMesh:
     Raises
     ------
     MeshError
+        For a file that is not valid, or compressed; the element at fault is named.
     """
-    gltf = read_container(data)
-    placed, lost = placed_meshes(gltf), dict.fromkeys(what_is_lost(gltf))
+    gltf = read_chunks(data)
+    placed, lost = placed_meshes(gltf), dict.fromkeys(scene_losses(gltf))
     if any(one.depth for one in placed):
         lost["the hierarchy of nodes"] = None
     if len({one.mesh for one in placed}) < len(placed):
@@ -89,7 +89,7 @@ def read(data: bytes) -> PolyMesh:
     asset = gltf.tree.get("asset", {})
     said = str(asset.get("copyright", "")) if isinstance(asset, dict) else ""
     objects, materials = np.repeat(scene.objects, sizes), np.repeat(scene.materials, sizes)
-    mesh = PolyMesh(
+    return PolyMesh(
         np.concatenate([np.empty((0, 3)), *scene.vertices]),
         faces.ravel(),
         3 * np.arange(len(faces) + 1, dtype=np.int64),
@@ -98,15 +98,13 @@ def read(data: bytes) -> PolyMesh:
         {"copyright": (said,)} if said else {},
         tuple(lost),
         "float32",
-        "glb",
     )
-    return told_top_left(mesh)
 
 
 def _primitives(
     gltf: Gltf, scene: _Scene, mesh: int, lost: dict[str, None]
 ) -> Iterator[_Primitive]:
-    """Yield the primitives of a mesh that are faces; those of the same accessors share vertices."""
+    """Yield the primitives of a mesh that have faces; the same accessors are the same vertices."""
     blocks: dict[tuple[tuple[str, int], ...], _Block] = {}
     for primitive in items(gltf.item("meshes", mesh), "primitives"):
         if not isinstance(primitive, dict) or not isinstance(primitive.get("attributes"), dict):
@@ -136,13 +134,13 @@ def _faces(gltf: Gltf, primitive: Tree, mode: int) -> NDArray[np.int64]:
     if "indices" in primitive:
         values = gltf.accessor(primitive["indices"])
         if values.shape[1] != 1 or values.dtype.kind != "u":
-            raise MeshError("the indices of a primitive are no unsigned whole numbers")
+            raise MeshError("the indices of a primitive are not unsigned whole numbers")
         indices = values.ravel().astype(np.int64)
     else:
         count = len(gltf.accessor(primitive["attributes"]["POSITION"]))
         indices = np.arange(count, dtype=np.int64)
     if mode == _STRIP:
-        return from_strips(indices)
+        return triangles_of_strips(indices)
     if mode == _FAN:
         rim = np.stack([indices[1:-1], indices[2:]], axis=1)
         return np.concatenate([np.broadcast_to(indices[:1, None], (len(rim), 1)), rim], axis=1)
@@ -154,7 +152,7 @@ def _faces(gltf: Gltf, primitive: Tree, mode: int) -> NDArray[np.int64]:
 def _place(
     gltf: Gltf, scene: _Scene, primitives: list[_Primitive], one: Placed, number: int
 ) -> None:
-    """Add a mesh to the scene, with its transform applied."""
+    """Add a mesh to the scene, at its place."""
     done: set[int] = set()
     for primitive in primitives:
         block = primitive.block
@@ -174,7 +172,7 @@ def _place(
 def _place_vertices(gltf: Gltf, scene: _Scene, block: _Block, matrix: NDArray[np.float64]) -> None:
     points = _fractions(gltf, block.accessors["POSITION"])
     if points.shape[1] != 3:
-        raise MeshError("positions of a mesh have not three coordinates")
+        raise MeshError("positions of a mesh do not have three coordinates")
     block.start, block.count = scene.count, len(points)
     scene.count += block.count
     scene.add(points.size)
@@ -195,7 +193,7 @@ def _place_vertices(gltf: Gltf, scene: _Scene, block: _Block, matrix: NDArray[np
 
 
 def _fractions(gltf: Gltf, accessor: int) -> NDArray[np.float64]:
-    """Return positions as float64; whole numbers may stand for fractions."""
+    """Return positions as float64, those of normalized integers as fractions."""
     values = gltf.accessor(accessor)
     found = values.astype(np.float64)
     if gltf.item("accessors", accessor).get("normalized") is True and values.dtype.kind in "iu":

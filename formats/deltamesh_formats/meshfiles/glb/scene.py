@@ -1,4 +1,4 @@
-"""The nodes of a glTF scene: which mesh is where, and what else there is."""
+"""Placed meshes of a glTF scene, and descriptions of what else it has."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from deltamesh_formats.meshfiles.glb.chunks import Gltf, Tree, items, reals
 
 
 class Placed(NamedTuple):
-    """A mesh in the scene: its number, the name of its node, where it is, its depth in the tree."""
+    """Mesh in the scene: its index, the name, transform and depth in the tree of its node."""
 
     mesh: int
     name: str
@@ -27,7 +27,7 @@ def placed_meshes(gltf: Gltf) -> list[Placed]:
     Raises
     ------
     MeshError
-        When nodes are no tree.
+        When nodes are not a tree.
     """
     if not gltf.items("nodes"):
         return [Placed(i, "", np.eye(4), 0) for i in range(len(gltf.items("meshes")))]
@@ -38,7 +38,7 @@ def placed_meshes(gltf: Gltf) -> list[Placed]:
         number, above, depth = stack.pop()
         node = gltf.item("nodes", number)
         if number in seen:
-            raise MeshError(f"node {number} comes twice in the scene")
+            raise MeshError(f"node {number} is twice in the scene")
         seen.add(number)
         with np.errstate(all="ignore"):
             matrix = above @ _matrix(node)
@@ -50,8 +50,8 @@ def placed_meshes(gltf: Gltf) -> list[Placed]:
     return found
 
 
-def what_is_lost(gltf: Gltf) -> Iterator[str]:
-    """Yield words for what a file has beside meshes, nodes and names of materials."""
+def scene_losses(gltf: Gltf) -> Iterator[str]:
+    """Yield descriptions of what a file has beside meshes, nodes and names of materials."""
     tree = gltf.tree
     for name in ("animations", "skins", "cameras"):
         if gltf.items(name):
@@ -72,7 +72,7 @@ def what_is_lost(gltf: Gltf) -> Iterator[str]:
 
 
 def _with_extras(gltf: Gltf) -> Iterator[Tree]:
-    """Yield what programs give properties of their own; materials are named as a whole."""
+    """Yield the objects that may have custom properties; the look of materials is named anyway."""
     asset = gltf.tree.get("asset")
     yield from (gltf.tree, asset if isinstance(asset, dict) else {})
     for name in ("scenes", "nodes", "meshes"):

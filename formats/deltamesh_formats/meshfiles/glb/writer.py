@@ -1,8 +1,8 @@
-"""A mesh to GLB: the mirror of `glb_in`.
+"""Writer of GLB.
 
-Each object is a node with a mesh; faces without an object are one too. Positions are float32,
+Each object is a node with a mesh, and so are the faces without an object. Positions are float32,
 relative to the node: the transform that a scene had is undone, and where float32 would lose much,
-as far from the origin, a mesh gets a translation.
+as it does far from the origin, the node gets a translation.
 """
 
 from __future__ import annotations
@@ -13,13 +13,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh_formats.meshfiles.glb import placement
+from deltamesh_formats.meshfiles.file_format import Written
+from deltamesh_formats.meshfiles.float32 import bounding_diagonal, rounded_positions
+from deltamesh_formats.meshfiles.glb import GLB, placement
 from deltamesh_formats.meshfiles.glb.chunks import BINARY_CHUNK, COMPONENTS, JSON_CHUNK, MAGIC
-from deltamesh_formats.meshfiles.glb.groups import Groups, grouped
-from deltamesh_formats.meshfiles.glb.names import semantic_of
-from deltamesh_formats.meshfiles.single import diagonal_of, in_float32
-from deltamesh_formats.meshfiles.written import Written
-from deltamesh_formats.polymesh.descriptions import unkept
+from deltamesh_formats.meshfiles.glb.semantics import semantic_of
+from deltamesh_formats.meshfiles.glb.vertex_groups import Groups, grouped
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 
 _CODES: Final = {kind: code for code, kind in COMPONENTS.items()}
@@ -28,7 +27,7 @@ _VERTICES, _INDICES = 34962, 34963
 
 
 def write(mesh: PolyMesh) -> Written:
-    """Write a GLB; polygons become triangles, corners that differ at a vertex repeat it."""
+    """Write a GLB; polygons become triangles, and vertices whose corners differ are repeated."""
     objects = mesh.parts_of("object")
     of_face = np.full(len(mesh.sizes), -1) if objects is None else objects.of_face
     kept = _kept(mesh)
@@ -38,21 +37,15 @@ def write(mesh: PolyMesh) -> Written:
     numbers, starts = np.unique(groups.objects[order], return_index=True)
     for number, mine in zip(numbers.tolist(), np.split(order, starts[1:]), strict=True):
         writer.add_object(number, mine)
-    words = unkept(
-        mesh,
-        attributes=[attribute for attribute, _, _ in kept],
-        parts=("object", "mesh", "material"),
-        metadata=("copyright",),
-        transforms=True,
-    )
-    return Written(writer.data(), (*words, *dict.fromkeys(writer.lost)))
+    lost = GLB.losses(mesh, [attribute for attribute, _, _ in kept])
+    return Written(writer.data(), (*lost, *dict.fromkeys(writer.lost)))
 
 
 _Kept = tuple[Attribute, str, NDArray[Any]]
 
 
 def _kept(mesh: PolyMesh) -> list[_Kept]:
-    """Return the attributes that glTF holds, what it calls them, and their values as it has them.
+    """Return the attributes that glTF holds, with semantics and values in its types.
 
     Two of one name are kept when no vertex has both.
     """
@@ -74,7 +67,7 @@ def _kept(mesh: PolyMesh) -> list[_Kept]:
 
 
 def _single(values: NDArray[Any]) -> NDArray[Any] | None:
-    """Return numbers in a type of glTF; whole ones of more bits as float32 when that is exact."""
+    """Return numbers in a type of glTF, None if there is none that holds these integers exactly."""
     kind = values.dtype.str[1:]
     if kind in _CODES and kind != "u4":
         return values.astype("<" + kind)
@@ -87,11 +80,11 @@ def _single(values: NDArray[Any]) -> NDArray[Any] | None:
 
 
 class _Writer:
-    """The JSON and the buffer as they grow."""
+    """JSON and buffer of a file as they grow."""
 
     def __init__(self, mesh: PolyMesh, groups: Groups, kept: list[_Kept]) -> None:
         self.mesh, self.groups, self.kept = mesh, groups, kept
-        self.diagonal = diagonal_of(mesh.vertices)
+        self.diagonal = bounding_diagonal(mesh.vertices)
         self.mesh_of_object = _meshes_of_objects(mesh)
         self.lost = [*groups.lost]
         self.buffer: list[bytes] = []
@@ -149,7 +142,7 @@ class _Writer:
                 condition = np.linalg.cond(matrix[:3, :3])
             if not condition < 1e12:
                 matrix = np.eye(4)  # it has no inverse: the vertices are where it put them
-        if placement.is_identity(matrix) and in_float32(points, self.diagonal, "GLB")[1]:
+        if placement.is_identity(matrix) and rounded_positions(points, self.diagonal, GLB.title)[1]:
             matrix = np.eye(4)
             # Coarse numbers, so that taking them off rounds little.
             grid = 2.0 ** np.ceil(np.log2(self.diagonal)) if self.diagonal else 1.0
@@ -164,7 +157,7 @@ class _Writer:
         """Add the vertices of a group; return its primitives, one for each material."""
         some = self._slice(group)
         points = placement.moved_back(self.mesh.vertices[self._vertices(group)], matrix)
-        local, rounded = in_float32(points, self.diagonal, "GLB")
+        local, rounded = rounded_positions(points, self.diagonal, GLB.title)
         self.lost += rounded
         bounds = {"min": local.min(axis=0).tolist(), "max": local.max(axis=0).tolist()}
         attributes = {"POSITION": self._add(self._accessor(local, _VERTICES) | bounds)}
@@ -238,7 +231,7 @@ class _Writer:
 
 
 def _meshes_of_objects(mesh: PolyMesh) -> NDArray[np.int64]:
-    """Return the one "mesh" that all faces of each object are in, -1 if there is no such one."""
+    """Return the "mesh" part that all faces of each object are in, -1 if there is not just one."""
     objects, meshes = mesh.parts_of("object"), mesh.parts_of("mesh")
     if objects is None or meshes is None:
         return np.empty(0, dtype=np.int64)
@@ -251,5 +244,5 @@ def _meshes_of_objects(mesh: PolyMesh) -> NDArray[np.int64]:
 
 
 def _valid(name: str) -> str:
-    """Return a name without bytes of another encoding than UTF-8."""
+    """Return a name with "?" for bytes that are not UTF-8."""
     return name.encode("utf-8", "surrogateescape").decode("utf-8", "replace")

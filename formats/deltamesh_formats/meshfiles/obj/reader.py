@@ -1,9 +1,9 @@
-"""OBJ to a mesh (Wavefront, Object Files, version 3.0, appendix B1).
+"""Reader of OBJ (Wavefront, Object Files, version 3.0, appendix B1).
 
-Kept: positions with colours after them (a common extension), texture coordinates and normals with
-their own indices, polygons, objects, groups, smoothing groups, names of materials and of their
-libraries. A normal or texture coordinate for each vertex, in the vertices' order, becomes an
-attribute of vertices.
+It keeps positions with colours after them (a common extension), texture coordinates and normals
+with their own indices, polygons, objects, groups, smoothing groups, and names of materials and of
+their libraries. Normals or texture coordinates become attributes of the vertices where there is
+one for each vertex, in their order.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh_formats.meshfiles import text
-from deltamesh_formats.meshfiles.obj.words import KEPT, OFF, OTHERS, PARTS
+from deltamesh_formats.meshfiles.obj.statements import KEPT, OFF, OTHERS, PARTS
 from deltamesh_formats.meshfiles.text import Indices, Lines
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, Role
 
@@ -25,7 +25,7 @@ _CONTINUATION: Final = re.compile(rb"\\\r?\n")
 _COMMENT: Final = re.compile(rb"(?m)(?:^|(?<=[ \t\r]))#[^\n]*")
 _HEADER: Final = re.compile(rb"(?:[ \t\r]*(?:#[^\n]*)?\n)*")
 
-# The fields of a corner, v/vt/vn, in their order.
+# Fields of a corner, v/vt/vn, in their order.
 _FIELDS: Final = ("vertex", "texture coordinate", "normal")
 
 
@@ -35,13 +35,13 @@ def read(data: bytes) -> PolyMesh:
     Raises
     ------
     MeshError
-        With the line at fault.
+        For a statement that is not valid; the line is named.
     """
-    data = text.normal_ends(data)
+    data = text.with_line_feeds(data)
     # Comments first: a path at the end of one continues nothing.
-    lines = text.split(text.blanked(_CONTINUATION, text.blanked(_COMMENT, data)))
-    words = lines.words()
-    where = {key: words == text.word(key) for key in KEPT}
+    lines = text.split_lines(text.blanked(_CONTINUATION, text.blanked(_COMMENT, data)))
+    words = lines.keywords()
+    where = {key: words == text.keyword(key) for key in KEPT}
     where[b"f"] = where[b"f"] | where.pop(b"fo")
     vertices, colours, weighted = _vertices(lines, where[b"v"])
     tables = {
@@ -59,22 +59,21 @@ def read(data: bytes) -> PolyMesh:
         tuple(_parts(lines, data, where)),
         _metadata(lines, data, where[b"mtllib"]),
         tuple(lost),
-        format="obj",
     )
 
 
 class _Faces(NamedTuple):
-    """Indices of each corner from 0, -1 for none, one array a field; offsets of the faces."""
+    """Faces: an array of indices for each field of a corner, from 0, -1 for none; offsets."""
 
     indices: list[Indices]
     offsets: Indices
 
 
 def _rows(lines: Lines, chosen: NDArray[np.bool_]) -> tuple[NDArray[np.float64], Indices, Indices]:
-    """Return the numbers of some lines, where each line's begin, and how many it has."""
-    cut, tokens = text.cut_out(lines, chosen)
+    """Return the numbers of some lines, and of each line the place of the first and the count."""
+    cut, tokens = text.without_first_tokens(lines, chosen)
     counts = lines.counts[chosen] - 1
-    return text.numbers(cut, lines, tokens), np.cumsum(counts) - counts, counts
+    return text.read_numbers(cut, lines, tokens), np.cumsum(counts) - counts, counts
 
 
 def _check_counts(
@@ -89,7 +88,7 @@ def _check_counts(
 def _vertices(
     lines: Lines, chosen: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float64], list[Attribute], bool]:
-    """Return positions, colours, and whether there are weights; x y z, x y z w, x y z r g b (a)."""
+    """Return positions, colours, and whether there are weights: x y z, x y z w, x y z r g b (a)."""
     flat, starts, counts = _rows(lines, chosen)
     _check_counts(lines, chosen, np.isin(counts, (3, 4, 6, 7)), "a vertex")
     if len(counts) and (counts == 3).all():
@@ -108,7 +107,7 @@ def _vertices(
 def _table(
     lines: Lines, chosen: NDArray[np.bool_], what: str, least: int, most: int
 ) -> NDArray[np.float64]:
-    """Return the rows of `vt` or `vn`; numbers that a line leaves out are 0, as the format says."""
+    """Return the rows of `vt` or `vn`; numbers that a line leaves out are 0, as specified."""
     flat, starts, counts = _rows(lines, chosen)
     _check_counts(lines, chosen, (counts >= least) & (counts <= most), what)
     width = int(counts.max(initial=least))
@@ -119,20 +118,20 @@ def _table(
 
 
 def _faces(lines: Lines, where: Mapping[bytes, NDArray[np.bool_]], sizes: list[int]) -> _Faces:
-    """Return the indices of faces: v, v/vt, v//vn, v/vt/vn, each from 1, or from -1 backwards."""
+    """Return the faces: corners v, v/vt, v//vn or v/vt/vn, which count from 1, or back from -1."""
     chosen = where[b"f"]
-    cut, tokens = text.cut_out(lines, chosen)
+    cut, tokens = text.without_first_tokens(lines, chosen)
     slashes = cut == ord("/")
     plain = np.where(slashes, np.uint8(ord(" ")), cut)
-    at, _ = text.tokens_of(plain)
+    at, _ = text.token_bounds(plain)
     corner, fields = np.arange(len(at)), np.zeros(len(at), dtype=np.int64)
     if slashes.any():
-        begins, _ = text.tokens_of(cut)
+        begins, _ = text.token_bounds(cut)
         corner = np.searchsorted(begins, at, side="right") - 1
         before = np.cumsum(slashes) - slashes
         fields = before[at] - before[begins[corner]]
     _check_fields(lines, tokens, corner, fields)
-    given = text.numbers(plain, lines, tokens[corner], int)
+    given = text.read_numbers(plain, lines, tokens[corner], int)
     face_lines = np.flatnonzero(chosen)
     counts = lines.counts[face_lines] - 1
     line_of_corner = np.repeat(face_lines, counts)
@@ -165,18 +164,18 @@ def _check_fields(lines: Lines, tokens: Indices, corner: Indices, fields: Indice
     bad = fields > 2
     if bad.any():
         token = int(tokens[corner[np.argmax(bad)]])
-        raise lines.error(token, f"{text.shown(lines.token(token))} is no v/vt/vn")
+        raise lines.error(token, f"{text.quoted(lines.token(token))} is not of the form v/vt/vn")
     has = np.zeros(len(tokens), dtype=bool)
     has[corner[fields == 0]] = True
     if not has.all():
         token = int(tokens[np.argmin(has)])
-        raise lines.error(token, f"{text.shown(lines.token(token))} names no vertex")
+        raise lines.error(token, f"{text.quoted(lines.token(token))} names no vertex")
 
 
 def _attributes(
     tables: Mapping[str, NDArray[np.float64]], faces: _Faces, n: int
 ) -> tuple[list[Attribute], list[str]]:
-    """Return texture coordinates and normals, and the words for those that no face refers to."""
+    """Return texture coordinates and normals, and descriptions of tables that no face refers to."""
     names: tuple[tuple[str, Role], ...] = (("uv", "uv"), ("normal", "normal"))
     found, unused = [], []
     for (what, table), (name, role), index in zip(
@@ -192,7 +191,7 @@ def _attributes(
 
 
 def _parts(lines: Lines, data: bytes, where: Mapping[bytes, NDArray[np.bool_]]) -> list[Parts]:
-    """Return what o, g, usemtl and s say of the faces below them; without a name, or off: none."""
+    """Return the parts that o, g, usemtl and s begin; without a name, or off, they begin none."""
     face_lines, found = np.flatnonzero(where[b"f"]), []
     for kind, key in PARTS.items():
         at = np.flatnonzero(where[key])
@@ -212,10 +211,10 @@ def _parts(lines: Lines, data: bytes, where: Mapping[bytes, NDArray[np.bool_]]) 
 
 
 def _rest(lines: Lines, data: bytes, line: int) -> str:
-    """Return what follows the keyword of a line, whatever it is."""
+    """Return the text after the keyword of a line, of any bytes."""
     start = int(lines.token_ends[lines.first[line]])
     end = data.find(b"\n", start)
-    return text.decoded(data[start : end if end >= 0 else None].strip())
+    return text.as_text(data[start : end if end >= 0 else None].strip())
 
 
 def _metadata(
@@ -223,21 +222,21 @@ def _metadata(
 ) -> dict[str, tuple[str, ...]]:
     head = _HEADER.match(data)
     above = [line.strip() for line in (head[0] if head else b"").split(b"\n")]
-    comments = tuple(text.decoded(line[1:]) for line in above if line)
+    comments = tuple(text.as_text(line[1:]) for line in above if line)
     names = tuple(_rest(lines, data, int(line)) for line in np.flatnonzero(libraries))
     return {key: found for key, found in (("comments", comments), ("mtllib", names)) if found}
 
 
 def _others(lines: Lines, words: NDArray[np.uint64]) -> list[str]:
-    """Return the words for statements that are not kept."""
-    strange = ~np.isin(words, [text.word(key[:8]) for key in KEPT])
+    """Return descriptions of the statements that are not kept."""
+    strange = ~np.isin(words, [text.keyword(key) for key in KEPT])
     found = []
     for what, keys in OTHERS.items():
-        mine = strange & np.isin(words, [text.word(key[:8]) for key in keys])
+        mine = strange & np.isin(words, [text.keyword(key) for key in keys])
         if mine.any():
             found.append(what)
             strange &= ~mine
     if strange.any():
         token = int(lines.first[np.argmax(strange)])
-        found.append(f"statements unknown to OBJ ({text.shown(lines.token(token))})")
+        found.append(f"statements unknown to OBJ ({text.quoted(lines.token(token))})")
     return found

@@ -1,4 +1,4 @@
-"""A mesh to OBJ: the mirror of `obj_in`."""
+"""Writer of Wavefront OBJ."""
 
 from __future__ import annotations
 
@@ -8,20 +8,23 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh_formats.meshfiles import numbers as numbers_out
 from deltamesh_formats.meshfiles import text
-from deltamesh_formats.meshfiles.obj.words import OFF, PARTS
-from deltamesh_formats.meshfiles.written import Written, numbered
-from deltamesh_formats.polymesh.descriptions import unkept
+from deltamesh_formats.meshfiles.file_format import Written
+from deltamesh_formats.meshfiles.float32 import source_positions
+from deltamesh_formats.meshfiles.number_text import row_texts
+from deltamesh_formats.meshfiles.obj import OBJ
+from deltamesh_formats.meshfiles.obj.statements import OFF, PARTS
+from deltamesh_formats.polymesh.colours import as_fractions, is_rgb
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
+from deltamesh_formats.polymesh.names import distinct_names
 
-# A corner by what it has besides its vertex: nothing, vt, vn, both.
+# Templates of a corner with its vertex alone, and with vt, vn, or both.
 _CORNERS: Final = np.array(["%d", "%d/%d", "%d//%d", "%d/%d/%d"], dtype=object)
 
 
 def write(mesh: PolyMesh) -> Written:
-    """Write an OBJ: names, polygons, one set each of colours, texture coordinates and normals."""
-    colour = next((a for a in mesh.attributes if _is_obj_colour(a)), None)
+    """Write an OBJ, with names, polygons, and a set of colours, texture coordinates and normals."""
+    colour = next((a for a in mesh.attributes if a.domain == "vertex" and is_rgb(a)), None)
     uv, normal = _table(mesh, "uv", (1, 2, 3)), _table(mesh, "normal", (3,))
     parts = [p for p in mesh.parts if p.kind in PARTS]
     lines = [f"#{text.one_line(line)}" for line in mesh.metadata.get("comments", ())]
@@ -29,23 +32,11 @@ def write(mesh: PolyMesh) -> Written:
     lines += [f"v {row}" for row in _vertex_rows(mesh, colour)]
     for keyword, table in (("vt", uv), ("vn", normal)):
         if table is not None:
-            lines += [f"{keyword} {row}" for row in numbers_out.rows(table.values)]
+            lines += [f"{keyword} {row}" for row in row_texts(table.values)]
     lines += _faces(mesh, [_of_corners(mesh, table) for table in (uv, normal)], parts)
     kept = [attribute for attribute in (colour, uv, normal) if attribute is not None]
-    lost = unkept(
-        mesh,
-        attributes=kept,
-        parts=list(PARTS),
-        metadata=("mtllib",),
-        polygons=True,
-    )
-    return Written("\n".join([*lines, ""]).encode(*text.ENCODING), lost)
-
-
-def _is_obj_colour(attribute: Attribute) -> bool:
-    a = attribute
-    known = a.normalized or a.values.dtype.kind == "f"
-    return a.role == "colour" and a.domain == "vertex" and a.width in (3, 4) and known
+    data = "\n".join([*lines, ""]).encode(*text.ENCODING)
+    return Written(data, OBJ.losses(mesh, kept))
 
 
 def _table(mesh: PolyMesh, role: str, widths: tuple[int, ...]) -> Attribute | None:
@@ -57,11 +48,11 @@ def _table(mesh: PolyMesh, role: str, widths: tuple[int, ...]) -> Attribute | No
 
 
 def _vertex_rows(mesh: PolyMesh, colour: Attribute | None) -> list[str]:
-    rows = numbers_out.rows(numbers_out.positions(mesh))
+    rows = row_texts(source_positions(mesh))
     if colour is None:
         return rows
-    values = numbers_out.fractions(colour.values, colour.normalized)
-    colours = [*(f" {row}" for row in numbers_out.rows(values)), ""]  # -1, none, is the last
+    values = as_fractions(colour.values, normalized=colour.normalized)
+    colours = [*(f" {row}" for row in row_texts(values)), ""]  # -1, none, is the last
     return [row + colours[i] for row, i in zip(rows, colour.rows().tolist(), strict=True)]
 
 
@@ -74,7 +65,7 @@ def _of_corners(mesh: PolyMesh, attribute: Attribute | None) -> NDArray[np.int64
 
 
 def _faces(mesh: PolyMesh, tables: list[NDArray[np.int64]], parts: list[Parts]) -> Iterator[str]:
-    """Yield the lines of the faces, and of the names where these change."""
+    """Yield the lines of the faces, and the statements of parts where these change."""
     fields = np.stack([mesh.corners, *tables], axis=1) + 1
     has = fields > 0
     templates = _CORNERS[has[:, 1] + 2 * has[:, 2]]
@@ -95,9 +86,10 @@ def _faces(mesh: PolyMesh, tables: list[NDArray[np.int64]], parts: list[Parts]) 
 
 
 def _statements(parts: Parts) -> list[str]:
-    """Return the line for each part, and last, where -1 finds it, the line for none."""
+    """Return the statement of each part, and last, so that -1 finds it, the one for no part."""
     keyword = PARTS[parts.kind].decode()
     none = OFF[0] if parts.kind == "smoothing" else ""
     reserved = ("", *OFF) if parts.kind == "smoothing" else ("",)
-    names = numbered([name.strip() for name in parts.names], parts.kind, reserved)
+    stripped = (name.strip() for name in parts.names)
+    names = distinct_names(stripped, reserved=reserved, stem=parts.kind)
     return [*(text.one_line(f"{keyword} {name}") for name in names), f"{keyword} {none}".rstrip()]

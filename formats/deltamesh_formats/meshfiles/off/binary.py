@@ -1,8 +1,8 @@
-"""The binary form of OFF, as it is found.
+"""Reader of binary OFF, of the two forms that are found.
 
-The standard is big-endian, with a count of colour components after each face. There are files
-(of the Polygon Mesh Processing library) that are little-endian and have no such counts. Nothing
-but the length of the file tells them apart: all of it has to be used.
+The standard is big-endian, with a count of colour components after each face. Files of the Polygon
+Mesh Processing library are little-endian and have no such counts. Only the length of the file
+decides between them: the records have to fill it.
 """
 
 from __future__ import annotations
@@ -12,27 +12,27 @@ import itertools
 import numpy as np
 
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles.ply.bodies import Binary
+from deltamesh_formats.meshfiles.ply.body import Binary
 from deltamesh_formats.meshfiles.ply.header import Element, Property
-from deltamesh_formats.meshfiles.ply.rows import read_rows
+from deltamesh_formats.meshfiles.ply.records import read_rows
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh, Role
 
 _COUNTS = Element("header", 1, [Property(name, "i4") for name in ("n", "m", "edges")])
 
 
 def read_binary(data: bytes, widths: list[tuple[Role, int]]) -> PolyMesh:
-    """Read what follows the first line.
+    """Read the bytes after the first line.
 
     Parameters
     ----------
     data : bytes
     widths : list of (role, int)
-        What the record of a vertex has after x, y and z.
+        Columns after x, y and z in the record of a vertex.
 
     Raises
     ------
     MeshError
-        When the length fits no order of bytes.
+        When the length fits neither form.
     """
     for order, coloured in itertools.product("><", (True, False)):
         try:
@@ -83,5 +83,4 @@ def _read(body: Binary, widths: list[tuple[Role, int]], coloured: bool) -> PolyM
         tuple(attributes),
         lost=tuple(lost),
         precision="float32",
-        format="off",
     )

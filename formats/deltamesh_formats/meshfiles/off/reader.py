@@ -1,8 +1,8 @@
-"""OFF to a mesh: text, with normals, colours and texture coordinates, and binary.
+"""Reader of OFF: text, with normals, colours and texture coordinates, and binary.
 
-The format is Geomview's (Phillips and others, Geomview Manual, section 4.2.5). A record of a text
-usually is a line, and the numbers after its indices are the colour of a face. Where lines do not
-fit, all numbers are taken as one row, which is unambiguous without colours of faces.
+The format is that of Geomview (Phillips and others, Geomview Manual, section 4.2.5). A record of a
+text usually is a line, and the numbers after the indices of a face are its colour. Where lines are
+not records, all numbers are read as one row, which is unambiguous without colours of faces.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ _COUNT: Final = re.compile(rb"\d{1,18}")
 
 @dataclass(frozen=True)
 class _Columns:
-    """What a record of a vertex has after x, y, z, by the keyword: NOFF, COFF, STOFF and so on."""
+    """Columns after x, y, z in the record of a vertex, by the keyword: NOFF, COFF, STOFF..."""
 
     normal: bool
     colour: bool
     uv: bool
 
     def widths(self, colour: int) -> list[tuple[Role, int]]:
-        """Return roles and their widths in the order of the record, colours of that many."""
+        """Return roles and their widths in the order of the record; `colour` is that of colours."""
         given: list[tuple[Role, int, bool]] = [
             ("normal", 3, self.normal),
             ("colour", colour, self.colour),
@@ -50,48 +50,46 @@ def read(data: bytes) -> PolyMesh:
     Raises
     ------
     MeshError
-        With the line at fault.
+        For a file that is not valid, with the line at fault where there is one.
     """
-    data = text.normal_ends(data)
+    data = text.with_line_feeds(data)
     plain = text.blanked(_COMMENT, data)
     keyword = _KEYWORD.match(plain)
     if keyword is None:
         raise MeshError("it does not begin with 'OFF' (or COFF, NOFF, STOFF)")
     if keyword[2]:
-        raise MeshError("its vertices have not three coordinates but others (4OFF, nOFF)")
+        raise MeshError("its vertices do not have three coordinates (4OFF, nOFF)")
     letters = keyword[1].replace(b"ST", b"T")
     columns = _Columns(b"N" in letters, b"C" in letters, b"T" in letters)
     binary = _BINARY.match(data, keyword.end())
     if binary:
         return read_binary(data[binary.end() :], columns.widths(4))
-    lines = text.split(plain)
+    lines = text.split_lines(plain)
     n, m, at = _counts(lines)
     first = int(lines.token_starts[at]) if at < len(lines.token_starts) else len(plain)
     tokens = np.arange(at, len(lines.token_starts))
-    values = text.numbers(lines.buffer[first:], lines, tokens)
+    values = text.read_numbers(lines.buffer[first:], lines, tokens)
     body = _Body(lines, values, at)
     found = _by_lines(body, n, m, columns) or _as_one_row(body, n, m, columns)
     if found is None:
         message = "its records do not fit its counts of vertices and faces: is it cut short?"
         raise MeshError(message)
     comments = tuple(
-        text.decoded(line.strip()[1:])
+        text.as_text(line.strip()[1:])
         for line in data[:first].split(b"\n")
         if line.lstrip().startswith(b"#")
     )
     vertices, corners, offsets, attributes, lost = found
     metadata = {"comments": comments} if comments else {}
-    return PolyMesh(
-        vertices, corners, offsets, attributes, metadata=metadata, lost=lost, format="off"
-    )
+    return PolyMesh(vertices, corners, offsets, attributes, metadata=metadata, lost=lost)
 
 
 def _counts(lines: Lines) -> tuple[int, int, int]:
-    """Return the counts of vertices and faces, and the token after them and that of edges."""
+    """Return the counts of vertices and faces, and the first token after the counts."""
     found = [lines.token(i) for i in range(1, min(4, len(lines.token_starts)))]
     line = int(np.searchsorted(lines.first, 2, side="right"))
     if len(found) == 3 and lines.first[line - 1] < 2 and lines.first[line] == 3:
-        found.pop()  # a line of two: the count of edges, which nobody uses, is left out
+        found.pop()  # a line of two counts: that of edges, which nobody uses, is left out
     if len(found) < 2 or not all(_COUNT.fullmatch(count) for count in found):
         raise MeshError("it has no counts of vertices, faces and edges: is it cut short?")
     return int(found[0]), int(found[1]), 1 + len(found)
@@ -106,7 +104,7 @@ class _Body:
     at: int
 
     def whole(self, at: Indices) -> NDArray[np.bool_]:
-        """Tell which of the numbers at some places are written as whole ones."""
+        """Return which of the numbers at some places are written as whole ones, bool."""
         marks = np.isin(self.lines.buffer, np.frombuffer(b".eEnN", dtype=np.uint8))
         before = np.concatenate(([0], np.cumsum(marks)))
         tokens = self.at + at
@@ -114,14 +112,14 @@ class _Body:
         return ~fraction
 
     def indices(self, at: Indices) -> Indices:
-        """Return the numbers at some places as vertex indices; what is none is refused."""
+        """Return the numbers at some places as vertex indices; others are refused."""
         found = self.values[at]
         with np.errstate(invalid="ignore"):
             indices = found.astype(np.int64)
         bad = indices != found
         if bad.any():
             token = self.at + int(at[np.argmax(bad)])
-            what = text.shown(self.lines.token(token))
+            what = text.quoted(self.lines.token(token))
             raise self.lines.error(token, f"{what} is not a vertex index")
         return indices
 
@@ -130,7 +128,7 @@ _Found = tuple[NDArray[np.float64], Indices, Indices, tuple[Attribute, ...], tup
 
 
 def _by_lines(body: _Body, n: int, m: int, columns: _Columns) -> _Found | None:
-    """Read a record from each line, or return None where lines are no records."""
+    """Read a record from each line, or return None if lines are not records."""
     begins = body.lines.first[np.searchsorted(body.lines.first, body.at) :] - body.at
     if len(begins) < n + m + 1 or (len(begins) and begins[0]):
         return None
@@ -154,12 +152,12 @@ def _by_lines(body: _Body, n: int, m: int, columns: _Columns) -> _Found | None:
     sizes = given.astype(np.int64)
     corners, offsets = _corners(body, faces, sizes)
     colours, others = _face_colours(body, faces + 1 + sizes, counts[n:] - 1 - sizes)
-    lost += ["numbers after faces that are no colour"] if others else []
+    lost += ["numbers after faces that are not colours"] if others else []
     return vertices, corners, offsets, (*attributes, *colours), tuple(lost)
 
 
 def _as_one_row(body: _Body, n: int, m: int, columns: _Columns) -> _Found | None:
-    """Read records whatever their lines; they have to end where the numbers do."""
+    """Read records of any lines, or return None unless they end where the numbers do."""
     for colour in (4, 3):
         widths = columns.widths(colour)
         record = 3 + sum(width for _, width in widths)
@@ -200,7 +198,7 @@ def _corners(body: _Body, faces: Indices, sizes: Indices) -> tuple[Indices, Indi
 
 
 def _face_colours(body: _Body, starts: Indices, counts: Indices) -> tuple[list[Attribute], bool]:
-    """Return colours, an attribute for each count of numbers, and whether some are no colour."""
+    """Return colours, an attribute for each count of numbers, and whether others are left."""
     found = []
     for width in (1, 3, 4):
         has = counts == width
@@ -212,7 +210,7 @@ def _face_colours(body: _Body, starts: Indices, counts: Indices) -> tuple[list[A
 
 
 def _colour(body: _Body, places: Indices, domain: Domain, index: Indices | None) -> Attribute:
-    """Return colours: whole numbers up to 255, or fractions; one number is a place in a map."""
+    """Return colours: whole numbers up to 255, or fractions; one number is an index in a map."""
     values: NDArray[Any] = body.values[places]
     whole = bool(body.whole(places.ravel()).all())
     if places.shape[1] == 1:

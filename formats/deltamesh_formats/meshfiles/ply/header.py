@@ -1,4 +1,4 @@
-"""The header of a PLY: its format, its elements and their properties, in the order of the file."""
+"""Header of a PLY: its format, its elements and their properties, in the order of the file."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Final
 
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import text
-from deltamesh_formats.meshfiles.ply.names import FORMATS, TYPES
+from deltamesh_formats.meshfiles.ply.properties import FORMATS, TYPES
 
 _BEGINNING: Final = re.compile(rb"ply[ \t]*(\r\n|\n|\r)")
 # A count with more digits is beyond any file.
@@ -17,15 +17,15 @@ _COUNT: Final = re.compile(r"\d{1,18}")
 
 @dataclass(frozen=True)
 class Property:
-    """A number of a record, or a list of numbers with their count before them.
+    """Property of a record: a number, or a list of numbers after their count.
 
     Attributes
     ----------
     name : str
     type : str
-        Of the numbers: a type code of numpy without byte order.
+        Type of the numbers: a code of numpy without byte order.
     count_type : str or None
-        Of the count; None for a single number.
+        Type of the count; None for a single number.
     """
 
     name: str
@@ -35,7 +35,7 @@ class Property:
 
 @dataclass(frozen=True)
 class Element:
-    """A table of records."""
+    """Element of a PLY: a table of records."""
 
     name: str
     count: int
@@ -44,14 +44,14 @@ class Element:
 
 @dataclass(frozen=True)
 class Header:
-    """What a header says, and where the body begins.
+    """Header, and where the body begins.
 
     Attributes
     ----------
     order : str
         "<" or ">", the byte order; "" for text.
     body : int
-        In bytes from the beginning of the file.
+        First byte of the body in the file.
     """
 
     order: str
@@ -67,7 +67,7 @@ def read_header(data: bytes) -> Header:
     Raises
     ------
     MeshError
-        With the line at fault.
+        For a header that is not valid; the line is named.
     """
     beginning = _BEGINNING.match(data)
     if beginning is None:
@@ -83,7 +83,7 @@ def read_header(data: bytes) -> Header:
         words = line.split()
         if i == 0 or not words:
             continue
-        key, rest = text.decoded(words[0]), [text.decoded(word) for word in words[1:]]
+        key, rest = text.as_text(words[0]), [text.as_text(word) for word in words[1:]]
         try:
             if key == "format":
                 order = FORMATS[rest[0]]
@@ -94,7 +94,9 @@ def read_header(data: bytes) -> Header:
             else:
                 _remark(header, line, key)
         except (LookupError, ValueError):
-            raise MeshError(f"line {i + 1}: not of a PLY header: {text.shown(line)}") from None
+            raise MeshError(
+                f"line {i + 1}: not a line of a PLY header: {text.quoted(line)}"
+            ) from None
     if order is None:
         raise MeshError("its header has no format: ascii, binary_little_endian, binary_big_endian")
     return Header(order, header.elements, header.comments, header.obj_info, header.body)
@@ -118,8 +120,8 @@ def _property(words: list[str]) -> Property:
 
 
 def _remark(header: Header, line: bytes, key: str) -> None:
-    """Keep a comment; above the first element also one that has lost its keyword."""
-    said = text.decoded(line.strip())
+    """Keep a comment; above the first element also one without its keyword."""
+    said = text.as_text(line.strip())
     if key in ("comment", "obj_info"):
         kept = header.comments if key == "comment" else header.obj_info
         kept.append(said[len(key) + 1 :])

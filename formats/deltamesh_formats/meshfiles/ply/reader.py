@@ -1,7 +1,7 @@
-"""PLY to a mesh: text and binary of either byte order, properties of any type and name.
+"""Reader of PLY: text and binary of either byte order, properties of any type and name.
 
-Kept: properties of vertices and faces; lists of faces with numbers for each corner; comments and
-obj_info. Triangle strips become triangles. Named as lost: other elements, other lists.
+It keeps properties of vertices and faces, lists of faces with as many numbers for each corner,
+comments and obj_info. Triangle strips become triangles. Other elements and lists are named as lost.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import text
-from deltamesh_formats.meshfiles.ply.bodies import Ascii, Binary
+from deltamesh_formats.meshfiles.ply.body import Ascii, Binary
 from deltamesh_formats.meshfiles.ply.header import Element, Header, read_header
-from deltamesh_formats.meshfiles.ply.names import GROUPS, INDICES, POSITION, WEDGE_UV, role_of
-from deltamesh_formats.meshfiles.ply.rows import Column, read_rows
-from deltamesh_formats.meshfiles.strips import from_strips
+from deltamesh_formats.meshfiles.ply.properties import GROUPS, INDICES, POSITION, WEDGE_UV, role_of
+from deltamesh_formats.meshfiles.ply.records import Column, read_rows
+from deltamesh_formats.meshfiles.triangle_strips import triangles_of_strips
 from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh
 
 _KEPT: Final = ("vertex", "face", "tristrips")
@@ -32,7 +32,7 @@ def read(data: bytes) -> PolyMesh:
     Raises
     ------
     MeshError
-        With the line, or the byte, at fault.
+        For a file that is not valid, with the line or the byte at fault where there is one.
     """
     header = read_header(data)
     tables, lost = _tables(data, header)
@@ -57,17 +57,16 @@ def read(data: bytes) -> PolyMesh:
         metadata={key: said for key, said in metadata.items() if said},
         lost=tuple(lost),
         precision="float32" if single else "float64",
-        format="ply",
     )
 
 
 def _tables(data: bytes, header: Header) -> tuple[dict[str, dict[str, Column]], list[str]]:
-    """Return the columns of each element, and words for those that are not kept."""
+    """Return the columns of each element, and descriptions of those that are not kept."""
     body: Ascii | Binary = Binary(data[header.body :], header.order)
     if not header.order:
-        plain = text.normal_ends(data)
+        plain = text.with_line_feeds(data)
         above = text.blanked(_NO_END, plain[: header.body])
-        body = Ascii(text.split(above + plain[header.body :]))
+        body = Ascii(text.split_lines(above + plain[header.body :]))
     elements = header.elements if header.order else map(_as_written, header.elements)
     tables: dict[str, dict[str, Column]] = {}
     at, lost = 0, []
@@ -86,7 +85,7 @@ def _tables(data: bytes, header: Header) -> tuple[dict[str, dict[str, Column]], 
 
 
 def _as_written(element: Element) -> Element:
-    """Let positions in a text be float64, whatever their header says: they may have the digits."""
+    """Return an element of a text with float64 positions, which may have more digits."""
     types = {name: "f8" for name in POSITION if element.name == "vertex"}
     properties = [replace(p, type=types.get(p.name, p.type)) for p in element.properties]
     return replace(element, properties=properties)
@@ -95,7 +94,7 @@ def _as_written(element: Element) -> Element:
 def _faces(
     faces: dict[str, Column], strips: dict[str, Column]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return corners and offsets; of the strips, where there are no faces."""
+    """Return corners and offsets of the faces or, if there are none, of the strips."""
     indices = _indices(faces)
     if indices is not None and indices.counts is not None:
         offsets = np.concatenate(([0], np.cumsum(indices.counts))).astype(np.int64)
@@ -107,12 +106,12 @@ def _faces(
         return np.empty(0, dtype=np.int64), np.zeros(1, dtype=np.int64)
     ends = np.cumsum(indices.counts)[:-1]
     # A strip ends where -1 is, and at the end of a list.
-    triangles = from_strips(np.insert(indices.values.astype(np.int64), ends, -1))
+    triangles = triangles_of_strips(np.insert(indices.values.astype(np.int64), ends, -1))
     return triangles.ravel(), np.arange(len(triangles) + 1, dtype=np.int64) * 3
 
 
 def _indices(columns: dict[str, Column]) -> Column | None:
-    """Take the list of vertex indices out of the columns of faces."""
+    """Remove the list of vertex indices from the columns of faces and return it."""
     for name in INDICES:
         column = columns.get(name)
         if column is not None and column.counts is not None and column.values.dtype.kind in "iu":
@@ -121,7 +120,7 @@ def _indices(columns: dict[str, Column]) -> Column | None:
 
 
 def _scalars(columns: dict[str, Column], domain: Domain) -> list[Attribute]:
-    """Return the properties that are single numbers, those that belong together as one."""
+    """Return the attributes of the properties that are single numbers; some belong together."""
     names = [name for name, column in columns.items() if column.counts is None]
     kinds = {name: columns[name].values.dtype for name in names}
     found, i = [], 0
@@ -137,7 +136,7 @@ def _scalars(columns: dict[str, Column], domain: Domain) -> list[Attribute]:
 
 
 def _group(names: list[str], i: int) -> tuple[str, Any, int]:
-    """Return the attribute that begins at the i-th property: name, role, how many properties."""
+    """Return name, role and number of properties of the attribute that begins at the i-th."""
     for group in GROUPS:
         if tuple(names[i : i + len(group.properties)]) == group.properties:
             return group.name, group.role, len(group.properties)
@@ -156,7 +155,7 @@ def _lists(columns: dict[str, Column]) -> list[str]:
 def _corner_attributes(
     columns: dict[str, Column], sizes: NDArray[np.int64]
 ) -> tuple[list[Attribute], list[str]]:
-    """Return the lists that have as many numbers for each corner, and the names of the others."""
+    """Return attributes of the lists with as many numbers for each corner, and names of others."""
     found, others = [], []
     for list_name in _lists(columns):
         column = columns[list_name]

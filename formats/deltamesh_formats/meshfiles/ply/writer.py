@@ -1,4 +1,4 @@
-"""A mesh to PLY, binary and little-endian: the mirror of `ply_in`."""
+"""Writer of PLY, binary and little-endian."""
 
 from __future__ import annotations
 
@@ -7,33 +7,38 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh_formats.meshfiles import numbers as numbers_out
 from deltamesh_formats.meshfiles import text
-from deltamesh_formats.meshfiles.ply.names import INDICES, NAMES, POSITION, WEDGE_UV, properties_of
-from deltamesh_formats.meshfiles.written import Written, numbered
-from deltamesh_formats.polymesh.descriptions import unkept
+from deltamesh_formats.meshfiles.file_format import Written
+from deltamesh_formats.meshfiles.float32 import source_positions
+from deltamesh_formats.meshfiles.ply import PLY
+from deltamesh_formats.meshfiles.ply.properties import (
+    INDICES,
+    NAMES,
+    POSITION,
+    WEDGE_UV,
+    properties_of,
+)
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
+from deltamesh_formats.polymesh.names import distinct_names
 
 _METADATA: Final = {"comments": "comment", "obj_info": "obj_info"}
 
 
 class _List(NamedTuple):
-    """A list property of the faces: width numbers for each corner, (c, width)."""
+    """List property of the faces, with as many numbers for each corner: values (c, width)."""
 
     name: str
     values: NDArray[Any]
 
 
 def write(mesh: PolyMesh) -> Written:
-    """Write a PLY: every attribute with its name and type, positions as the source had them."""
-    kept, lost = [], []
+    """Write a PLY: attributes with their names and types, positions as the source had them."""
+    kept = []
     for attribute in mesh.attributes:
         values = _known_type(attribute.dense())
-        if values is None:
-            lost.append(attribute)
-        else:
+        if values is not None:
             kept.append((attribute, values))
-    position = numbers_out.positions(mesh)
+    position = source_positions(mesh)
     vertex = [(name, position[:, i]) for i, name in enumerate(POSITION)]
     vertex += _scalars([pair for pair in kept if pair[0].domain == "vertex"], POSITION)
     lists = [_List(INDICES[0], _indices(mesh))] + [
@@ -41,7 +46,7 @@ def write(mesh: PolyMesh) -> Written:
         for attribute, values in kept
         if attribute.domain == "corner"
     ]
-    names = numbered([each.name for each in lists], "list", POSITION)
+    names = distinct_names((each.name for each in lists), reserved=POSITION, stem="list")
     lists = [each._replace(name=name) for each, name in zip(lists, names, strict=True)]
     face = _scalars([pair for pair in kept if pair[0].domain == "face"], names)
     counts = [_count_type(mesh, each) for each in lists]
@@ -55,12 +60,7 @@ def write(mesh: PolyMesh) -> Written:
         header.append(f"property list {NAMES[count]} {kind} {each.name}")
     head = "\n".join([*header, *_properties(face), "end_header", ""]).encode(*text.ENCODING)
     body = _records(vertex).tobytes() + _face_bytes(mesh, lists, counts, face)
-    words = unkept(
-        mesh,
-        attributes=[attribute for attribute, _ in kept],
-        polygons=True,
-    )
-    return Written(head + body, words)
+    return Written(head + body, PLY.losses(mesh, [attribute for attribute, _ in kept]))
 
 
 def _known_type(values: NDArray[Any]) -> NDArray[Any] | None:
@@ -88,13 +88,13 @@ def _property_name(name: str) -> str:
 def _scalars(
     attributes: list[tuple[Attribute, NDArray[Any]]], taken: Any
 ) -> list[tuple[str, NDArray[Any]]]:
-    """Return the properties of some attributes: a name and a value for each element."""
+    """Return names and values of the properties of some attributes."""
     columns = [
         (_property_name(name), values[:, i])
         for attribute, values in attributes
         for i, name in enumerate(properties_of(attribute.name, attribute.width))
     ]
-    names = numbered([name for name, _ in columns], "property", taken)
+    names = distinct_names((name for name, _ in columns), reserved=taken, stem="property")
     return [(name, values) for name, (_, values) in zip(names, columns, strict=True)]
 
 
@@ -130,7 +130,7 @@ def _face_bytes(
     counts: list[str],
     columns: list[tuple[str, NDArray[Any]]],
 ) -> bytes:
-    """Return the records of the faces: those of one size are one array."""
+    """Return the bytes of the faces; records of one size are packed as one array."""
     sizes = mesh.sizes
     of_size = {int(k): _face_type(int(k), lists, counts, columns) for k in np.unique(sizes)}
     lengths = np.zeros(len(sizes), dtype=np.int64)

@@ -1,9 +1,9 @@
-"""STL to a mesh: binary, and text with several solids.
+"""Reader of binary STL, and of text STL with one or several solids.
 
-An STL repeats each corner's position: vertices at one position become one here, numbered as they
-come first. Normals follow from the positions and are not kept; those that do not are named as lost.
-The two bytes of each binary facet, in which some programs put colours, are the attribute
-"attribute_bytes".
+An STL repeats the position of each corner. Vertices at one position become one, in the order in
+which they first appear. Normals are dropped, since they follow from the positions; those that do
+not are named as lost. The two bytes of each binary facet, in which some programs put colours,
+become the attribute "attribute_bytes".
 """
 
 from __future__ import annotations
@@ -18,15 +18,17 @@ from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import text
 from deltamesh_formats.meshfiles.text import Lines
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
+from deltamesh_formats.polymesh.permutations import rank_of
 
 _HEADER: Final = 84
 FACET: Final = np.dtype([("normal", "<f4", 3), ("vertices", "<f4", (3, 3)), ("attribute", "<u2")])
 ATTRIBUTE: Final = "attribute_bytes"
-# What two normals of a facet may differ by, as a cosine, and which facets have one at all.
+# Cosine of the largest angle between two normals of a facet that are taken for the same, and the
+# area of a facet, over its squared sides, up to which it has no normal.
 _ALIKE: Final = 0.9
 _SLIVER: Final = 1e-3
 _SOLID: Final = re.compile(rb"^[ \t]*(end)?solid\b([^\n]*)$", re.MULTILINE | re.IGNORECASE)
-# The tokens of a facet; "#" is a number.
+# Tokens of a facet; "#" stands for a number.
 _FACET: Final = (
     b"facet normal # # # outer loop" + 3 * b" vertex # # #" + b" endloop endfacet"
 ).split()
@@ -34,11 +36,12 @@ _KEYWORDS: Final = np.array([token != b"#" for token in _FACET])
 
 
 def read(data: bytes) -> PolyMesh:
-    """Read an STL; its length tells a binary one from a text, since both may begin with "solid".
+    """Read an STL. A file whose length fits its count of facets is binary, however it begins.
 
     Raises
     ------
     MeshError
+        For a file that is neither, with the line at fault of a text.
     """
     facets = int.from_bytes(data[_HEADER - 4 : _HEADER], "little")
     expected = _HEADER + FACET.itemsize * facets
@@ -46,7 +49,7 @@ def read(data: bytes) -> PolyMesh:
         return _read_binary(data)
     lower = data.lower()
     if lower.lstrip().startswith(b"solid") and (b"facet" in lower or b"endsolid" in lower):
-        return _read_ascii(text.normal_ends(data))
+        return _read_ascii(text.with_line_feeds(data))
     message = f"neither an ASCII STL nor a binary one, whose header of {facets} facets would mean"
     raise MeshError(f"{message} {expected} bytes: it has {len(data)}")
 
@@ -57,7 +60,7 @@ def _read_binary(data: bytes) -> PolyMesh:
     if facets["attribute"].any():
         raw = facets["attribute"].astype(np.uint16)[:, None]
         attributes = (Attribute(ATTRIBUTE, "face", raw),)
-    header = text.decoded(data[: _HEADER - 4].rstrip(b"\0 "))
+    header = text.as_text(data[: _HEADER - 4].rstrip(b"\0 "))
     vertices, corners = _welded(facets["vertices"].reshape(-1, 3).astype(np.float64))
     return PolyMesh(
         vertices,
@@ -67,24 +70,23 @@ def _read_binary(data: bytes) -> PolyMesh:
         metadata={"header": (header,)} if header else {},
         lost=_other_normals(facets["normal"], facets["vertices"]),
         precision="float32",
-        format="stl",
     )
 
 
 def _read_ascii(data: bytes) -> PolyMesh:
     solids = list(_SOLID.finditer(data))
-    lines = text.split(text.blanked(_SOLID, data))
+    lines = text.split_lines(text.blanked(_SOLID, data))
     facets = _check_facets(lines)
     last = int(lines.token_ends[-1]) if len(lines.token_ends) else 0
     if not (solids[-1][1] and solids[-1].start() > last):
         raise MeshError("its last solid has no end: is it cut short?")
     tokens = np.flatnonzero(~np.tile(_KEYWORDS, facets))
     buffer = lines.buffer.copy()
-    text.blank(buffer, lines, np.flatnonzero(np.tile(_KEYWORDS, facets)))
-    values = text.numbers(buffer, lines, tokens).reshape(-1, 12)
+    text.blank_tokens(buffer, lines, np.flatnonzero(np.tile(_KEYWORDS, facets)))
+    values = text.read_numbers(buffer, lines, tokens).reshape(-1, 12)
     vertices, corners = _welded(values[:, 3:].reshape(-1, 3))
     begun = [found for found in solids if not found[1]]
-    names = [text.decoded(found[2].strip()) for found in begun]
+    names = [text.as_text(found[2].strip()) for found in begun]
     facet_starts = lines.token_starts[:: len(_FACET)]
     of_face = np.searchsorted([found.start() for found in begun], facet_starts) - 1
     return PolyMesh(
@@ -93,14 +95,13 @@ def _read_ascii(data: bytes) -> PolyMesh:
         3 * np.arange(facets + 1, dtype=np.int64),
         parts=_objects(names, of_face),
         lost=_other_normals(values[:, :3], values[:, 3:].reshape(-1, 3, 3)),
-        format="stl",
     )
 
 
 def _other_normals(normals: NDArray[Any], triangles: NDArray[Any]) -> tuple[str, ...]:
-    """Return the words for normals, (m, 3), that point elsewhere than those of triangles (m, 3, 3).
+    """Describe the loss if normals, (m, 3), differ from those of the triangles, (m, 3, 3).
 
-    Zeros say nothing, and slivers have no normal to speak of.
+    Zero normals and slivers are left out of the comparison.
     """
     with np.errstate(all="ignore"):
         V = triangles.astype(np.float64)
@@ -114,7 +115,7 @@ def _other_normals(normals: NDArray[Any], triangles: NDArray[Any]) -> tuple[str,
 
 
 def _objects(names: list[str], of_face: NDArray[np.int64]) -> tuple[Parts, ...]:
-    """Return the solids that have facets; a single one without a name is none."""
+    """Return the solids that have facets as objects, unless there is but one without a name."""
     used, of_face = np.unique(of_face, return_inverse=True)
     kept = tuple(names[i] for i in used.tolist())
     if kept in ((), ("",)):
@@ -123,31 +124,36 @@ def _objects(names: list[str], of_face: NDArray[np.int64]) -> tuple[Parts, ...]:
 
 
 def _check_facets(lines: Lines) -> int:
-    """Return how many facets there are; refuse the first token that belongs to none."""
+    """Return the number of facets.
+
+    Raises
+    ------
+    MeshError
+        For the first token that is not the one of a facet in its place.
+    """
     count = len(lines.token_starts)
-    expected = np.array([text.word(token[:8]) for token in _FACET])
+    expected = np.array([text.keyword(token) for token in _FACET])
     where = np.arange(count) % len(_FACET)
     keywords = np.flatnonzero(_KEYWORDS[where])
     lower = np.where((lines.buffer >= 65) & (lines.buffer <= 90), lines.buffer + 32, lines.buffer)
-    found = text.words(lower, lines.token_starts, lines.token_ends, keywords)
+    found = text.keywords(lower, lines.token_starts, lines.token_ends, keywords)
     bad = found != expected[where[keywords]]
     if bad.any():
         token = int(keywords[np.argmax(bad)])
-        wanted = _FACET[where[token]].decode()
-        raise lines.error(token, f"{text.shown(lines.token(token))} where '{wanted}' belongs")
+        keyword = _FACET[where[token]].decode()
+        raise lines.error(token, f"{text.quoted(lines.token(token))} where '{keyword}' belongs")
     if count % len(_FACET):
         raise MeshError("its last facet has no end: is it cut short?")
     return count // len(_FACET)
 
 
 def _welded(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return the positions, (n, 3), in the order in which they come first, and each point's."""
+    """Return the distinct positions by first appearance, (n, 3), and the index of each point."""
     order = np.lexsort(points.T)  # stable, and -0.0 is 0.0
     new = np.ones(len(points), dtype=bool)
     new[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)
     first = order[new]
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
+    by_appearance = np.argsort(first)
     index = np.empty(len(points), dtype=np.int64)
-    index[order] = rank[np.cumsum(new) - 1]
-    return points[np.sort(first)], index
+    index[order] = rank_of(by_appearance)[np.cumsum(new) - 1]
+    return points[first[by_appearance]], index

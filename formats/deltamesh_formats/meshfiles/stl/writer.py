@@ -1,4 +1,4 @@
-"""A mesh to STL: the mirror of `stl_in`. Binary; text where there are objects, to name solids."""
+"""Writer of STL: binary, or text where there are objects, whose names solids have."""
 
 from __future__ import annotations
 
@@ -8,12 +8,16 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh_formats.meshfiles import numbers as numbers_out
 from deltamesh_formats.meshfiles import text
-from deltamesh_formats.meshfiles.single import diagonal_of, in_float32
+from deltamesh_formats.meshfiles.file_format import Written
+from deltamesh_formats.meshfiles.float32 import (
+    bounding_diagonal,
+    rounded_positions,
+    source_positions,
+)
+from deltamesh_formats.meshfiles.number_text import number_texts
+from deltamesh_formats.meshfiles.stl import STL
 from deltamesh_formats.meshfiles.stl.reader import ATTRIBUTE, FACET
-from deltamesh_formats.meshfiles.written import Written
-from deltamesh_formats.polymesh.descriptions import unkept
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 
 _HEADER_SIZE: Final = 80
@@ -25,21 +29,21 @@ _FACET: Final = (
 
 
 def write(mesh: PolyMesh) -> Written:
-    """Write an STL; positions are float32 in a binary one."""
+    """Write an STL; a binary one holds float32 positions."""
     objects, extra = _named(mesh), []
     if len(np.unique(mesh.corners)) < len(mesh.vertices):
         extra.append("vertices of no face")
     if objects is not None:
         data = "".join(_solids(mesh, objects)).encode(*text.ENCODING)
-        return Written(data, (*unkept(mesh, parts=["object"]), *extra))
-    positions, rounded = in_float32(mesh.vertices, diagonal_of(mesh.vertices), "STL")
+        return Written(data, (*STL.losses(mesh, []), *extra))
+    diagonal = bounding_diagonal(mesh.vertices)
+    positions, rounded = rounded_positions(mesh.vertices, diagonal, STL.title)
     data, kept = _binary(mesh, positions)
-    lost = unkept(mesh, attributes=kept)
-    return Written(data, (*lost, *extra, *rounded))
+    return Written(data, (*STL.losses(mesh, kept), *extra, *rounded))
 
 
 def _named(mesh: PolyMesh) -> Parts | None:
-    """Return the objects, None where there is but one and it has no name."""
+    """Return the objects; None if there are none, or but one without a name."""
     objects = mesh.parts_of("object")
     if objects is None or (objects.names == ("",) and (objects.of_face == 0).all()):
         return None
@@ -73,11 +77,11 @@ def _binary(mesh: PolyMesh, positions: NDArray[np.float32]) -> tuple[bytes, list
 
 
 def _solids(mesh: PolyMesh, objects: Parts) -> Iterator[str]:
-    """Yield a solid for each object, and one for the faces that belong to none."""
+    """Yield the text of a solid for the faces without an object, and of one for each object."""
     cut = mesh.triangulation()
-    rows = numbers_out.texts(numbers_out.positions(mesh))
+    rows = number_texts(source_positions(mesh))
     points = np.array(rows, dtype=object).reshape(-1, 3)[cut.faces].reshape(-1, 9)
-    normals = numbers_out.texts(_normals(mesh.vertices[cut.faces]))
+    normals = number_texts(_normals(mesh.vertices[cut.faces]))
     facets = np.concatenate([np.array(normals, dtype=object).reshape(-1, 3), points], axis=1)
     of_facet = objects.of_face[cut.polygon]
     facets = facets[np.argsort(of_facet, kind="stable")]

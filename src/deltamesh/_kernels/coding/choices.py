@@ -1,4 +1,4 @@
-"""Different numbers, one after the other: mostly the next one that is left."""
+"""Sequences of different numbers, most of which are the next one left."""
 
 from __future__ import annotations
 
@@ -6,19 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit
+from deltamesh._kernels.coding.models import Model
 from deltamesh._kernels.coding.remaining import all_of, count_below, next_left, remove, select
 from deltamesh._kernels.coding.valence import code_below
 from deltamesh._kernels.jit import Flag, Int, kernel
 
 SLOTS = 8
 MIXERS = ((1, 255),)
+MODEL = Model(SLOTS, MIXERS)
 
 
 @kernel
 def code_choices(c: Coder, numbers: NDArray[np.int64], count: Int) -> Flag:
     """Code different numbers below `count`, filled in when decoding; at most so many.
 
-    Return whether each that comes next was told so.
+    Return whether each that was the next one left was coded so.
     """
     left = all_of(np.int64(count))
     previous, history = np.int64(-1), np.int64(0)

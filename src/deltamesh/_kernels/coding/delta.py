@@ -1,8 +1,8 @@
-"""Quantized delta coordinates: their coding, and the diffusion of the error they are made with.
+"""Quantized delta coordinates: their coding, and the diffusion of their quantization error.
 
 Vertices come in coding order; a neighbour j of i is known when j < i. Nothing is predicted:
 subtracting a mean of the neighbours made the numbers larger on every kind of mesh that was tried.
-Their magnitudes and signs tell what to expect.
+The contexts are the magnitudes and signs around.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def diffuse(
 ) -> None:
     """Round delta / step into `out` (n, 3), or its component along `normals` into `out` (n, 1).
 
-    What is within 0.5 + `zone` steps of 0 becomes 0. The error goes on, in equal parts, to the
+    Numbers within 0.5 + `zone` steps of 0 become 0. The error is passed on, in equal parts, to the
     neighbours that are still to come, into `delta` (n, 3), which is used up: the share `normal` of
     its component along the normal, the share `tangential` of the rest.
     """

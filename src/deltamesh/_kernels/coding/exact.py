@@ -1,12 +1,12 @@
-"""Positions to the last bit: the distance of each coordinate from a prediction, in its own units.
+"""Numbers to the last bit: the distance of each from a prediction, in units of its own format.
 
-A coordinate is a number m * base^(e - places) of a form (`geometry.forms`), known by its index
-among the numbers of that form. Parallelograms predict a place on a grid of integers; what is coded
-is how many numbers of the form lie between the one next to that place and the true one. After
+A number m * base^(e - places) of a number format (`deltamesh._streams.number_formats`) is known by
+its index in that format. Parallelograms predict a place on a grid of integers; the coded distance
+is the number of indices between the number next to that place and the true one. After
 P. Lindstrom, M. Isenburg, "Fast and efficient compression of floating-point data", IEEE TVCG 12(5),
 2006, and M. Isenburg, P. Lindstrom, J. Snoeyink, "Lossless compression of predicted floating-point
-geometry", CAD 37(8), 2005, whose contexts are exponents. Here the errors around are told in the
-unit that the form has at the prediction: that they were made where numbers lie denser or less
+geometry", CAD 37(8), 2005, whose contexts are exponents. Here the errors around are measured in the
+unit that the format has at the prediction: that they were made where numbers lie denser or less
 dense then makes no difference.
 """
 
@@ -16,28 +16,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit, code_raw
-from deltamesh._kernels.coding.numbers import LEVELS, level
+from deltamesh._kernels.coding.models import layout
+from deltamesh._kernels.coding.signed_integers import LEVELS, level
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
 
 _Ints = NDArray[np.int64]
 
-# Places on the grid stay within it, and so do sums of as many as are looked at: of the
-# parallelograms and of the neighbours of a vertex, so many at most.
+# Places on the grid stay within 2^56, and sums of MOST of them within 64 bits: at most so many of
+# the parallelograms and of the neighbours of a vertex are looked at.
 BOUND = 1 << 56
 MOST = 8
 
-# What a coordinate is: in the first form, in the second, its bits as they are, a negative zero.
+# Choices of a coordinate: the first format, the second, its raw bits, a negative zero.
 FIRST, SECOND, RAW, NEGATIVE_ZERO = range(4)
 
-# Columns of the table of axes: the row of the first form, the number of forms, whether there are
-# raw coordinates and negative zeros.
-FORM_AT, FORMS, HAS_RAW, HAS_ZEROS, AXIS_SIZE = range(5)
-# Columns of the table of forms: the places of the grid less those of the form; the usual length of
-# a distance, where the coder begins to ask.
-BASE, OFFSET, DIGITS, USUAL, FORM_SIZE = range(5)
+# Columns of the table of axes: the row of its first format, the number of formats, whether there
+# are raw coordinates and negative zeros.
+FORMAT_AT, FORMATS, HAS_RAW, HAS_ZEROS, AXIS_SIZE = range(5)
+# Columns of the table of formats: the base; the places of the grid less those of the format; the
+# digits; the usual length of a distance, at which the coder begins to ask.
+BASE, OFFSET, DIGITS, USUAL, FORMAT_SIZE = range(5)
 
 LENGTHS = 63  # of a distance, in bits; indices are below 2^61
-WINDOW = 8  # levels tell apart what is down to 2^-8 of the usual
+WINDOW = 8  # levels distinguish sizes down to 2^-8 of the usual
 LIMIT = 255
 
 MAGNITUDES, MANTISSAS, SIGNS = 6, 2, 3  # contexts of each kind of bit
@@ -46,19 +47,19 @@ MAGNITUDE_SLOTS = 1024 * LENGTHS  # of one context
 MANTISSA_SLOTS = 8 * LENGTHS  # of one level
 SIGN_SLOTS = 32
 
-# Slots and mixers of one form.
-MANTISSA_AT = MAGNITUDES * MAGNITUDE_SLOTS
-SIGN_AT = MANTISSA_AT + (1 + LEVELS) * MANTISSA_SLOTS
-FORM_SLOTS = SIGN_AT + SIGNS * SIGN_SLOTS
-FORM_MIXERS = ((MAGNITUDES, LIMIT),) * LENGTHS + ((MANTISSAS, LIMIT), (SIGNS, LIMIT))
+# Slots and mixers of one format.
+_, MANTISSA_AT, SIGN_AT, FORMAT_SLOTS = layout(
+    (MAGNITUDES, MAGNITUDE_SLOTS), (1 + LEVELS, MANTISSA_SLOTS), (SIGNS, SIGN_SLOTS)
+)
+FORMAT_MIXERS = ((MAGNITUDES, LIMIT),) * LENGTHS + ((MANTISSAS, LIMIT), (SIGNS, LIMIT))
 
-# Slots and mixers of the choice between the forms, of one axis.
+# Slots and mixers of the choice between the formats, of one axis.
 CHOICES = 3
 CHOICE_SLOTS = 128
 AXIS_SLOTS = 3 * CHOICES * CHOICE_SLOTS
 AXIS_MIXERS = ((CHOICES, LIMIT),) * 3
-# Those of the forms come after those of the axes.
-FORMS_AT = 3 * AXIS_SLOTS
+# Those of the formats come after those of the axes.
+FORMATS_AT = 3 * AXIS_SLOTS
 
 POWERS = np.array([10**i for i in range(19)], dtype=np.int64)
 
@@ -71,46 +72,46 @@ def code_exact(
     first: _Ints,
     corners: _Ints,
     axes: _Ints,
-    forms: _Ints,
+    formats: _Ints,
     width: Int,
-    classes: _Ints,
+    choices: _Ints,
     values: _Ints,
 ) -> None:
-    """Code `classes` and `values` (n, 3), filled in place when decoding.
+    """Code `choices` and `values` (n, 3), filled in place when decoding.
 
-    A value is an index or, where it is raw, `width` bits. Neighbours are as of `adjacency`,
-    parallelograms as of `cartesian.parallelograms`.
+    A value is an index or, where it is raw, `width` bits. Neighbours are as of
+    `adjacency.adjacency`, parallelograms as of `parallelograms.parallelograms`.
     """
     n = len(values)
     grid = np.zeros((n, 3), np.int64)
     errors = np.zeros((n, 3), np.int64)  # prediction to truth, on the grid
     slots = np.zeros(INPUTS, np.int64)
     for i in range(n):
-        before, spelled = np.int64(0), np.int64(0)
+        before, chosen_before = np.int64(0), np.int64(0)
         for axis in range(3):
             place, spread = _predict(indptr, indices, first, corners, grid, i, axis)
-            around = _around(indptr, indices, errors, classes, i, axis)
-            chosen = _code_choice(c, axes, classes, i, axis, around, spelled)
-            spelled = 3 * spelled + chosen
-            if classes[i, axis] != NEGATIVE_ZERO:
-                classes[i, axis] = chosen
+            around = _around(indptr, indices, errors, choices, i, axis)
+            chosen = _code_choice(c, axes, choices, i, axis, around, chosen_before)
+            chosen_before = 3 * chosen_before + chosen
+            if choices[i, axis] != NEGATIVE_ZERO:
+                choices[i, axis] = chosen
             if chosen == RAW:
                 values[i, axis] = _code_bits(c, values[i, axis], width)
                 grid[i, axis] = place
                 continue
-            f = axes[axis, FORM_AT] + chosen
-            index, unit = _index_at(forms, f, place)
+            f = axes[axis, FORMAT_AT] + chosen
+            index, unit = _index_at(formats, f, place)
             error = errors[i - 1, axis] if i > 0 else np.int64(0)
             kind = min(first[i + 1] - first[i], 3)
-            _set_contexts(slots, forms, f, unit, around, kind, spread, error, before)
-            mixer = 3 * len(AXIS_MIXERS) + f * len(FORM_MIXERS)
-            distance = _code_distance(c, values[i, axis] - index, slots, mixer, forms[f, USUAL])
+            _set_contexts(slots, formats, f, unit, around, kind, spread, error, before)
+            mixer = 3 * len(AXIS_MIXERS) + f * len(FORMAT_MIXERS)
+            distance = _code_distance(c, values[i, axis] - index, slots, mixer, formats[f, USUAL])
             values[i, axis] = index + distance
             if index + distance == 0 and chosen == FIRST and axes[axis, HAS_ZEROS] == 1:
-                classes[i, axis] = _code_zero(c, indptr, indices, classes, i, axis)
-            grid[i, axis] = _place_of(forms, f, index + distance)
+                choices[i, axis] = _code_zero(c, indptr, indices, choices, i, axis)
+            grid[i, axis] = _place_of(formats, f, index + distance)
             errors[i, axis] = min(max(grid[i, axis] - place, -BOUND), BOUND)
-            size = level(abs(distance) >> max(forms[f, USUAL] - WINDOW, 0))
+            size = level(abs(distance) >> max(formats[f, USUAL] - WINDOW, 0))
             before = size if axis == 0 else (before + size + 1) // 2
 
 
@@ -141,12 +142,12 @@ def _predict(
 
 @inlined
 def _around(
-    indptr: _Ints, indices: _Ints, errors: _Ints, classes: _Ints, i: Int, axis: Int
+    indptr: _Ints, indices: _Ints, errors: _Ints, choices: _Ints, i: Int, axis: Int
 ) -> tuple[Int, Int, Int, Int]:
-    """Return what the known neighbours have, four numbers.
+    """Return four numbers about the known neighbours.
 
     These are the sum of the sizes of their errors, and of the signs; how many of them are raw or in
-    the second form; how many there are.
+    the second format; how many there are.
     """
     total, signs, others, count = np.int64(0), np.int64(0), np.int64(0), np.int64(0)
     for at in range(indptr[i], indptr[i + 1]):
@@ -156,7 +157,7 @@ def _around(
         error = errors[j, axis]
         total += abs(error)
         signs += np.int64(error > 0) - np.int64(error < 0)
-        others += np.int64(classes[j, axis] == SECOND) + np.int64(classes[j, axis] == RAW)
+        others += np.int64(choices[j, axis] == SECOND) + np.int64(choices[j, axis] == RAW)
         count += 1
     return total, signs, others, count
 
@@ -165,34 +166,34 @@ def _around(
 def _code_choice(
     c: Coder,
     axes: _Ints,
-    classes: _Ints,
+    choices: _Ints,
     i: Int,
     axis: Int,
     around: tuple[Int, Int, Int, Int],
-    spelled: Int,
+    chosen_before: Int,
 ) -> Int:
-    """Code whether a coordinate is in the first form, the second, or raw.
+    """Code whether a coordinate is in the first format, the second, or raw.
 
-    `spelled` tells what was chosen for the axes before.
+    `chosen_before` has the choices of the axes before, as digits.
     """
     _, _, others, count = around
-    given = classes[i, axis]
-    last = classes[i - 1, axis] if i > 0 else np.int64(FIRST)
+    given = choices[i, axis]
+    last = choices[i - 1, axis] if i > 0 else np.int64(FIRST)
     base = axis * AXIS_SLOTS
     share = 4 * others // max(count, 1)
-    c.state[CONTEXT] = base + 16 * share + spelled
+    c.state[CONTEXT] = base + 16 * share + chosen_before
     c.state[CONTEXT + 1] = base + CHOICE_SLOTS + (MOST + 1) * others + count
-    c.state[CONTEXT + 2] = base + 2 * CHOICE_SLOTS + 16 * last + spelled
-    forms, raw = axes[axis, FORMS], axes[axis, HAS_RAW]
+    c.state[CONTEXT + 2] = base + 2 * CHOICE_SLOTS + 16 * last + chosen_before
+    formats, raw = axes[axis, FORMATS], axes[axis, HAS_RAW]
     mixer = axis * len(AXIS_MIXERS)
-    if forms == 0:
+    if formats == 0:
         return np.int64(RAW)
-    if forms + raw == 1:
+    if formats + raw == 1:
         return np.int64(FIRST)
     other = np.int64(given == SECOND) + np.int64(given == RAW)
     if code_bit(c, other, mixer) == 0:
         return np.int64(FIRST)
-    if forms == 1:
+    if formats == 1:
         return np.int64(RAW)
     if raw == 0:
         return np.int64(SECOND)
@@ -209,25 +210,25 @@ def _code_bits(c: Coder, value: Int, width: Int) -> Int:
 
 
 @inlined
-def _code_zero(c: Coder, indptr: _Ints, indices: _Ints, classes: _Ints, i: Int, axis: Int) -> Int:
+def _code_zero(c: Coder, indptr: _Ints, indices: _Ints, choices: _Ints, i: Int, axis: Int) -> Int:
     """Code whether a zero is negative."""
     alike = np.int64(0)
     for at in range(indptr[i], min(indptr[i + 1], indptr[i] + MOST)):
-        alike += np.int64(indices[at] < i and classes[indices[at], axis] == NEGATIVE_ZERO)
+        alike += np.int64(indices[at] < i and choices[indices[at], axis] == NEGATIVE_ZERO)
     base = axis * AXIS_SLOTS + 2 * CHOICES * CHOICE_SLOTS
     c.state[CONTEXT] = base
     c.state[CONTEXT + 1] = base + CHOICE_SLOTS + alike
-    c.state[CONTEXT + 2] = base + 2 * CHOICE_SLOTS + (classes[i - 1, axis] if i > 0 else 0)
-    negative = code_bit(c, np.int64(classes[i, axis] == NEGATIVE_ZERO), axis * len(AXIS_MIXERS) + 2)
+    c.state[CONTEXT + 2] = base + 2 * CHOICE_SLOTS + (choices[i - 1, axis] if i > 0 else 0)
+    negative = code_bit(c, np.int64(choices[i, axis] == NEGATIVE_ZERO), axis * len(AXIS_MIXERS) + 2)
     return np.int64(NEGATIVE_ZERO if negative == 1 else FIRST)
 
 
 @inlined
-def _index_at(forms: _Ints, f: Int, place: Int) -> tuple[Int, Int]:
+def _index_at(formats: _Ints, f: Int, place: Int) -> tuple[Int, Int]:
     """Return the index of the number next to a place, and its unit as a power on the grid."""
-    offset, digits = forms[f, OFFSET], forms[f, DIGITS]
+    offset, digits = formats[f, OFFSET], formats[f, DIGITS]
     size, length = abs(place), np.int64(0)
-    if forms[f, BASE] == 2:
+    if formats[f, BASE] == 2:
         while size >> length > 0:
             length += 1
         e = max(length - offset - digits, 0)
@@ -235,7 +236,7 @@ def _index_at(forms: _Ints, f: Int, place: Int) -> tuple[Int, Int]:
         if unit > 0:
             m = ((size >> min(unit - 1, 62)) + 1) >> 1
         else:
-            m = size << -unit if size > 0 else np.int64(0)  # fewer digits than the form has
+            m = size << -unit if size > 0 else np.int64(0)  # fewer digits than the format has
         index = (e << (digits - 1)) + m
     else:
         while length < 18 and size >= POWERS[length]:
@@ -248,12 +249,12 @@ def _index_at(forms: _Ints, f: Int, place: Int) -> tuple[Int, Int]:
 
 
 @inlined
-def _place_of(forms: _Ints, f: Int, index: Int) -> Int:
+def _place_of(formats: _Ints, f: Int, index: Int) -> Int:
     """Return the place of a number on the grid, rounded towards 0, within the bound."""
-    offset, digits = forms[f, OFFSET], forms[f, DIGITS]
+    offset, digits = formats[f, OFFSET], formats[f, DIGITS]
     size: Int = abs(index)
     place: Int = BOUND
-    if forms[f, BASE] == 2:
+    if formats[f, BASE] == 2:
         e = max((size >> (digits - 1)) - 1, 0)
         m, unit = size - (e << (digits - 1)), e + offset
         if unit <= 0:
@@ -270,9 +271,9 @@ def _place_of(forms: _Ints, f: Int, index: Int) -> Int:
 
 
 @inlined
-def _in_units(forms: _Ints, f: Int, unit: Int, size: Int) -> Int:
+def _in_units(formats: _Ints, f: Int, unit: Int, size: Int) -> Int:
     """Return a size on the grid in units of base^unit, or as many of them as fit."""
-    if forms[f, BASE] == 10:
+    if formats[f, BASE] == 10:
         return size // POWERS[unit]
     if unit >= 0:
         return size >> min(unit, 62)
@@ -282,7 +283,7 @@ def _in_units(forms: _Ints, f: Int, unit: Int, size: Int) -> Int:
 @inlined
 def _set_contexts(
     slots: _Ints,
-    forms: _Ints,
+    formats: _Ints,
     f: Int,
     unit: Int,
     around: tuple[Int, Int, Int, Int],
@@ -293,11 +294,11 @@ def _set_contexts(
 ) -> None:
     """Set the slots of a distance; `error` is that of the vertex before."""
     total, signs, _, count = around
-    shift = max(forms[f, USUAL] - WINDOW, 0)
-    here = level(_in_units(forms, f, unit, 4 * total // max(count, 1)) >> shift)
-    hint = level(_in_units(forms, f, unit, spread) >> shift)
-    latest = level(_in_units(forms, f, unit, abs(error)) >> shift)
-    base = FORMS_AT + f * FORM_SLOTS
+    shift = max(formats[f, USUAL] - WINDOW, 0)
+    here = level(_in_units(formats, f, unit, 4 * total // max(count, 1)) >> shift)
+    hint = level(_in_units(formats, f, unit, spread) >> shift)
+    latest = level(_in_units(formats, f, unit, abs(error)) >> shift)
+    base = FORMATS_AT + f * FORMAT_SLOTS
     slots[0] = base + (here * 4 + kind) * LENGTHS
     slots[1] = base + MAGNITUDE_SLOTS + (here * LEVELS + before) * LENGTHS
     slots[2] = base + 2 * MAGNITUDE_SLOTS + (here * LEVELS + latest) * LENGTHS
@@ -309,11 +310,11 @@ def _set_contexts(
     slots[6] = base + MANTISSA_AT
     slots[7] = base + MANTISSA_AT + (1 + here) * MANTISSA_SLOTS
     side = np.int64(signs > 0) + 2 * np.int64(signs < 0)
-    turn = np.int64(error > 0) + 2 * np.int64(error < 0)
+    last = np.int64(error > 0) + 2 * np.int64(error < 0)
     base += SIGN_AT
     slots[8] = base + side
     slots[9] = base + SIGN_SLOTS + signs + MOST
-    slots[10] = base + 2 * SIGN_SLOTS + 3 * turn + side
+    slots[10] = base + 2 * SIGN_SLOTS + 3 * last + side
 
 
 @kernel

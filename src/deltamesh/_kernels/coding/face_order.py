@@ -1,4 +1,4 @@
-"""Which face comes when, and where it begins, in the steps of `deltamesh._kernels.coding.steps`."""
+"""Order of the polygons of a mesh, and their rotations, in steps (`coding.steps`)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, DECODING, Coder, code_bit
-from deltamesh._kernels.coding.face_turn import anchor_corner, code_skipped, code_turn, place_of
 from deltamesh._kernels.coding.remaining import (
     Rings,
     all_of,
@@ -16,6 +15,7 @@ from deltamesh._kernels.coding.remaining import (
     rings_of,
 )
 from deltamesh._kernels.coding.residual import KNOWN
+from deltamesh._kernels.coding.rotation import anchor_corner, code_rotation, code_skipped, rank_of
 from deltamesh._kernels.coding.steps import (
     ANY,
     CANDIDATES,
@@ -25,6 +25,7 @@ from deltamesh._kernels.coding.steps import (
     CHOOSE_SIZE,
     CORRUPT,
     FIRST,
+    LARGEST_RANK,
     NEAR,
     NEWEST,
     NEXT,
@@ -34,7 +35,7 @@ from deltamesh._kernels.coding.steps import (
     TRAILS,
     code_anchor,
     code_any,
-    code_way,
+    code_step,
     follow,
     index_of,
     near,
@@ -52,29 +53,29 @@ def code_faces(
     corners: _Ints,
     offsets: _Ints,
     within: _Ints,
-    places: _Ints,
-    placed: Int,
+    rank: _Ints,
+    ranked: Int,
     mode: Int,
     order: _Ints,
-    turns: _Ints,
+    rotations: _Ints,
     margin: Int,
     stop: Int,
 ) -> Int:
-    """Code which polygon comes when, `order` (m,), and at which corner it begins, `turns` (m,).
+    """Code which polygon comes when, `order` (m,), and at which corner it begins, `rotations` (m,).
 
     Both are filled in place when decoding. The vertices of a polygon are `corners[offsets[i]:
-    offsets[i + 1]]`; it is told by a triangle of it, `faces` (m, 3), whose corners are those by
-    `within` (m, 3). `places` (n,) are the places of the vertices, -1 without
-    one; `placed` have one, and the others get the next ones as faces come to use them. The anchor
-    of a face is its FIRST vertex, or the OLDEST or NEWEST of those with a place. At most `stop`
-    faces are coded. Returns OK or CORRUPT.
+    offsets[i + 1]]`; a triangle represents it, `faces` (m, 3), at whose corners are those by
+    `within` (m, 3). `rank` (n,) has the ranks of the vertices, -1 without one; `ranked` have one,
+    and the others get the next ones as polygons come to use them. The anchor of a polygon is its
+    FIRST vertex, or the OLDEST or NEWEST of those with a rank. At most `stop` polygons are coded.
+    Returns OK or CORRUPT.
     """
-    m, n = len(faces), len(places)
+    m, n = len(faces), len(rank)
     encoding = c.state[DECODING] == 0
-    at = np.full(n, -1, np.int64)  # the vertex at each place
+    at = np.full(n, -1, np.int64)  # the vertex of each rank
     for v in range(n):
-        if places[v] >= 0:
-            at[places[v]] = v
+        if rank[v] >= 0:
+            at[rank[v]] = v
     left = all_of(np.int64(m))
     rings = rings_of(faces.ravel(), np.int64(n))
     memory, known = np.zeros(REMEMBERED, np.int64), np.zeros(KNOWN, np.int64)
@@ -82,57 +83,55 @@ def code_faces(
     value, found = np.zeros(1, np.int64), np.empty(CANDIDATES, np.int64)
     # The vertices of the last two faces, as they came; no vertex at first.
     recent = np.full((2, 3), -1, np.int64)
-    turned, skips = np.zeros(3, np.int64), np.zeros(1, np.int64)
+    rotated, skips = np.zeros(3, np.int64), np.zeros(1, np.int64)
     previous = np.int64(-1)
     for i in range(min(m, stop)):
-        face, turn, skipped = np.int64(-1), np.int64(0), np.int64(0)
+        face, rotation, skipped = np.int64(-1), np.int64(0), np.int64(0)
         if encoding:
             face = order[i]
             size = offsets[face + 1] - offsets[face]
-            turn, skipped = _split(within, face, size, turns[i])
+            rotation, skipped = _split(within, face, size, rotations[i])
         following = next_left(left, previous + 1)
-        way, count, trail = np.int64(NEXT), 0, -1
+        step, count, trail = np.int64(NEXT), 0, -1
         if encoding and face != following:
-            way = np.int64(ANY)
-            corner = anchor_corner(faces, places, mode, face, turn)
-            anchor = places[faces[face, corner]]
+            step = np.int64(ANY)
+            corner = anchor_corner(faces, rank, mode, face, rotation)
+            anchor = rank[faces[face, corner]]
             trail = trail_of(trails, anchor, m - i, margin) if anchor >= 0 else -1
             if trail >= 0:
-                count = _at_anchor(rings, faces, places, mode, at[anchor], found)
-                way = np.int64(NEAR) if index_of(found, count, 3 * face + corner) >= 0 else way
+                count = _at_anchor(rings, faces, rank, mode, at[anchor], found)
+                step = np.int64(NEAR) if index_of(found, count, 3 * face + corner) >= 0 else step
         follows = _shared(faces, following, recent[0])
-        way = code_way(c, way, memory, trails, follows, placed > 0)
-        if way == NEXT:
+        step = code_step(c, step, memory, trails, follows, ranked > 0)
+        if step == NEXT:
             face = following
-        elif way == NEAR:
+        elif step == NEAR:
             corner, anchor = np.int64(0), np.int64(0)
             if encoding:
-                corner = anchor_corner(faces, places, mode, face, turn)
-                anchor = places[faces[face, corner]]
+                corner = anchor_corner(faces, rank, mode, face, rotation)
+                anchor = rank[faces[face, corner]]
             anchor = code_anchor(c, anchor, trail, memory, trails, known, value)
-            if not 0 <= anchor < placed:
+            if not 0 <= anchor < ranked:
                 return CORRUPT
-            count = _at_anchor(rings, faces, places, mode, at[anchor], found)
+            count = _at_anchor(rings, faces, rank, mode, at[anchor], found)
             if count == 0:
                 return CORRUPT
             chosen = _choose_face(
-                c, memory, faces, places, mode, recent, found, count, 3 * face + corner
+                c, memory, faces, rank, mode, recent, found, count, 3 * face + corner
             )
             face = chosen // 3
             if mode == FIRST:
-                turn = chosen % 3
+                rotation = chosen % 3
         else:
             face = code_any(c, left, face, m - i)
-        if way != NEAR or mode != FIRST:
-            turn = code_turn(c, faces, places, mode, recent, turned, face, turn)
+        if step != NEAR or mode != FIRST:
+            rotation = code_rotation(c, faces, rank, mode, recent, rotated, face, rotation)
         first, size = offsets[face], offsets[face + 1] - offsets[face]
-        begin = within[face, turn]
-        gap = (within[face, (turn + 1) % 3] - begin) % size
+        begin = within[face, rotation]
+        gap = (within[face, (rotation + 1) % 3] - begin) % size
         if gap > 1:
-            begin += code_skipped(
-                c, corners, first, size, places, recent, skips, begin, gap, skipped
-            )
-        order[i], turns[i] = face, begin % size
+            begin += code_skipped(c, corners, first, size, rank, recent, skips, begin, gap, skipped)
+        order[i], rotations[i] = face, begin % size
         remove(left, face)
         recent[1] = recent[0]
         for j in range(3):
@@ -141,10 +140,10 @@ def code_faces(
             v = corners[first + (begin + j) % size]
             if j < 3:
                 recent[0, j] = v
-            if places[v] < 0:
-                places[v], at[placed] = placed, v
-                placed += 1
-        follow(trails, places[faces[face, anchor_corner(faces, places, mode, face, turn)]])
+            if rank[v] < 0:
+                rank[v], at[ranked] = ranked, v
+                ranked += 1
+        follow(trails, rank[faces[face, anchor_corner(faces, rank, mode, face, rotation)]])
         previous = face
     return OK
 
@@ -152,22 +151,22 @@ def code_faces(
 @inlined
 def _split(within: _Ints, face: Int, size: Int, begin: Int) -> tuple[Int, Int]:
     """Return the last corner of a triangle up to a corner of its polygon, and how far that is."""
-    turn, least = np.int64(0), size
+    rotation, least = np.int64(0), size
     for j in range(3):
         distance = (begin - within[face, j]) % size
         if distance < least:
-            turn, least = np.int64(j), distance
-    return turn, least
+            rotation, least = np.int64(j), distance
+    return rotation, least
 
 
 @kernel
-def _at_anchor(rings: Rings, faces: _Ints, places: _Ints, mode: Int, hub: Int, found: _Ints) -> Int:
+def _at_anchor(rings: Rings, faces: _Ints, rank: _Ints, mode: Int, hub: Int, found: _Ints) -> Int:
     """Find the corners at `hub` of faces that are left and have it for an anchor."""
     count, e = 0, rings.start[hub]
     for _ in range(SCANNED):
         if e < 0 or count == CANDIDATES:
             break
-        if mode == FIRST or anchor_corner(faces, places, mode, e // 3, np.int64(0)) == e % 3:
+        if mode == FIRST or anchor_corner(faces, rank, mode, e // 3, np.int64(0)) == e % 3:
             found[count] = e
             count += 1
         e = rings.after[e]
@@ -191,7 +190,7 @@ def _choose_face(
     c: Coder,
     memory: _Ints,
     faces: _Ints,
-    places: _Ints,
+    rank: _Ints,
     mode: Int,
     recent: _Ints,
     found: _Ints,
@@ -203,15 +202,15 @@ def _choose_face(
     for k in range(count):
         face, j = found[k] // 3, found[k] % 3
         shared, before = _shared(faces, face, recent[0]), _shared(faces, face, recent[1])
-        a = places[faces[face, j]]
+        a = rank[faces[face, j]]
         b, d = (
-            place_of(places, faces[face, (j + 1) % 3]),
-            place_of(places, faces[face, (j + 2) % 3]),
+            rank_of(rank, faces[face, (j + 1) % 3]),
+            rank_of(rank, faces[face, (j + 2) % 3]),
         )
-        fresh = (1 if b > a + (1 << 50) else 0) + (1 if d > a + (1 << 50) else 0)
-        alike = _like(places, recent[0], a, b, d) + 2 * _like(places, recent[1], a, b, d)
+        fresh = (1 if b > a + LARGEST_RANK else 0) + (1 if d > a + LARGEST_RANK else 0)
+        alike = _like(rank, recent[0], a, b, d) + 2 * _like(rank, recent[1], a, b, d)
         third = b if (b < d) == (mode == NEWEST) else d
-        lead = near(third, memory[CHOICE]) if third < 1 << 50 else np.int64(6)
+        lead = near(third, memory[CHOICE]) if third < LARGEST_RANK else np.int64(6)
         at = min(k, 3)
         if k < count - 1:
             state[CONTEXT] = CHOOSE + 12 * shared + 3 * before + fresh
@@ -219,19 +218,19 @@ def _choose_face(
             state[CONTEXT + 2] = CHOOSE + 2 * CHOOSE_SIZE + 16 * lead + 4 * alike + at
             if code_bit(c, 1 if found[k] == corner else 0, np.int64(CHOOSE_MIXER)) == 0:
                 continue
-        memory[CHOICE] = min(third, np.int64(1) << 50)
+        memory[CHOICE] = min(third, np.int64(LARGEST_RANK))
         return found[k]
     return np.int64(-1)
 
 
 @inlined
-def _like(places: _Ints, others: _Ints, a: Int, b: Int, d: Int) -> Int:
-    """Tell whether places lie to each other as those of an earlier face do, from some corner."""
+def _like(rank: _Ints, others: _Ints, a: Int, b: Int, d: Int) -> Int:
+    """Return 1 if ranks differ as those of an earlier face do, from some corner of it; else 0."""
     result = 0
     for j in range(3):
         if others[j] >= 0:
-            e = places[others[j]]
-            f, g = places[others[(j + 1) % 3]], places[others[(j + 2) % 3]]
+            e = rank[others[j]]
+            f, g = rank[others[(j + 1) % 3]], rank[others[(j + 2) % 3]]
             if f - e == b - a and g - e == d - a:
                 result = 1
     return result

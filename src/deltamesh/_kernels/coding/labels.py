@@ -1,12 +1,12 @@
-"""Labels of elements: most are those of a neighbour, or go on as labels did before.
+"""Labels of elements: most equal that of a neighbour, or continue as labels did before.
 
 The labels of the known neighbours are candidates, the one that most of them have first; then the
 label of the element before; then what followed the last time that the labels were as they are
 now, the match model of Mahoney ("Adaptive weighing of context models for lossless data
-compression", 2005); then what lies ahead, the known neighbours of unknown ones. Candidates are
-asked for one by one. Another label is new, which is the next number, or its number is spelled
-from the low bit up, where bits that would lead to no label are left out: no stream can name one
-that is none.
+compression", 2005); then the labels ahead, those of the known neighbours of unknown ones. A bit
+for each candidate tells whether it is the label. Another label is new, which is the next number, or
+its number is coded from the low bit up, without the bits that would lead beyond the labels: no
+stream can name a label that does not exist.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit
-from deltamesh._kernels.coding.numbers import hashed
+from deltamesh._kernels.coding.models import Model
+from deltamesh._kernels.coding.signed_integers import hashed
 from deltamesh._kernels.jit import Int, inlined, kernel
 
 _Ints = NDArray[np.int64]
@@ -36,6 +37,7 @@ FOLLOWERS = 1 << 16
 CANDIDATE_MIXER, NEW_MIXER, DIGIT_MIXER = 0, 3, 4
 LIMIT = 255
 MIXERS = 3 * ((INPUTS[0], LIMIT),) + ((INPUTS[1], LIMIT),) + DIGITS * ((INPUTS[2], LIMIT),)
+MODEL = Model(SLOTS, MIXERS)
 
 
 @inlined
@@ -145,11 +147,11 @@ def _others(
     found = 0
     while votes[found] > 0:
         found += 1
-    for turn in range(-2, len(ahead)):
-        if turn >= 0:
-            label = ahead[turn]
+    for at in range(-2, len(ahead)):
+        if at >= 0:
+            label = ahead[at]
         else:
-            label = expected if turn == -1 else (labels[i - 1] if i > 0 else np.int64(-1))
+            label = expected if at == -1 else (labels[i - 1] if i > 0 else np.int64(-1))
         k = 0
         while k < found and candidates[k] != label:
             k += 1
@@ -196,8 +198,8 @@ def _code_candidate(
         front = (min(same, 3) * 4 + min(differ, 3)) * 2 + last
         _set(c, 3, np.int64(CANDIDATE), _joined(_joined(label, other), front))
         _set(c, 4, np.int64(CANDIDATE), (front * 8 + min(votes[k], 7)) * 4 + min(known, 3))
-        way = (hits * 4 + rank) * 3 + share
-        _set(c, 5, np.int64(CANDIDATE), (way * 2 + last) * 9 + min(same, 2) * 3 + min(differ, 2))
+        record = (hits * 4 + rank) * 3 + share
+        _set(c, 5, np.int64(CANDIDATE), (record * 2 + last) * 9 + min(same, 2) * 3 + min(differ, 2))
         run = ((matched * 2 + last) * 3 + share) * 8 + min(length, 7)
         _set(c, 6, np.int64(CANDIDATE), run)
         if code_bit(c, np.int64(labels[i] == label), np.int64(CANDIDATE_MIXER + min(k, 2))) == 1:

@@ -1,4 +1,4 @@
-"""Quantized positions, predicted by whatever has predicted best of late.
+"""Quantized positions, predicted by parallelograms and neighbours.
 
 Each vertex has several predictions, the mean of all parallelograms that are known first (Touma &
 Gotsman, *Triangle Mesh Compression*, Graphics Interface 1998; Cohen-Or, Cohen, Irony, *Multi-way
@@ -8,7 +8,7 @@ all had at vertices of the same class; where Draco sends flags for the parallelo
 out, nothing is sent. The parallelogram within a quad is better than those across its edges
 (Isenburg & Alliez, *Compressing polygon mesh geometry with parallelogram prediction*, IEEE
 Visualization 2002): where there is one, it is the first prediction, and the mean of all the last.
-The coordinates of the vertices around are candidates (see `numbers`): on
+The coordinates of the vertices around are candidates (see `signed_integers`): on
 machine parts most coordinates are those of a neighbour.
 """
 
@@ -17,9 +17,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._kernels.coding import numbers
+from deltamesh._kernels.coding import signed_integers
 from deltamesh._kernels.coding.coder import Coder
-from deltamesh._kernels.coding.numbers import code_number, level
+from deltamesh._kernels.coding.models import Model
 from deltamesh._kernels.coding.residual import (
     ABSOLUTE,
     HINT,
@@ -34,6 +34,7 @@ from deltamesh._kernels.coding.residual import (
     set_magnitudes,
     set_signs,
 )
+from deltamesh._kernels.coding.signed_integers import code_signed, level
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
 
 _Ints = NDArray[np.int64]
@@ -61,8 +62,9 @@ CLASSES = INSIDE + 4 * SHAPES
 DECAY = 8
 MARGIN = 3
 
-SLOTS = numbers.SLOTS
-MIXERS = numbers.mixers(MAGNITUDES + 1, SIGNS + 1, CANDIDATES)
+SLOTS = signed_integers.SLOTS
+MIXERS = signed_integers.mixers(MAGNITUDES + 1, SIGNS + 1, CANDIDATES)
+MODEL = Model(SLOTS, MIXERS)
 
 
 @kernel
@@ -174,7 +176,7 @@ def _predict_alone(
     positions: _Ints,
     known: _Ints,
 ) -> Int:
-    """Likewise, where there is no parallelogram."""
+    """Set the same where there is no parallelogram; return the class."""
     before: Int = max(i - 1, 0)
     last: Int = before
     for at in range(indptr[i], indptr[i + 1]):
@@ -259,7 +261,7 @@ def _code_position(
             candidates[k] = positions[axis, k] - base
             histories[k] = 2 * fortunes[axis, k] + (1 if candidates[k] == 0 else 0)
         r = value[axis] - base
-        r = code_number(c, r, np.int64(axis), magnitudes, signs, candidates, histories)
+        r = code_signed(c, r, np.int64(axis), magnitudes, signs, candidates, histories)
         residual[axis] = r
         value[axis] = min(max(base + r, -BOUND), BOUND)
         for k in range(CANDIDATES):

@@ -1,4 +1,4 @@
-"""The few vertices whose positions are stored beside the deltas: anchors, isolated vertices."""
+"""Positions of anchors and isolated vertices, which are stored beside the deltas."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import Coder, code_number, code_raw
+from deltamesh._kernels.coding.models import Model
 from deltamesh._kernels.jit import Int, kernel
 
 LENGTHS = 64
 SLOTS = 2 * LENGTHS
 GAP, STEP = 0, 1
 MIXERS = ((1, 255), (1, 255))
+MODEL = Model(SLOTS, MIXERS)
 
 
 @kernel

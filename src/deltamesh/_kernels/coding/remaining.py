@@ -1,8 +1,8 @@
-"""What is left of a set that is used up one by one: in order of index, and in rings.
+"""Sets whose elements are used up one by one: the rest in order of index, and in rings.
 
 Counts are in a tree of partial sums (Fenwick, "A new data structure for cumulative frequency
 tables", 1994), the next index that is left is found by path halving (Tarjan, van Leeuwen, 1984).
-A ring is a circular list of those elements of a group that are left, with a place to begin at.
+A ring is a circular list of those elements of a group that are left, with an element to begin at.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""A vector of one or three signed integers at a vertex, and the contexts of its numbers.
+"""Vectors of one or three signed integers at vertices, and the contexts of their numbers.
 
-They are levels, half logarithms of magnitudes around: what the neighbours had, what this vertex had
-in the other coordinates, what the vertex before had.
+The contexts are levels, half logarithms of magnitudes around: those of the neighbours, of the other
+coordinates of the vertex, and of the vertex before.
 """
 
 from __future__ import annotations
@@ -9,22 +9,25 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._kernels.coding import numbers
+from deltamesh._kernels.coding import signed_integers
 from deltamesh._kernels.coding.coder import Coder
-from deltamesh._kernels.coding.numbers import LEVELS, code_number, level
+from deltamesh._kernels.coding.models import Model
+from deltamesh._kernels.coding.signed_integers import LEVELS, code_signed, level
 from deltamesh._kernels.jit import Int, inlined, kernel
 
 _Ints = NDArray[np.int64]
 
 # Contexts of the length and of the sign.
 MAGNITUDES, SIGNS = 6, 3
-SLOTS = numbers.SLOTS
-MIXERS = numbers.mixers(MAGNITUDES, SIGNS, 0)
+SLOTS = signed_integers.SLOTS
+MIXERS = signed_integers.mixers(MAGNITUDES, SIGNS, 0)
+MODEL = Model(SLOTS, MIXERS)
 
-# Indices into what a caller knows of a vertex: for each axis, sums over the known neighbours, the
-# value of the vertex before, and a magnitude of the caller's choice; then for all axes: the
-# neighbours known, two small classes of the caller's choice, below 4 and below 16, and what
-# magnitude the vertex is known to have before its first coordinate.
+# Indices into what a caller knows about a vertex. For each axis: the sum over the known neighbours,
+# the sum of their magnitudes, the value of the vertex before, and a magnitude of the caller's
+# choice. Then for all axes: the number of known neighbours, two small classes of the caller's
+# choice, below 4 and below 16, and the magnitude that the vertex is known to have before its first
+# coordinate.
 SUM, ABSOLUTE, LAST, HINT = 0, 3, 6, 9
 NEIGHBOURS, KIND, HINT_ALL, SPENT = 12, 13, 14, 15
 KNOWN = 16
@@ -32,7 +35,7 @@ KNOWN = 16
 
 @kernel
 def code_vector(c: Coder, value: _Ints, known: _Ints) -> None:
-    """Code `value` (3,) or (1,), in place when decoding, in the light of `known` (KNOWN,)."""
+    """Code `value` (3,) or (1,), in place when decoding, where `known` (KNOWN,) is known."""
     magnitudes, signs = np.empty(MAGNITUDES, np.int64), np.empty(SIGNS, np.int64)
     none = np.empty(0, np.int64)
     total = known[ABSOLUTE] + known[ABSOLUTE + 1] + known[ABSOLUTE + 2]
@@ -41,7 +44,7 @@ def code_vector(c: Coder, value: _Ints, known: _Ints) -> None:
     for axis in range(len(value)):
         set_magnitudes(magnitudes, known, axis, total, spent)
         set_signs(signs, known, axis, along)
-        value[axis] = code_number(c, value[axis], np.int64(axis), magnitudes, signs, none, none)
+        value[axis] = code_signed(c, value[axis], np.int64(axis), magnitudes, signs, none, none)
         spent += abs(value[axis])
         along += known[SUM + axis] * value[axis]
 
@@ -68,7 +71,7 @@ def set_signs(contexts: _Ints, known: _Ints, axis: Int, along: Int) -> None:
     positive = 1 if mean > 0 else 0
     size = level(4 * abs(mean) // max(known[NEIGHBOURS], 1))
     agrees = 1 if along > 0 else (2 if along < 0 else 0)
-    turn = 1 if last > 0 else (2 if last < 0 else 0)
+    side = 1 if last > 0 else (2 if last < 0 else 0)
     contexts[0] = positive * LEVELS + size
     contexts[1] = (agrees * 2 + positive) * LEVELS + size
-    contexts[2] = ((turn * 3 + agrees) * 2 + positive) * 8 + size // 4
+    contexts[2] = ((side * 3 + agrees) * 2 + positive) * 8 + size // 4

@@ -1,10 +1,10 @@
-"""The order of vertices and faces, as steps over a mesh that both sides know.
+"""Steps over a mesh that both sides know, which code an order of its vertices or faces.
 
-Each step says which vertex, or face, is next in the order of the input. Three ways to say it: the
-next one left in the order of the codec; one at an *anchor*, a vertex that has its place already,
-which is told by how far its place is from that of the last anchor, and then which one there; else
-the rank among all that are left, which costs no more than an order without any pattern has to.
-The same functions encode and decode. Every step takes one element, so that any stream ends.
+Each step names the next vertex, or face, of the order in one of three ways: as the next one left in
+coding order; as one at an *anchor*, a vertex that has its rank already, which is coded as the
+distance of its rank from that of an earlier anchor; or as a number among all that are left, which
+costs no more than an order without any pattern has to. The same functions encode and decode. Every
+step takes one element, so that any stream ends.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit
-from deltamesh._kernels.coding.numbers import AXIS_MIXERS, level
+from deltamesh._kernels.coding.models import Model, layout
 from deltamesh._kernels.coding.remaining import Remaining, count_below, select
 from deltamesh._kernels.coding.residual import (
     ABSOLUTE,
@@ -26,6 +26,7 @@ from deltamesh._kernels.coding.residual import (
 )
 from deltamesh._kernels.coding.residual import MIXERS as VECTOR_MIXERS
 from deltamesh._kernels.coding.residual import SLOTS as VECTOR_SLOTS
+from deltamesh._kernels.coding.signed_integers import AXIS_MIXERS, level
 from deltamesh._kernels.coding.valence import code_below
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
 
@@ -33,43 +34,46 @@ _Ints = NDArray[np.int64]
 
 OK, CORRUPT = 0, 1
 
-# How a step is told.
+# Kinds of steps.
 NEXT, NEAR, ANY = 0, 1, 2
-# Which vertex of a face is its anchor; of the neighbours of a vertex, the newest or the oldest.
+# Anchors: the first vertex of a face, or the oldest or newest of the vertices around.
 FIRST, OLDEST, NEWEST = 0, 1, 2
 
-# So much of a ring is looked at: a vertex of a thousand faces must not cost a million steps.
+# Elements of a ring that are looked at: a vertex of a thousand faces must not cost a million steps.
 SCANNED = 64
 CANDIDATES = 16
 
-# Indices into what a model remembers: the ways of the last four steps, as digits; the last trail;
-# what the last choice at an anchor looked like.
+# Indices into the memory of a model: the kinds of the last four steps, as digits; the last trail;
+# the class of the last choice at an anchor.
 HISTORY, TRAIL, CHOICE = range(3)
 REMEMBERED = 3
 
-# An order may go on at several places of the mesh in turns: the trails, the last first. Each has
-# its last anchor and the last two distances; an anchor within reach of that belongs to it.
+# An order may alternate between several places of the mesh: the trails, the last one first. Each
+# has its last anchor and the last two distances; an anchor within reach of that belongs to it.
 TRAIL_BITS = 5
 TRAILS = 1 << TRAIL_BITS
 ANCHOR, DISTANCE, DISTANCE_BEFORE = range(3)
 REACH = 12
 
-# Slots and mixers: the distances, as vectors of one coordinate; then those of the ways, of the
-# choice at an anchor, of the turn of a face, of the corners skipped where a polygon begins.
-INPUTS = 3
-WAY = VECTOR_SLOTS
-WAY_SIZE = 512
-CHOOSE = WAY + 2 * INPUTS * WAY_SIZE
-CHOOSE_SIZE = 512
-TURN = CHOOSE + INPUTS * CHOOSE_SIZE
-TURN_SIZE = 256
-TRACK = TURN + 2 * INPUTS * TURN_SIZE
-TRACK_INPUTS, TRACK_SIZE = 2, 1024
-SKIP = TRACK + TRACK_INPUTS * TRACK_SIZE
-SKIP_SIZE = 64
-SLOTS = SKIP + INPUTS * SKIP_SIZE
-WAY_MIXER, CHOOSE_MIXER, TURN_MIXER = AXIS_MIXERS, AXIS_MIXERS + 2, AXIS_MIXERS + 3
-TRACK_MIXER = TURN_MIXER + 2
+# A vertex without a rank counts as after all others: no difference of two ranks is as large as
+# LARGEST_RANK, but that of NO_RANK and any rank is larger.
+NO_RANK = 1 << 60
+LARGEST_RANK = 1 << 50
+
+# Slots and mixers: the distances, as vectors of one coordinate; then those of the kinds of steps,
+# of the choice at an anchor, of the rotation of a face, of the corners skipped before a polygon.
+INPUTS, TRACK_INPUTS = 3, 2
+STEP_SIZE, CHOOSE_SIZE, ROTATION_SIZE, TRACK_SIZE, SKIP_SIZE = 512, 512, 256, 1024, 64
+_, STEP, CHOOSE, ROTATION, TRACK, SKIP, SLOTS = layout(
+    (VECTOR_SLOTS,),
+    (2, INPUTS, STEP_SIZE),
+    (INPUTS, CHOOSE_SIZE),
+    (2, INPUTS, ROTATION_SIZE),
+    (TRACK_INPUTS, TRACK_SIZE),
+    (INPUTS, SKIP_SIZE),
+)
+STEP_MIXER, CHOOSE_MIXER, ROTATION_MIXER = AXIS_MIXERS, AXIS_MIXERS + 2, AXIS_MIXERS + 3
+TRACK_MIXER = ROTATION_MIXER + 2
 SKIP_MIXER = TRACK_MIXER + 1
 LIMIT = 255
 MIXERS = (
@@ -78,6 +82,7 @@ MIXERS = (
     (TRACK_INPUTS, LIMIT),
     (INPUTS, LIMIT),
 )
+MODEL = Model(SLOTS, MIXERS)
 
 
 @inlined
@@ -96,7 +101,7 @@ def _bits(x: Int) -> Int:
 
 @kernel
 def trail_of(trails: _Ints, anchor: Int, left: Int, margin: Int) -> Int:
-    """Return the trail from which to tell an anchor, -1 where a rank among `left` takes less."""
+    """Return the best trail to code an anchor from, -1 where a number below `left` takes less."""
     best, least = -1, _bits(left) - margin
     for k in range(TRAILS):
         cost = 3 * _bits(abs(anchor - trails[k, ANCHOR])) // 2 + (3 if k == 0 else 7)
@@ -121,31 +126,31 @@ def follow(trails: _Ints, anchor: Int) -> None:
 
 
 @kernel
-def code_way(
-    c: Coder, way: Int, memory: _Ints, trails: _Ints, follows: Int, has_anchor: Flag
+def code_step(
+    c: Coder, step: Int, memory: _Ints, trails: _Ints, follows: Int, has_anchor: Flag
 ) -> Int:
-    """Code how the step is told; `follows`, below 4, is how the next one left is to the last."""
+    """Code the kind of a step; `follows`, below 4, relates the next element left to the last."""
     state, history = c.state, memory[HISTORY]
     far = level(abs(trails[0, DISTANCE])) // 2
     for k in range(2 if has_anchor else 1):
-        base = WAY + k * INPUTS * WAY_SIZE
+        base = STEP + k * INPUTS * STEP_SIZE
         state[CONTEXT] = base + history
-        state[CONTEXT + 1] = base + WAY_SIZE + 4 * (history % 9) + follows
-        state[CONTEXT + 2] = base + 2 * WAY_SIZE + 16 * (history % 3) + far
-        if code_bit(c, 1 if way == k else 0, WAY_MIXER + k) == 1:
-            way = np.int64(k)
+        state[CONTEXT + 1] = base + STEP_SIZE + 4 * (history % 9) + follows
+        state[CONTEXT + 2] = base + 2 * STEP_SIZE + 16 * (history % 3) + far
+        if code_bit(c, 1 if step == k else 0, STEP_MIXER + k) == 1:
+            step = np.int64(k)
             break
         if k == 1 or not has_anchor:
-            way = np.int64(ANY)
-    memory[HISTORY] = history % 27 * 3 + way
-    return way
+            step = np.int64(ANY)
+    memory[HISTORY] = history % 27 * 3 + step
+    return step
 
 
 @kernel
 def code_anchor(
     c: Coder, anchor: Int, trail: Int, memory: _Ints, trails: _Ints, known: _Ints, value: _Ints
 ) -> Int:
-    """Code the place of an anchor: a trail, and the distance from there."""
+    """Code the rank of an anchor: a trail, and the distance from there."""
     state = c.state
     last = memory[TRAIL]
     node = np.int64(1)
@@ -170,7 +175,7 @@ def code_anchor(
 
 @inlined
 def code_any(c: Coder, left: Remaining, element: Int, count: Int) -> Int:
-    """Code an element by its rank among those that are left."""
+    """Code an element by its number among those that are left."""
     return select(left, code_below(c, count_below(left, element) if element >= 0 else 0, count))
 
 

@@ -1,4 +1,4 @@
-"""Which vertex is at each place of an order, in the steps of `deltamesh._kernels.coding.steps`."""
+"""Order of the vertices of a mesh, in steps (`coding.steps`)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from deltamesh._kernels.coding.steps import (
     TRAILS,
     code_anchor,
     code_any,
-    code_way,
+    code_step,
     follow,
     index_of,
     near,
@@ -54,41 +54,42 @@ def code_vertices(
     margin: Int,
     stop: Int,
 ) -> Int:
-    """Code which vertex is at each place, `order` (n,), filled in place when decoding.
+    """Code the vertex of each rank, `order` (n,), filled in place when decoding.
 
-    The neighbours are as of `adjacency`; entry e, of row v, is the edge from v to `indices[e]`, and
-    `mirror[e]` the entry of the way back. The anchor of a vertex is the newest or the oldest of its
-    neighbours that have a place. At most `stop` places are coded. Returns OK or CORRUPT.
+    The neighbours are as of `adjacency.adjacency`; entry e, of row v, is the edge from v to
+    `indices[e]`, and `mirror[e]` the entry of the edge back. The anchor of a vertex is the newest
+    or the oldest of its neighbours that have a rank. At most `stop` ranks are coded. Returns OK or
+    CORRUPT.
     """
     n = len(order)
     encoding = c.state[DECODING] == 0
     left = all_of(np.int64(n))
     rings = rings_of(np.repeat(np.arange(n), np.diff(indptr)), np.int64(n))
-    # The places of the oldest and the newest neighbour of each vertex, -1 without, and how many.
+    # The ranks of the oldest and the newest neighbour of each vertex, -1 without, and their number.
     around = np.full((n, 3), -1, np.int64)
     around[:, 2] = 0
     memory, known = np.zeros(REMEMBERED, np.int64), np.zeros(KNOWN, np.int64)
     trails = np.zeros((TRAILS, 3), np.int64)
     value, found = np.zeros(1, np.int64), np.empty(CANDIDATES, np.int64)
-    last = np.zeros(3, np.int64)  # `around` of the vertex before, when it got its place
+    last = np.zeros(3, np.int64)  # `around` of the vertex before, when it got its rank
     key = newest
     previous = np.int64(-1)
     for i in range(min(n, stop)):
         vertex = order[i] if encoding else np.int64(-1)
         following = next_left(left, previous + 1)
-        way, count, trail = np.int64(NEXT), 0, -1
+        step, count, trail = np.int64(NEXT), 0, -1
         if encoding and vertex != following:
-            way = np.int64(ANY)
+            step = np.int64(ANY)
             anchor = around[vertex, key]
             trail = trail_of(trails, anchor, n - i, margin) if anchor >= 0 else -1
             if trail >= 0:
                 count = _around_anchor(rings, indices, around, key, order[anchor], anchor, found)
-                way = np.int64(NEAR) if index_of(found, count, vertex) >= 0 else way
+                step = np.int64(NEAR) if index_of(found, count, vertex) >= 0 else step
         follows = min(around[following, 2], 1) * (2 if around[following, 1] == i - 1 else 1)
-        way = code_way(c, way, memory, trails, follows, i > 0)
-        if way == NEXT:
+        step = code_step(c, step, memory, trails, follows, i > 0)
+        if step == NEXT:
             vertex = following
-        elif way == NEAR:
+        elif step == NEAR:
             anchor = around[vertex, key] if encoding else np.int64(0)
             anchor = code_anchor(c, anchor, trail, memory, trails, known, value)
             if not 0 <= anchor < i:
@@ -102,7 +103,7 @@ def code_vertices(
         order[i] = vertex
         last[:] = around[vertex]
         follow(trails, around[vertex, key] if around[vertex, key] >= 0 else i)
-        _place_vertex(left, rings, indptr, indices, mirror, around, vertex, i)
+        _rank_vertex(left, rings, indptr, indices, mirror, around, vertex, i)
         previous = vertex
     return OK
 
@@ -111,7 +112,7 @@ def code_vertices(
 def _around_anchor(
     rings: Rings, indices: _Ints, around: _Ints, key: Int, hub: Int, anchor: Int, found: _Ints
 ) -> Int:
-    """Find the neighbours of `hub`, at place `anchor`, that are left and have it for an anchor."""
+    """Find the neighbours of `hub`, of rank `anchor`, that are left and have it for an anchor."""
     count, e = 0, rings.start[hub]
     for _ in range(SCANNED):
         if e < 0 or count == CANDIDATES:
@@ -133,7 +134,7 @@ def _choose_vertex(
     last: _Ints,
     found: _Ints,
     count: Int,
-    place: Int,
+    rank: Int,
     vertex: Int,
 ) -> Int:
     """Code which of the vertices found is meant, one bit for each but the last."""
@@ -141,7 +142,7 @@ def _choose_vertex(
     for k in range(count):
         w = found[k]
         old, new = near(around[w, 0], last[0]), near(around[w, 1], last[1])
-        touches = 1 if around[w, 1] == place - 1 else 0
+        touches = 1 if around[w, 1] == rank - 1 else 0
         degree, at = min(around[w, 2], 3), min(k, 3)
         look = 2 * old + touches
         if k < count - 1:
@@ -156,7 +157,7 @@ def _choose_vertex(
 
 
 @inlined
-def _place_vertex(
+def _rank_vertex(
     left: Remaining,
     rings: Rings,
     indptr: _Ints,
@@ -164,13 +165,14 @@ def _place_vertex(
     mirror: _Ints,
     around: _Ints,
     vertex: Int,
-    place: Int,
+    rank: Int,
 ) -> None:
+    """Give a vertex its rank, and bring `around` and the rings up to date."""
     remove(left, vertex)
     for e in range(indptr[vertex], indptr[vertex + 1]):
         w = indices[e]
         leave_ring(rings, w, mirror[e])
         if around[w, 0] < 0:
-            around[w, 0] = place
-        around[w, 1] = place
+            around[w, 0] = rank
+        around[w, 1] = rank
         around[w, 2] += 1

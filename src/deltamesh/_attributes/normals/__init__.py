@@ -1,0 +1,1 @@
+"""Unit normals, coded relative to the normals of the decoded surface."""
