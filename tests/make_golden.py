@@ -1,4 +1,4 @@
-"""Write tests/golden and tests/refused anew: `python tests/make_golden.py`, by hand only.
+"""Write tests/data/golden and tests/data/refused anew: `just golden`, by hand only.
 
 Golden files pin the decoder, not the encoder: old bytes must decode to the same mesh for ever, new
 bytes may become fewer. As long as SPEC.md says that the format is not frozen, both folders are
@@ -11,7 +11,6 @@ with those of the input, positions with a dense least-squares solution.
 from __future__ import annotations
 
 import zlib
-from pathlib import Path
 
 import attributed
 import forging
@@ -20,6 +19,7 @@ import meshes
 import numpy as np
 import oracle
 import strategies
+from places import GOLDEN, REFUSED
 
 from deltamesh._codec import decode
 from deltamesh._content import digest
@@ -40,8 +40,6 @@ from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, LimitError
 from deltamesh_formats.polymesh.mesh import from_triangles
 
-HERE = Path(__file__).parent
-GOLDEN, REFUSED = HERE / "golden", HERE / "refused"
 TABLE = REFUSED / "expected.tsv"
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import golden_polymeshes
 import numpy as np
 import pytest
 from graphs import FREE_SOLVERS as SOLVERS
+from places import GOLDEN, REFUSED
 
 from deltamesh import decode, info, verify
 from deltamesh._measures.metrics import diagonal
@@ -15,7 +14,6 @@ from deltamesh_formats import errors
 from deltamesh_formats.container.attribute_table import entries_of
 from deltamesh_formats.container.reader import read_container
 
-GOLDEN, REFUSED = (Path(__file__).parent / name for name in ("golden", "refused"))
 TABLE = (REFUSED / "expected.tsv").read_text(encoding="utf-8").splitlines()[1:]
 
 

@@ -12,11 +12,12 @@ import meshes
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from places import BENCHMARKS
 
 from deltamesh import bench
 from deltamesh._mesh import TriangleMesh
 
-sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
+sys.path.append(str(BENCHMARKS))
 renderings = importlib.import_module("renderings")
 
 

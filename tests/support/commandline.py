@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import sys
-from pathlib import Path
 
 import pytest
+from places import BENCHMARKS
 
 from deltamesh_cli.program import run
 
-TORUS = Path(__file__).parents[2] / "benchmarks" / "meshes" / "torus.ply"
+TORUS = BENCHMARKS / "meshes" / "torus.ply"
 PROGRAM = [sys.executable, "-m", "deltamesh_cli"]
 
 posix = pytest.mark.skipif(os.name != "posix", reason="POSIX files and signals")

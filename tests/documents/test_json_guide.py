@@ -8,11 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from places import ROOT
 
 import deltamesh
 from deltamesh_cli.program import run
 
-PAGE = (Path(__file__).parents[1] / "docs" / "json.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
 ROWS = {
     title: dict(re.findall(r"^\| (`.*?) \| (.*) \|$", text, re.MULTILINE))
     for title, text in re.findall(r"^## deltamesh (\w+)\n(.*?)(?=^## |\Z)", PAGE, re.S | re.M)

@@ -16,12 +16,12 @@ import meshes
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from places import BENCHMARKS
 
 from deltamesh import MeshError, bench
 from deltamesh._mesh import TriangleMesh
 from deltamesh.bench import _rates as rates
 
-BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 sys.path.append(str(BENCHMARKS))
 corpus, curves, equal, headline, processes, run = map(
     importlib.import_module, ("corpus", "curves", "equal", "headline", "processes", "run")

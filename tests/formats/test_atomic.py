@@ -17,6 +17,7 @@ from pathlib import Path
 import meshes
 import pytest
 from killed import dead_process, left_of
+from places import ROOT
 
 import deltamesh
 from deltamesh_formats import atomic, temporaries
@@ -597,8 +598,11 @@ def test_temporaries_of_outputs_are_removed_unless_written_here(target: Path) ->
 
 
 def test_nothing_else_writes_files() -> None:
-    top = Path(__file__).parents[1]
-    folders = [top / "src/deltamesh", top / "formats/deltamesh_formats", top / "cli/deltamesh_cli"]
+    folders = [
+        ROOT / "src/deltamesh",
+        ROOT / "formats/deltamesh_formats",
+        ROOT / "cli/deltamesh_cli",
+    ]
     writing = re.compile(
         r"\.write_(bytes|text)\(|os\.(replace|rename|link)\(|shutil|tempfile|open\([^()]*[\"'][wxa]b?"
     )

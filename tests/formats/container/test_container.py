@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from places import ROOT
 
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.layout import Meta, Parameters
@@ -18,7 +19,7 @@ from deltamesh_formats.container.reader import read_container, read_varint
 from deltamesh_formats.container.writer import write_container, write_varint
 from deltamesh_formats.errors import FormatError, MeshError
 
-SPEC = (Path(__file__).parents[1] / "formats" / "SPEC.md").read_text(encoding="utf-8")
+SPEC = (ROOT / "formats" / "SPEC.md").read_text(encoding="utf-8")
 LAYOUT = Path(layout.__file__).read_text(encoding="utf-8")
 
 HIGHPASS = Parameters(

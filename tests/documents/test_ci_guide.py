@@ -9,10 +9,10 @@ from pathlib import Path
 
 import children
 import pytest
+from places import ROOT
 
 from deltamesh_cli.program import run
 
-ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "ci.md").read_text(encoding="utf-8")
 
 

@@ -263,7 +263,7 @@ def as_polymesh(mesh: TriangleMesh) -> PolyMesh:
 
 def folder() -> Path:
     """Where larger meshes are, if anywhere: tests that want one skip without it."""
-    beside = Path(__file__).parents[2] / "shared" / "meshes"
+    beside = Path(__file__).parents[3] / "shared" / "meshes"
     return Path(os.environ.get("DELTAMESH_MESHES", beside))
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import children
 import pytest
 import works
+from places import SUPPORT
 from works import task
 
 from deltamesh.batch import WorkerError, run_here, run_in_processes
@@ -120,7 +121,7 @@ if __name__ == "__main__":
 def test_workers_end_when_their_parent_is_killed(tmp_path: Path) -> None:
     script, beats = tmp_path / "script.py", tmp_path / "beats"
     script.write_text(SCRIPT)
-    paths = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
+    paths = os.pathsep.join([str(SUPPORT), os.environ.get("PYTHONPATH", "")])
     command = [sys.executable, str(script), str(beats)]
     with children.started(command, env={**os.environ, "PYTHONPATH": paths}) as child:
         children.wait_for(lambda: beats.exists() and beats.stat().st_size > 0)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import meshes
 import numpy as np
+import places
 import pytest
 import spec_attributes
 import spec_decoder
@@ -24,8 +25,7 @@ from deltamesh._streams.labels import encode_labels
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.polymesh.mesh import Attribute
 
-HERE = Path(__file__).parent
-GOLDEN = sorted((HERE / "golden").glob("*.dmesh"))
+GOLDEN = sorted(places.GOLDEN.glob("*.dmesh"))
 # Files that the second decoder takes longest over.
 LONG = {
     "highpass-complex",
@@ -35,7 +35,7 @@ LONG = {
     "refined-complex",
     "refined-quads-corrected",
 }
-REFUSED = sorted((HERE / "refused").glob("*.dmesh"))
+REFUSED = sorted(places.REFUSED.glob("*.dmesh"))
 
 HIGHPASS, REFINED = {"method": "highpass"}, {"method": "refined"}
 FRESH = {

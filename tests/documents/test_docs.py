@@ -12,11 +12,11 @@ from types import ModuleType
 import children
 import click
 import pytest
+from places import ROOT
 
 from deltamesh_cli.failures import EXIT_CODES
 from deltamesh_cli.program import COMMANDS, cli
 
-ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 

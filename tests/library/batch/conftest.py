@@ -8,11 +8,11 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import children
 import pytest
+from places import SUPPORT
 
 # A worker may die once of a task; the second one that does is the last that is asked to.
 _ENVIRONMENT = {
@@ -39,7 +39,7 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
     distributed = pytest.importorskip("distributed")
     folder = tmp_path_factory.mktemp("cluster")
     file = folder / "scheduler.json"
-    paths = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
+    paths = os.pathsep.join([str(SUPPORT), os.environ.get("PYTHONPATH", "")])
     environment = {**os.environ, **_ENVIRONMENT, "PYTHONPATH": paths}
     common = ["--no-dashboard", "--scheduler-file", str(file)]
     dask = [sys.executable, "-m", "distributed.cli"]
