@@ -17,7 +17,8 @@ from deltamesh._options import (
     EncodeOptions,
     Options,
 )
-from deltamesh._pipeline import Progress, decode_mesh, encode_mesh, silent
+from deltamesh._pipeline import decode_mesh, encode_mesh
+from deltamesh._progress import Progress, silent
 from deltamesh._sources import Bytes, bytes_of
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_container

@@ -18,12 +18,12 @@ from deltamesh._codec import decode, encode
 from deltamesh._geometry.quantize import from_grid
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh._measures.metrics import diagonal, vertex_errors
-from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh, read_content
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import DeltameshError, MeshError, OptionError
 from deltamesh_formats.polymesh.arrays import from_arrays
+from deltamesh_formats.polymesh.mesh import from_triangles
 
 MANIFOLDS = {name: mesh for name, mesh in meshes.every().items() if name != "three_pages"}
 
@@ -106,7 +106,7 @@ def test_any_step(name: str, method: str, step: float, diffusion: bool) -> None:
 @pytest.mark.parametrize("bits", range(1, 31))
 def test_cartesian_error_is_at_most_half_a_step(name: str, bits: int) -> None:
     V, F = MANIFOLDS[name]
-    encoded = encode_mesh(TriangleMesh(V, F), Options(method="cartesian", bits=bits))
+    encoded = encode_mesh(from_triangles(V, F), Options(method="cartesian", bits=bits))
     step = np.ptp(V, axis=0).max() / (2**bits - 1)
     assert read_container(encoded.data).parameters.step == step
     assert np.abs(encoded.mesh.vertices - V[encoded.order]).max() <= step / 2 + 1e-15 * len(V)
@@ -116,7 +116,7 @@ def test_cartesian_error_is_at_most_half_a_step(name: str, bits: int) -> None:
 @pytest.mark.parametrize("bits", [4, 8, 12, 16, 20, 24, 28])
 def test_highpass_error_falls_with_bits(name: str, bits: int) -> None:
     V, F = MANIFOLDS[name]
-    encoded = encode_mesh(TriangleMesh(V, F), Options(method="highpass", bits=bits, anchors=4))
+    encoded = encode_mesh(from_triangles(V, F), Options(method="highpass", bits=bits, anchors=4))
     errors = vertex_errors(V[encoded.order], encoded.mesh.vertices, encoded.mesh.faces)
     # From 0.02 on the sphere to 0.5 on the double torus.
     assert errors.rms < 2.0**-bits * diagonal(V)
@@ -166,7 +166,7 @@ def test_solvers_agree(name: str, bits: int) -> None:
     """Whoever encoded and whoever decodes: one mesh, and the same bytes from each encoder."""
     V, F = MANIFOLDS[name]
     given = [Options(method="highpass", bits=bits, anchors=3, solver=solver) for solver in SOLVERS]
-    encoded = [encode_mesh(TriangleMesh(V, F), options) for options in given]
+    encoded = [encode_mesh(from_triangles(V, F), options) for options in given]
     for other in encoded:
         assert payloads_of(other.data) == payloads_of(encoded[0].data)
         for solver in SOLVERS:
@@ -183,7 +183,7 @@ def payloads_of(data):
 @pytest.mark.parametrize("method", ["highpass", "cartesian"])
 def test_errors_in_the_file_are_those_achieved(name: str, method: str) -> None:
     V, F = MANIFOLDS[name]
-    encoded = encode_mesh(TriangleMesh(V, F), Options(method=method, source_format="ply"))
+    encoded = encode_mesh(from_triangles(V, F), Options(method=method, source_format="ply"))
     decoded = decode(encoded.data)
     errors = vertex_errors(V[encoded.order], decoded.vertices, decoded.faces)
     meta = read_container(encoded.data).meta

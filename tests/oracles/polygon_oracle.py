@@ -14,25 +14,25 @@ def before(h):
     return h - h % 3 + (h + 2) % 3
 
 
-class Gluing:
-    """Triangles that are glued one by one; `ends` are the vertices of each half-edge."""
+class Merging:
+    """Triangles that are merged one by one; `ends` are the vertices of each half-edge."""
 
-    def __init__(self, faces, partner):
+    def __init__(self, faces, candidate):
         corners = [v for face in faces for v in face]
         self.ends = [(corners[h], corners[after(h)]) for h in range(len(corners))]
-        self.partner = {h: g for h, g in enumerate(partner) if g >= 0}
-        self.open, self.glued = set(self.partner), {}
+        self.candidate = {h: g for h, g in enumerate(candidate) if g >= 0}
+        self.open, self.merged = set(self.candidate), {}
         self.numbers = collections.defaultdict(itertools.count().__next__)
 
     def polygon(self, h):
-        """The faces that are glued to that of h, one over the other."""
+        """The faces that are merged with that of h, one over the other."""
         found, todo = set(), [h // 3]
         while todo:
             face = todo.pop()
             if face not in found:
                 found.add(face)
                 todo += [
-                    self.glued[g] // 3 for g in range(3 * face, 3 * face + 3) if g in self.glued
+                    self.merged[g] // 3 for g in range(3 * face, 3 * face + 3) if g in self.merged
                 ]
         return found
 
@@ -46,7 +46,7 @@ class Gluing:
         return g // 3 not in self.polygon(h) and self.size(h) + self.size(g) - 2 <= most
 
     def glue(self, h, g):
-        self.glued[h], self.glued[g] = g, h
+        self.merged[h], self.merged[g] = g, h
 
     def bit(self, coder, bit, mixer, contexts):
         slots = [self.numbers[mixer, i, context] for i, context in enumerate(contexts)]
@@ -54,37 +54,37 @@ class Gluing:
 
     def expected(self, v, own):
         """How many edges are still to be hidden at v, if it is one of quads; how many are left."""
-        pairs = {frozenset((h, self.partner[h])) for h in self.open}
+        pairs = {frozenset((h, self.candidate[h])) for h in self.open}
         left = sum(self.ends[min(pair)].count(v) for pair in pairs)
-        seen = {frozenset(p) for p in self.partner.items()} - pairs
-        alone = [h for h in range(len(self.ends)) if h not in self.partner]
-        count = sum(self.ends[min(p)].count(v) for p in seen if min(p) not in self.glued)
+        seen = {frozenset(p) for p in self.candidate.items()} - pairs
+        alone = [h for h in range(len(self.ends)) if h not in self.candidate]
+        count = sum(self.ends[min(p)].count(v) for p in seen if min(p) not in self.merged)
         count += sum(self.ends[h].count(v) for h in alone)
         border = any(v in self.ends[h] for h in alone)
         return min(max(count + left + border - 4, -1), 3), min(left - own, 3)
 
     def beyond(self, h):
         def look(e, like):
-            if e not in self.partner or e in self.open:
+            if e not in self.candidate or e in self.open:
                 return 0
-            if e in self.glued:
+            if e in self.merged:
                 return 4
-            g = self.partner[e]
+            g = self.candidate[e]
             other = before if like is after else after
-            return 1 if like(g) in self.glued else 2 if other(g) in self.glued else 3
+            return 1 if like(g) in self.merged else 2 if other(g) in self.merged else 3
 
         return look(after(h), before), look(before(h), after)
 
-    def code_hidden(self, coder, wanted, least, most, listed):
+    def code_hidden(self, coder, wanted, least, most, explicit):
         for h in range(len(self.ends)):
-            g = self.partner.get(h)
+            g = self.candidate.get(h)
             if g is None or h not in self.open or g // 3 > h // 3:
                 continue
             bit = int(wanted.get(h) == g)
             x, y, i, j = self.size(h), self.size(g), self.opened(h), self.opened(g)
             if not self.may(h, g, most):
                 bit = 0
-            elif not listed and ((x < least and i == 1) or (y < least and j == 1)):
+            elif not explicit and ((x < least and i == 1) or (y < least and j == 1)):
                 bit = 1
             else:
                 joined = x > 3, y > 3
@@ -100,17 +100,17 @@ class Gluing:
             if bit:
                 self.glue(h, g)
 
-    def code_listed(self, coder, wanted, most, total, code_below):
+    def code_explicit_pairs(self, coder, wanted, most, total, code_below):
         """Return whether it comes to the total."""
         bits = [0, 0, 0, 0]
         for h, (a, b) in enumerate(self.ends):
             across = [g for g, ends in enumerate(self.ends) if ends == (b, a)]
-            live = [g for g in across if g > h and g not in self.glued]
-            if not total or h in self.glued or self.size(h) >= most or not live:
+            live = [g for g in across if g > h and g not in self.merged]
+            if not total or h in self.merged or self.size(h) >= most or not live:
                 continue
             fit = [g for g in live[:64] if self.may(h, g, most)][:16]
             x, n = min(self.size(h), 6), min(len(fit), 3)
-            contexts = [(x, n, h % 3), (x, *bits[-4:]), (x, n, h in self.partner)]
+            contexts = [(x, n, h % 3), (x, *bits[-4:]), (x, n, h in self.candidate)]
             bits.append(self.bit(coder, int(h in wanted), 1, contexts))
             if not bits[-1]:
                 continue
@@ -129,13 +129,13 @@ class Gluing:
         return total == 0
 
 
-def partners(faces, manifold, opposite, turned):
-    """The partner of each half-edge, -1 without; `manifold` is how many faces are of it."""
+def candidates(faces, manifold, opposite, reversed_):
+    """The candidate of each half-edge, -1 without; `manifold` is how many faces are of it."""
     corners = [v for face in faces for v in face]
     ends = [(corners[h], corners[after(h)]) for h in range(len(corners))]
 
     def of_mesh(h):
-        return 3 * (h // 3) + 2 - h % 3 if turned[h // 3] else h
+        return 3 * (h // 3) + 2 - h % 3 if reversed_[h // 3] else h
 
     found = {}
     for h in range(3 * manifold):
@@ -151,11 +151,11 @@ def partners(faces, manifold, opposite, turned):
     return [found.get(h, -1) for h in range(len(ends))]
 
 
-def outlines(glued):
+def outlines(merged):
     """The polygons as lists of corners: the one outside, and those of all triangles there."""
-    count = len(glued)
-    inner = {h: g for h, g in enumerate(glued) if g >= 0}
-    # Corners that are one: where a half-edge begins, and where the one ends that it is glued to.
+    count = len(merged)
+    inner = {h: g for h, g in enumerate(merged) if g >= 0}
+    # Corners that are one: where a half-edge begins, and where the one ends that it is merged with.
     same = {h: {h} for h in range(count)}
     for h, g in inner.items():
         both = same[h] | same[after(g)]

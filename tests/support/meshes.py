@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from deltamesh._mesh import TriangleMesh, triangulated
 from deltamesh_formats.meshfiles.files import read_mesh
 from deltamesh_formats.meshfiles.formats import EXTENSIONS
-from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.polymesh.mesh import PolyMesh, from_triangles
 
 Arrays = tuple[NDArray[np.float64], NDArray[np.int64]]
 
@@ -255,6 +255,10 @@ def shuffled(
     vertices = np.empty_like(V)
     vertices[to] = V
     return TriangleMesh(vertices, faces), to
+
+
+def as_polymesh(mesh: TriangleMesh) -> PolyMesh:
+    return from_triangles(mesh.vertices, mesh.faces)
 
 
 def folder() -> Path:

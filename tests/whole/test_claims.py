@@ -24,7 +24,7 @@ from deltamesh._pipeline import encode_mesh
 
 def coded(mesh, **options):
     """Encode: bytes of the file, the input in its order, what a decoder will make of it."""
-    encoded = encode_mesh(mesh, Options(**{"method": "highpass"} | options))
+    encoded = encode_mesh(meshes.as_polymesh(mesh), Options(**{"method": "highpass"} | options))
     return (
         encoded.data,
         TriangleMesh(mesh.vertices[encoded.order], encoded.mesh.triangles),

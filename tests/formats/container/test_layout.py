@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import get_args
 
+import children
 import pytest
 from places import GOLDEN
 from spec_tables import SPEC, spec_table, spec_tables

@@ -291,7 +291,7 @@ EXTREME = 2**31 - 1
 
 
 def in_coding_order(F, n):
-    return encode_connectivity(build_topology(F, pair_halfedges(F), n))[1].faces
+    return encode_connectivity(build_topology(F, pair_halfedges(F), n))[1].manifold.faces
 
 
 @pytest.mark.parametrize(
@@ -434,7 +434,7 @@ def test_diffusion_takes_the_low_frequencies_out_of_the_error() -> None:
     """What it is for: in coding order, the sum of the errors over any half nearly vanishes."""
     V, F = meshes.icosphere(3)
     _, coded = encode_connectivity(build_topology(F, pair_halfedges(F), len(V)))
-    V, graph = V[coded.order], adjacency(coded.faces, len(V))
+    V, graph = V[coded.order], adjacency(coded.manifold.faces, len(V))
     rng = np.random.default_rng(9)
     delta = rng.normal(size=V.shape)
     halves = V @ rng.normal(size=(3, 50)) > 0

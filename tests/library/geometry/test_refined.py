@@ -20,18 +20,18 @@ from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import delta as kernels
 from deltamesh._kernels.coding import residual
 from deltamesh._measures.metrics import diagonal
-from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options, Settings
 from deltamesh._pipeline import encode_mesh, read_content
 from deltamesh._shape.surface import surface_of
 from deltamesh._streams import entropy
 from deltamesh_formats.container.container import Section
+from deltamesh_formats.polymesh.mesh import from_triangles
 
 SPHERE, TORUS = meshes.icosphere(3), meshes.torus(12, 9)
 
 
 def refined(mesh, **options):
-    return encode_mesh(TriangleMesh(*mesh), Options(method="refined", **options))
+    return encode_mesh(from_triangles(*mesh), Options(method="refined", **options))
 
 
 @pytest.mark.parametrize("name", sorted(meshes.every()))
@@ -260,7 +260,7 @@ def test_the_same_normals_in_fewer_bytes(name):
     def at(method, step):
         coarse = 4.0 if method == "refined" else None
         options = Options(method=method, step=step, coarse=coarse, drop_isolated=True)
-        container = info(encode_mesh(mesh, options).data)
+        container = info(encode_mesh(meshes.as_polymesh(mesh), options).data)
         return container.size, container.meta.normal
 
     size, normal = at("refined", step)

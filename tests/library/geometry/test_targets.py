@@ -11,9 +11,9 @@ import pytest
 from deltamesh import MeshError, OptionError, TargetError, decode, encode, info
 from deltamesh._geometry.bounds import Bounds, bounds_of
 from deltamesh._measures.metrics import VertexErrors, diagonal
-from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
+from deltamesh_formats.polymesh.mesh import from_triangles
 
 METHODS = ("auto", "highpass", "refined", "cartesian")
 BUMPY = meshes.torus(24, 16)
@@ -65,7 +65,7 @@ def test_no_vertex_is_beyond_the_bound(method, relative):
     V, F = BUMPY
     scale = diagonal(V)
     asked = {"max_error_rel": 1e-3} if relative else {"max_error": 1e-3 * scale}
-    one = encode_mesh(TriangleMesh(V, F), Options(method=method, **asked))
+    one = encode_mesh(from_triangles(V, F), Options(method=method, **asked))
     for solver in ("rslab", "scipy"):
         W = decode(one.data, solver=solver).vertices
         assert np.linalg.norm(W - V[one.order], axis=1).max() <= 1e-3 * scale
@@ -114,7 +114,7 @@ def test_the_bound_holds_on_real_meshes(name, method):
 
 def largest_error(mesh, method, **options):
     """Of the decoded vertices, over the diagonal."""
-    one = encode_mesh(mesh, Options(method=method, **options))
+    one = encode_mesh(meshes.as_polymesh(mesh), Options(method=method, **options))
     error = np.linalg.norm(decode(one.data).vertices - mesh.vertices[one.order], axis=1)
     return error.max() / diagonal(mesh.vertices)
 

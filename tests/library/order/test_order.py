@@ -16,12 +16,12 @@ from hypothesis import strategies as st
 
 from deltamesh import decode, encode, info
 from deltamesh._kernels.coding import remaining
-from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
 from deltamesh._order.coding import decode_order, encode_order
 from deltamesh._order.reordering import Order, order_arrays, order_of, reordered
 from deltamesh._pipeline import encode_mesh
-from deltamesh._shape.polygons import Sources, plain
+from deltamesh._shape.polygons import plain
+from deltamesh._shape.provenance import Provenance
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import from_triangles
 
@@ -57,7 +57,7 @@ def naive(n, m):
 def test_a_mesh_comes_back_in_its_order(name: str, method: str) -> None:
     V, F = MANIFOLDS[name]
     mesh, _ = meshes.shuffled(V, F, 5)
-    encoded = encode_mesh(mesh, Options(method=method, keep_order=True))
+    encoded = encode_mesh(meshes.as_polymesh(mesh), Options(method=method, keep_order=True))
     decoded = decode(encoded.data)
     np.testing.assert_array_equal(decoded.faces, mesh.faces)
     np.testing.assert_array_equal(encoded.mesh.faces, mesh.faces)
@@ -73,7 +73,7 @@ def test_any_mesh_comes_back_in_its_order(
 ) -> None:
     V, F = mesh
     options = Options(method=method, keep_order=True, drop_isolated=drop_isolated)
-    encoded = encode_mesh(TriangleMesh(V, F), options)
+    encoded = encode_mesh(from_triangles(V, F), options)
     decoded = decode(encoded.data)
     used = np.unique(F) if drop_isolated else np.arange(len(V))
     np.testing.assert_array_equal(encoded.order, used)
@@ -83,8 +83,9 @@ def test_any_mesh_comes_back_in_its_order(
 
 def test_the_positions_are_those_of_the_file_without_an_order() -> None:
     mesh, _ = meshes.shuffled(*meshes.with_isolated(), 3)
+    whole = meshes.as_polymesh(mesh)
     kept, free = (
-        encode_mesh(mesh, Options(method="cartesian", keep_order=one)) for one in (True, False)
+        encode_mesh(whole, Options(method="cartesian", keep_order=one)) for one in (True, False)
     )
     np.testing.assert_array_equal(
         decode(kept.data).vertices[free.order], decode(free.data).vertices
@@ -94,7 +95,7 @@ def test_the_positions_are_those_of_the_file_without_an_order() -> None:
 def test_vertices_at_one_position_keep_their_places() -> None:
     V, F = meshes.icosphere(1)
     corners = F[np.random.default_rng(1).permutation(len(F))].ravel()
-    soup = TriangleMesh(V[corners], np.arange(len(corners)).reshape(-1, 3))
+    soup = from_triangles(V[corners], np.arange(len(corners)).reshape(-1, 3))
     encoded = encode_mesh(soup, Options(method="cartesian", keep_order=True))
     np.testing.assert_array_equal(encoded.order, np.arange(len(corners)))
     np.testing.assert_array_equal(decode(encoded.data).faces, soup.faces)
@@ -139,7 +140,7 @@ def test_order_of_finds_what_reordered_does(mesh: tuple[np.ndarray, int], seed: 
     # Where vertices and corners of the mesh are in the other order.
     places, own = np.argsort(order.vertices), np.argsort(order.polygons)
     corners = (3 * own[:, None] + (np.arange(3) - order.rotations[own, None]) % 3).ravel()
-    found = order_of(polygons, Sources(places, corners, own), other.offsets)
+    found = order_of(polygons, Provenance(places, corners, own), other.offsets)
     for name in ("vertices", "polygons", "rotations"):
         np.testing.assert_array_equal(getattr(found, name), getattr(order, name))
     assert np.array_equal(places[faces].ravel()[np.argsort(corners)], other.corners)
@@ -201,7 +202,8 @@ def test_a_hub_of_all_faces_takes_linear_time() -> None:
 def test_a_real_order() -> None:
     """That of a scan whose file goes along its lines."""
     mesh = meshes.real("clean/mountain.obj")
-    encoded = encode_mesh(mesh, Options(method="cartesian", keep_order=True))
+    whole = meshes.as_polymesh(mesh)
+    encoded = encode_mesh(whole, Options(method="cartesian", keep_order=True))
     np.testing.assert_array_equal(decode(encoded.data).faces, mesh.faces)
     assert info(encoded.data).sections["ORDR"].size < 200
 

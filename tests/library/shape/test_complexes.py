@@ -14,18 +14,18 @@ from hypothesis import strategies as st
 
 from deltamesh import decode, encode
 from deltamesh._graph.halfedges import pair_halfedges, weld
-from deltamesh._kernels.coding import wedges as corner_kernels
+from deltamesh._kernels.coding import wedges as kernels
 from deltamesh._kernels.mesh import cutting
-from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
 from deltamesh._shape.complexes import cut, distinct_faces
-from deltamesh._shape.corners import code_corner_classes, corners_of
-from deltamesh._shape.stitching import TURN, trivial
+from deltamesh._shape.manifold import REVERSED, trivial
+from deltamesh._shape.wedges import code_wedges, corners_of
 from deltamesh._streams import entropy
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
+from deltamesh_formats.polymesh.mesh import from_triangles
 
 CLEAN = {name: mesh for name, mesh in meshes.every().items() if name != "three_pages"}
 COMPLEXES = meshes.complexes()
@@ -46,8 +46,8 @@ def test_a_manifold_stays_as_it_is(name):
     manifold = cut(F, len(V))
     assert (manifold.points[manifold.faces] == F).all()
     assert len(manifold.points) == len(np.unique(F))
-    assert not manifold.turned.any()
-    assert (manifold.sources == np.arange(len(F))).all()
+    assert not manifold.reversed.any()
+    assert (manifold.triangles == np.arange(len(F))).all()
     assert (manifold.opposite == pair_halfedges(F)).all()
 
 
@@ -60,14 +60,14 @@ def assert_cut(F, n):
     # No two edges between the same two vertices.
     assert (pair_halfedges(manifold.faces) == manifold.opposite).all()
     back = manifold.points[manifold.faces]
-    back = np.where(manifold.turned[:, None], back[:, TURN], back)
-    assert (back == F[manifold.sources]).all()
-    parts = manifold.sources, manifold.repeats, manifold.degenerate
+    back = np.where(manifold.reversed[:, None], back[:, REVERSED], back)
+    assert (back == F[manifold.triangles]).all()
+    parts = manifold.triangles, manifold.repeats, manifold.degenerate
     assert sorted(np.concatenate(parts).tolist()) == list(range(len(F)))
     assert all(len(set(F[f])) < 3 for f in manifold.degenerate)
     for f, base, against in zip(manifold.repeats, manifold.repeated, manifold.against, strict=True):
-        other = F[manifold.sources[base]]
-        other = other[TURN] if against else other
+        other = F[manifold.triangles[base]]
+        other = other[REVERSED] if against else other
         assert strategies.canonical(F[[f]]) == strategies.canonical(other[None])
     return manifold
 
@@ -87,7 +87,7 @@ def test_no_more_is_cut_than_has_to_be():
     for name in ("moebius", "hourglass", "bow_tie", "crossing", "mixed_winding", "doubled"):
         F, n = points_of(*COMPLEXES[name])
         manifold = cut(F, n)
-        counts[name] = len(manifold.points) - n, int(manifold.turned.sum())
+        counts[name] = len(manifold.points) - n, int(manifold.reversed.sum())
     assert counts == {
         "moebius": (2, counts["moebius"][1]),  # one edge, somewhere
         "hourglass": (1, 0),
@@ -135,7 +135,7 @@ def test_distinct_faces():
 
 def assert_exact(V, F, **options):
     """Encode and decode; vertices, faces and windings come back, those of equal ones included."""
-    encoded = encode_mesh(TriangleMesh(V.copy(), F.copy()), Options(**options))
+    encoded = encode_mesh(from_triangles(V.copy(), F.copy()), Options(**options))
     decoded = decode(encoded.data)
     assert (decoded.faces == encoded.mesh.faces).all()
     corner = (encoded.rotation[:, None] + np.arange(3)) % 3
@@ -238,23 +238,23 @@ def test_time_does_not_grow_with_the_square():
     assert_exact(copies, fans, method="cartesian")
 
 
-# ---- Classes of corners ------------------------------------------------------------------------
+# ---- Wedges ------------------------------------------------------------------------------------
 
 
 @given(strategies.surfaces(), st.integers(1, 5), strategies.SMALL)
-def test_classes_of_corners_come_back(mesh, count, seed):
+def test_wedges_come_back(mesh, count, seed):
     used, F = np.unique(mesh[1], return_inverse=True)
     F = F.reshape(-1, 3)
     opposite = pair_halfedges(F)
     corners = corners_of(F, opposite, trivial(len(used), len(F)), len(used))
     assert sorted(corners.ring.tolist()) == list(range(F.size))
     given_classes = np.random.default_rng(seed).integers(0, count, F.size)
-    model = corner_kernels.SLOTS, corner_kernels.MIXERS
+    model = kernels.SLOTS, kernels.MIXERS
     encoder = entropy.encoder(F.size, *model)
-    classes = code_corner_classes(encoder, corners, given_classes)
+    classes = code_wedges(encoder, corners, given_classes)
     payload = entropy.finish(encoder)
     decoder = entropy.decoder(payload, *model)
-    decoded = code_corner_classes(decoder, corners, np.zeros(0, dtype=np.int64))
+    decoded = code_wedges(decoder, corners, np.zeros(0, dtype=np.int64))
     entropy.check_end(decoder, 0)
     assert (decoded == classes).all()
     pairs = set(zip(F.ravel().tolist(), given_classes.tolist(), strict=True))

@@ -29,7 +29,8 @@ def assert_round_trip(F, n):
     """Encode and decode; return the payload and the connectivity."""
     payload, coded = encode_connectivity(topology_of(F, n))
     decoded = decode_connectivity(memoryview(payload), len(coded.order), len(F))
-    np.testing.assert_array_equal(decoded, coded.faces)
+    np.testing.assert_array_equal(decoded, coded.manifold.faces)
+    np.testing.assert_array_equal(coded.manifold.opposite, pair_halfedges(decoded))
     assert decoded.dtype == np.int64
     assert sorted(coded.order) == sorted(set(F.ravel()))
     assert strategies.canonical(coded.order[decoded]) == strategies.canonical(F)
@@ -108,7 +109,7 @@ def assert_grows_as_the_oracle(V, F):
     label = {order.index(v): i for i, v in enumerate(real)}
     expected = [[label[v] for v in f] for f in faces if label.keys() >= set(f)]
     _, coded = encode_connectivity(topology)
-    assert coded.faces.tolist() == expected
+    assert coded.manifold.faces.tolist() == expected
     assert coded.order.tolist() == real
 
 

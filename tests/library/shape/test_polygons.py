@@ -5,6 +5,7 @@ from __future__ import annotations
 import collections
 import contextlib
 
+import drafts
 import forging
 import meshes
 import numpy as np
@@ -20,23 +21,16 @@ from deltamesh._codec import encode_mesh
 from deltamesh._compare.correspondence import match_polygons
 from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import hidden_edges as kernels
-from deltamesh._kernels.coding.merged_pairs import code_listed
+from deltamesh._kernels.coding.merged_pairs import code_explicit_pairs
 from deltamesh._kernels.mesh import diagonals
-from deltamesh._mesh import TriangleMesh, triangulated
+from deltamesh._mesh import triangulated
 from deltamesh._options import Options
 from deltamesh._order.coding import decode_order, encode_order
 from deltamesh._order.reordering import Order, permuted_corners
-from deltamesh._shape.decoding import announced, decode_structure
-from deltamesh._shape.diagonals import cut_polygons
-from deltamesh._shape.encoding import encode_structure
-from deltamesh._shape.merging import (
-    decode_polygons,
-    encode_polygons,
-    glued_halfedges,
-    partners,
-    ways,
-)
-from deltamesh._shape.polygons import joined
+from deltamesh._pipeline import read_content
+from deltamesh._shape.merge_candidates import merged_halfedges
+from deltamesh._shape.merging import decode_merged, encode_merged, halfedge_groups
+from deltamesh._shape.polygons import merged_polygons
 from deltamesh._streams import entropy
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_varint
@@ -285,8 +279,7 @@ def test_equal_polygons_keep_their_places() -> None:
 
 
 def surface_of_file(data):
-    container = read_container(data)
-    return decode_structure(container, announced(container)).surface
+    return read_content(read_container(data), 10**9, 2**40).structure.surface
 
 
 @pytest.mark.parametrize("name", ["quads", "torus", "prism"])
@@ -330,18 +323,16 @@ def below(coder, value, bound):
     return first if first < short else 2 * first + coder.raw(0, 1) - short
 
 
-def glued_of(mesh):
-    """Faces in coding order, their partners, what is glued."""
-    cut = cut_polygons(mesh)
-    _, structure, origin = encode_structure(
-        TriangleMesh(mesh.vertices, cut.faces), False, False, lambda _: None
-    )
-    return structure, glued_halfedges(cut, origin.corners)
+def merged_of(mesh):
+    """The structure without its polygons, and the merged half-edges."""
+    draft = drafts.before_polygons(mesh)
+    corners = draft.triangle_provenance.corners
+    return draft.structure, merged_halfedges(draft.input.triangles, corners)
 
 
-def counts_of(mesh, glued, partner):
-    listed = np.count_nonzero((glued >= 0) & (glued != partner)) // 2
-    return int(mesh.sizes.min()), int(mesh.sizes.max()), listed
+def counts_of(mesh, merged, candidate):
+    explicit = np.count_nonzero((merged >= 0) & (merged != candidate)) // 2
+    return int(mesh.sizes.min()), int(mesh.sizes.max()), explicit
 
 
 @strategies.FEW
@@ -349,26 +340,25 @@ def counts_of(mesh, glued, partner):
 def test_the_payload_is_that_of_the_oracle(mesh: PolyMesh) -> None:
     if (mesh.sizes == 3).all():
         return
-    structure, glued = glued_of(mesh)
-    s = structure
-    partner = partners(s.faces, s.opposite, s.stitching.turned)
-    k = len(s.manifold)
-    assert partner.tolist() == polygon_oracle.partners(
-        s.faces.tolist(), k, s.opposite.tolist(), s.stitching.turned.tolist()
+    s, merged = merged_of(mesh)
+    manifold, reversed_ = s.complex.manifold, s.complex.stitches.reversed
+    candidate = s.merge_candidates
+    assert candidate.tolist() == polygon_oracle.candidates(
+        s.faces.tolist(), len(manifold.faces), manifold.opposite.tolist(), reversed_.tolist()
     )
-    least, most, listed = counts_of(mesh, glued, partner)
-    payload = encode_polygons(s.faces, partner, glued, mesh.sizes)
-    header = b"".join(map(write_varint, (len(mesh.sizes), least, most, listed)))
-    twin = polygon_oracle.Gluing(s.faces.tolist(), partner.tolist())
+    least, most, explicit = counts_of(mesh, merged, candidate)
+    payload = encode_merged(s.faces, candidate, merged, mesh.sizes)
+    header = b"".join(map(write_varint, (len(mesh.sizes), least, most, explicit)))
+    twin = polygon_oracle.Merging(s.faces.tolist(), candidate.tolist())
     coder = twin_of(None)
-    pairs = {h: int(g) for h, g in enumerate(glued) if g >= 0}
-    by_partner = {h: g for h, g in pairs.items() if partner[h] == g}
-    twin.code_hidden(coder, by_partner, least, most, listed > 0)
-    others = {h: g for h, g in pairs.items() if h not in by_partner}
-    assert listed == 0 or twin.code_listed(coder, others, most, listed, below)
-    assert twin.glued == pairs
+    pairs = {h: int(g) for h, g in enumerate(merged) if g >= 0}
+    by_candidate = {h: g for h, g in pairs.items() if candidate[h] == g}
+    twin.code_hidden(coder, by_candidate, least, most, explicit > 0)
+    others = {h: g for h, g in pairs.items() if h not in by_candidate}
+    assert explicit == 0 or twin.code_explicit_pairs(coder, others, most, explicit, below)
+    assert twin.merged == pairs
     assert payload == header + coder.finish()
-    np.testing.assert_array_equal(decode_polygons(memoryview(payload), s.faces, partner), glued)
+    np.testing.assert_array_equal(decode_merged(memoryview(payload), s.faces, candidate), merged)
 
 
 @strategies.FEW
@@ -385,34 +375,37 @@ def test_any_bytes_are_the_polygons_of_the_oracle(
 ) -> None:
     if name in ("quads", "torus"):
         name = "prism"  # the oracle is slow
-    structure, _ = glued_of(MADE[name])
-    faces, partner, most = structure.faces, structure.partners, least + more
+    structure, _ = merged_of(MADE[name])
+    faces, candidate, most = structure.faces, structure.merge_candidates, least + more
     data = data + bytes([filler]) * 30
     decoder = entropy.decoder(data, kernels.SLOTS, kernels.MIXERS)
     m = len(faces)
-    glued, parent, size = np.full(3 * m, -1), np.arange(m), np.full(m, 3)
+    merged, parent, size = np.full(3 * m, -1), np.arange(m), np.full(m, 3)
     corners, count = faces.ravel(), int(faces.max()) + 1
     kernels.code_hidden(
-        decoder, corners, count, partner, glued, parent, size, least, most, total > 0
+        decoder, corners, count, candidate, merged, parent, size, least, most, total > 0
     )
-    twin = polygon_oracle.Gluing(faces.tolist(), partner.tolist())
+    twin = polygon_oracle.Merging(faces.tolist(), candidate.tolist())
     coder = twin_of(data)
     twin.code_hidden(coder, {}, least, most, total > 0)
-    assert twin.glued == {h: g for h, g in enumerate(glued.tolist()) if g >= 0}
+    assert twin.merged == {h: g for h, g in enumerate(merged.tolist()) if g >= 0}
     if total:
         none = np.zeros(0, dtype=np.int64)
-        found = code_listed(decoder, partner, none, glued, parent, size, most, total, *ways(faces))
-        assert found == twin.code_listed(coder, {}, most, total, below)
-        assert twin.glued == {h: g for h, g in enumerate(glued.tolist()) if g >= 0}
+        groups = halfedge_groups(faces)
+        found = code_explicit_pairs(
+            decoder, candidate, none, merged, parent, size, most, total, *groups
+        )
+        assert found == twin.code_explicit_pairs(coder, {}, most, total, below)
+        assert twin.merged == {h: g for h, g in enumerate(merged.tolist()) if g >= 0}
     assert int(decoder.state[coder_kernels.CODE]) == coder.code
-    joined(glued)  # whatever it is, these are polygons
+    merged_polygons(merged)  # whatever it is, these are polygons
 
 
 @given(soups())
 def test_the_outlines_are_those_of_the_oracle(mesh: PolyMesh) -> None:
-    _, glued = glued_of(mesh)
-    polygons = joined(glued)
-    expected = polygon_oracle.outlines(glued.tolist())
+    _, merged = merged_of(mesh)
+    polygons = merged_polygons(merged)
+    expected = polygon_oracle.outlines(merged.tolist())
     assert polygons.corners.tolist() == [outside for p in expected for outside, _ in p]
     assert np.diff(polygons.offsets).tolist() == [len(p) for p in expected]
     for at, (_, corner) in enumerate(c for p in expected for c in p):
@@ -437,14 +430,14 @@ def test_diagonals_are_those_of_the_oracle(pairs: list[tuple[int, int, int]]) ->
 
 def test_diagonals_of_a_grid_run_in_parallel() -> None:
     mesh = quad_torus(8, 6)
-    faces = cut_polygons(mesh).faces
+    faces = drafts.triangles_of(mesh).faces
     assert (np.bincount(faces.ravel()) == 6).all()
 
 
 @given(soups(), strategies.SMALL, st.booleans())
 def test_any_order_of_any_polygons(mesh: PolyMesh, seed: int, near: bool) -> None:
-    structure, glued = glued_of(mesh)
-    faces, polygons, rng = structure.faces, joined(glued), np.random.default_rng(seed)
+    structure, merged = merged_of(mesh)
+    faces, polygons, rng = structure.faces, merged_polygons(merged), np.random.default_rng(seed)
     n, sizes = int(faces.max()) + 1, np.diff(polygons.offsets)
     vertices, places = rng.permutation(n), rng.permutation(len(sizes))
     if near:  # runs, so that steps of all kinds come up

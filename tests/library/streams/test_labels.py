@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import drafts
 import meshes
 import numpy as np
 import oracle
@@ -16,12 +17,10 @@ from deltamesh._graph.elements import Elements
 from deltamesh._graph.permutations import numbered
 from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import labels as kernels
-from deltamesh._mesh import TriangleMesh
-from deltamesh._pipeline import silent
-from deltamesh._shape.encoding import encode_structure
 from deltamesh._shape.polygons import Polygons, plain
 from deltamesh._streams import entropy, labels
 from deltamesh_formats.errors import FormatError
+from deltamesh_formats.polymesh.mesh import from_triangles
 
 Ints = NDArray[np.int64]
 
@@ -198,10 +197,11 @@ def test_what_goes_on_costs_next_to_nothing() -> None:
 
 def test_patches_cost_about_a_bit_an_element_on_their_boundaries() -> None:
     V, F = meshes.torus(100, 100)
-    _, structure, origin = encode_structure(TriangleMesh(V, F), False, False, silent)
+    draft = drafts.before_polygons(from_triangles(V, F))
+    structure, vertices = draft.structure, draft.triangle_provenance.vertices
     these = of_faces(structure.faces)
     # Two sides of a slanted plane, across which the faces do not alternate evenly.
-    middles = V[origin.vertices][structure.faces].mean(axis=1)
+    middles = V[vertices][structure.faces].mean(axis=1)
     inside = middles @ np.array([0.7, 0.4, 1.1]) > 0.2
     pairs = np.repeat(np.arange(len(F)), np.diff(these.indptr))
     on_boundary = np.unique(pairs[inside[pairs] != inside[these.indices]])

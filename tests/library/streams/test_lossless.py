@@ -19,7 +19,7 @@ from deltamesh import decode, encode, info
 from deltamesh._geometry import lossless
 from deltamesh._geometry.solve import factorization
 from deltamesh._kernels.coding.exact import NEGATIVE_ZERO, RAW
-from deltamesh._mesh import LARGEST, TriangleMesh
+from deltamesh._mesh import LARGEST
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
 from deltamesh._shape.surface import surface_of
@@ -44,7 +44,7 @@ TORUS = meshes.torus(7, 6)
 
 def assert_kept(V, F):
     """Encode, decode, and compare with the input, bit for bit."""
-    encoded = encode_mesh(TriangleMesh(V, F), EXACTLY)
+    encoded = encode_mesh(from_triangles(V, F), EXACTLY)
     decoded = decode(encoded.data)
     assert decoded.vertices.dtype == np.float64
     assert decoded.vertices.tobytes() == V[encoded.order].tobytes()
