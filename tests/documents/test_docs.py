@@ -2,32 +2,21 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 import shlex
 import sys
 from pathlib import Path
-from types import ModuleType
 
 import children
 import click
 import pytest
+from documents import script
 from places import ROOT
 
 from deltamesh_cli.failures import EXIT_CODES
 from deltamesh_cli.program import COMMANDS, cli
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-
-
-def script(path: str) -> ModuleType:
-    """Import a script of the repository, which no package holds."""
-    spec = importlib.util.spec_from_file_location(Path(path).stem, ROOT / path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 TOP = click.Context(cli, info_name="deltamesh", **cli.context_settings)

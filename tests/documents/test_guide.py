@@ -11,7 +11,8 @@ from pathlib import Path
 import children
 import meshes
 import pytest
-from test_docs import ROOT, script
+from documents import script
+from places import ROOT
 
 from deltamesh_formats.meshfiles.files import mesh_bytes
 from deltamesh_formats.polymesh.mesh import from_triangles

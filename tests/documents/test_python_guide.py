@@ -9,7 +9,7 @@ from pathlib import Path
 
 import children
 import pytest
-from test_docs import ROOT
+from places import ROOT
 
 PAGE = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
 BLOCKS = dict(re.findall(r"^<!-- run: (\w+) -->\n```python\n(.*?)^```$", PAGE, re.DOTALL | re.M))

@@ -14,9 +14,9 @@ import meshes
 import numpy as np
 import pytest
 import strategies
+from annotated import ANY_TEXT, annotated_meshes
 from hypothesis import given
 from hypothesis import strategies as st
-from hypothesis.extra import numpy as nps
 
 import deltamesh
 from deltamesh._limits import memory_needed
@@ -30,38 +30,6 @@ from deltamesh_formats.errors import FormatError, LimitError, MeshError
 from deltamesh_formats.meshfiles import files as meshfile
 from deltamesh_formats.polymesh.mesh import Kind, Parts, PolyMesh, from_triangles
 from deltamesh_formats.printing import printable
-
-# Any text of Python, with surrogates and control characters.
-ANY_TEXT = st.text(st.characters(exclude_categories=[]), max_size=12)
-NAMES = st.lists(ANY_TEXT | st.sampled_from(["", "a", "a"]), max_size=5).map(tuple)
-MATRICES = nps.arrays("u8", (4, 4)).map(lambda bits: bits.view("f8")) | st.just(np.eye(4))
-
-
-@st.composite
-def divisions(draw: st.DrawFn, kind: str, faces: int) -> Parts:
-    names = draw(NAMES)
-    rng = np.random.default_rng(draw(strategies.SMALL))
-    least = draw(st.sampled_from([-1, 0])) if names else -1
-    of_face = rng.integers(least, max(len(names), 1) if names else 0, faces)
-    if draw(st.booleans()):
-        of_face = np.sort(of_face)
-    moves = draw(st.none() | st.tuples(*[MATRICES] * len(names)))
-    transforms = None if moves is None else np.array(moves, dtype=np.float64).reshape(-1, 4, 4)
-    return Parts(kind, names, of_face, transforms)
-
-
-@st.composite
-def told_meshes(draw: st.DrawFn) -> PolyMesh:
-    """Triangles of any kind with parts, metadata and losses."""
-    V, F = draw(strategies.complexes())
-    kinds = draw(st.lists(st.sampled_from(list(layout.KINDS)), unique=True))
-    return replace(
-        from_triangles(V, F),
-        parts=tuple(draw(divisions(kind, len(F))) for kind in kinds),
-        metadata=draw(st.dictionaries(ANY_TEXT, NAMES, max_size=3)),
-        lost=tuple(dict.fromkeys(draw(NAMES))),
-        precision=draw(st.sampled_from(["float32", "float64"])),
-    )
 
 
 def test_every_kind_has_a_number() -> None:
@@ -109,7 +77,7 @@ def part_bytes(mesh: PolyMesh) -> int:
 
 
 @strategies.SOME
-@given(told_meshes(), st.booleans())
+@given(annotated_meshes(), st.booleans())
 def test_everything_that_is_told_of_a_mesh_comes_back(mesh: PolyMesh, keep: bool) -> None:
     data = deltamesh.encode(mesh, method="lossless", keep_order=keep)
     found = deltamesh.decode(data)

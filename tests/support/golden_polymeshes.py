@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 import spec_decoder
-from test_polygons import MADE, mesh_of, quad_torus, quads
+from polygon_meshes import MADE, mesh_of, quad_torus, quads
 
 from deltamesh import decode
 from deltamesh._measures.metrics import diagonal

@@ -10,9 +10,9 @@ import forging
 import golden_polymeshes
 import meshes
 import numpy as np
+import polygon_meshes
 import pytest
 import strategies
-import test_polygons
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -50,9 +50,9 @@ FILES = {
         *meshes.union(meshes.seams(), meshes.moebius(6)), method="cartesian"
     ),
     "doubled soup": encode(*meshes.union(meshes.doubled(), meshes.soup()), method="highpass"),
-    "polygons": encode(test_polygons.MADE["mixed"], keep_order=True, method="highpass"),
+    "polygons": encode(polygon_meshes.MADE["mixed"], keep_order=True, method="highpass"),
     "parts": encode(
-        golden_polymeshes.with_parts(test_polygons.quads(3, 4)), method="cartesian", bits=6
+        golden_polymeshes.with_parts(polygon_meshes.quads(3, 4)), method="cartesian", bits=6
     ),
     "genus 2 of two": encode(
         *meshes.union(meshes.double_torus(), meshes.tetrahedron()), method="highpass"

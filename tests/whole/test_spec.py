@@ -13,17 +13,16 @@ import spec_decoder
 import spec_labels
 import spec_polygons
 import strategies
+from second_opinion import assert_same
 
-from deltamesh import decode, encode, info
+from deltamesh import encode, info
 from deltamesh._graph.elements import of_vertices
-from deltamesh._measures.metrics import diagonal
 from deltamesh._mesh import TriangleMesh
 from deltamesh._order import coding as order
 from deltamesh._order.reordering import Order
 from deltamesh._shape.polygons import plain
 from deltamesh._streams.labels import encode_labels
 from deltamesh_formats.container.writer import write_varint
-from deltamesh_formats.polymesh.mesh import Attribute
 
 GOLDEN = sorted(places.GOLDEN.glob("*.dmesh"))
 # Files that the second decoder takes longest over.
@@ -90,43 +89,6 @@ CORRECTED = {
     "refined": (meshes.icosphere(2), REFINED | {"anchors": 1}),
     "refined, isolated": (meshes.with_isolated(), REFINED),
 }
-
-
-def assert_same(data: bytes) -> None:
-    vertices, faces, exact = spec_decoder.decode(data)
-    mesh = decode(data)
-    np.testing.assert_array_equal(np.concatenate(faces), mesh.corners)
-    np.testing.assert_array_equal([len(face) for face in faces], np.diff(mesh.offsets))
-    divisions, metadata, lost, precision = exact["told"]
-    assert (metadata, lost) == ({k: [*v] for k, v in mesh.metadata.items()}, [*mesh.lost])
-    assert precision == mesh.precision
-    assert [row[0] for row in divisions] == [parts.kind for parts in mesh.parts]
-    for (_, names, of_face, transforms), parts in zip(divisions, mesh.parts, strict=True):
-        assert names == [*parts.names]
-        np.testing.assert_array_equal(of_face, parts.of_face)
-        assert (transforms is None) == (parts.transforms is None)
-        assert transforms is None or b"".join(transforms) == parts.transforms.tobytes()
-    for attribute, found in zip(mesh.attributes, exact["attributes"], strict=True):
-        assert_same_attribute(attribute, found)
-    if info(data).parameters.method == "lossless":
-        assert vertices.tobytes() == mesh.vertices.tobytes()
-        return
-    atol = 1e-9 * diagonal(mesh.vertices)
-    np.testing.assert_allclose(vertices, mesh.vertices, rtol=0, atol=atol)
-
-
-def assert_same_attribute(attribute: Attribute, found: spec_attributes.Decoded) -> None:
-    """To the last bit, but for normals, which positions are part of."""
-    entry, rows = found.entry, attribute.rows()
-    for name in ("name", "domain", "role", "normalized", "width"):
-        assert getattr(entry, name) == getattr(attribute, name)
-    np.testing.assert_array_equal(found.has, rows >= 0)
-    ours, theirs = attribute.values[rows[found.has]], found.values[found.has]
-    assert ours.dtype == theirs.dtype
-    if entry.coding == spec_attributes.OCTAHEDRAL:
-        np.testing.assert_allclose(theirs, ours, rtol=0, atol=1e-7)
-    else:
-        assert ours.tobytes() == theirs.tobytes()
 
 
 def test_golden_files_have_attributes_of_all_kinds() -> None:

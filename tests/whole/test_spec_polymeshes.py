@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import annotated
 import forging
 import golden_polymeshes
 import numpy as np
+import polygon_meshes
 import pytest
 import spec_decoder
 import strategies
-import test_parts
-import test_polygons
 from hypothesis import given
 from hypothesis import strategies as st
-from test_spec import assert_same
+from second_opinion import assert_same
 
 from deltamesh import encode
 from deltamesh_formats.container import layout
@@ -27,20 +27,20 @@ METHODS = ("cartesian", "highpass", "lossless", "refined")
 
 @st.composite
 def told_polygons(draw: st.DrawFn) -> PolyMesh:
-    mesh = draw(test_polygons.soups())
+    mesh = draw(polygon_meshes.soups())
     kinds = draw(st.lists(st.sampled_from(list(layout.KINDS)), unique=True, max_size=2))
     count = len(mesh.sizes)
     return replace(
         mesh,
-        parts=tuple(draw(test_parts.divisions(kind, count)) for kind in kinds),
-        metadata=draw(st.dictionaries(test_parts.ANY_TEXT, test_parts.NAMES, max_size=2)),
+        parts=tuple(draw(annotated.divisions(kind, count)) for kind in kinds),
+        metadata=draw(st.dictionaries(annotated.ANY_TEXT, annotated.NAMES, max_size=2)),
     )
 
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", ["torus", "prism", "mixed", "repeated_vertices"])
 def test_made_polygons(name: str, method: str) -> None:
-    assert_same(encode(test_polygons.MADE[name], method=method))
+    assert_same(encode(polygon_meshes.MADE[name], method=method))
 
 
 @strategies.FEW
@@ -50,7 +50,7 @@ def test_any_whole_mesh(mesh: PolyMesh, method: str, keep: bool) -> None:
 
 
 @strategies.FEW
-@given(test_parts.told_meshes())
+@given(annotated.annotated_meshes())
 def test_any_words_of_triangles(mesh: PolyMesh) -> None:
     assert_same(encode(mesh, method="cartesian"))
 
@@ -70,7 +70,7 @@ def refused(data: bytes) -> bool:
 )
 def test_both_decoders_refuse_the_same(name: str, section: str) -> None:
     """Truncated payloads and flipped bits, all checksums right."""
-    mesh = golden_polymeshes.with_parts(test_polygons.MADE[name])
+    mesh = golden_polymeshes.with_parts(polygon_meshes.MADE[name])
     data = encode(mesh, method="cartesian", keep_order=True)
     payload = bytes(read_container(data).sections[section].payload)
     rng = np.random.default_rng(len(payload))
