@@ -518,7 +518,8 @@ def predict(values, i, around, corners, inner):
             (2 * sum(some) + len(some)) // (2 * len(some))
             for some in (all_of[: len(close)], all_of)
         )
-        predictions = [first, g, 2 * g - apex, g + h - apex, every if inner else mean[x]]
+        around = every if inner else mean[x] if below else 0
+        predictions = [first, g, 2 * g - apex, g + h - apex, around]
         rows.append((predictions, [g, h, apex], max(all_of) - min(all_of)))
     return 4 + 10 * min(len(corners), 3) + max(shapes) + 40 * (inner > 0), rows
 

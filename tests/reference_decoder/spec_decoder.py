@@ -439,7 +439,7 @@ class Grid:
         sums = [[g[a][x] + g[b][x] - g[o][x] for a, b, o in of] for x in range(3)]
         self.C = list(zip(g[a], g[b], g[o], strict=True))
         all_of = [(2 * sum(s) + m) // (2 * m) for s in sums]
-        last = all_of if inner else mean
+        last = all_of if inner else mean if below else [0] * 3
         self.P = [
             [(2 * sum(s[:k]) + k) // (2 * k), near, 2 * near - apex, near + far - apex, x]
             for s, (near, far, apex), x in zip(sums, self.C, last, strict=True)

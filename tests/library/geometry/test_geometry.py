@@ -221,6 +221,20 @@ def assert_positions_of_the_oracle(data, F, n, quads=NO_QUADS):
     return found
 
 
+def test_a_vertex_with_parallelograms_has_neighbours_or_their_mean_is_zero() -> None:
+    """Edges within polygons make parallelograms, but no neighbours."""
+    V, F = meshes.torus(12, 9)
+    n, none = len(V), np.zeros(0, dtype=np.int64)
+    data = np.random.default_rng(5).integers(0, 256, 4000, dtype=np.uint8).tobytes()
+    values = np.zeros((n, 3), dtype=np.int64)
+    decoder = entropy.decoder(data, parallelogram.SLOTS, parallelogram.MIXERS)
+    rows = parallelograms(F, n)
+    parallelogram.code_positions(decoder, np.zeros(n + 1, np.int64), none, *rows, values)
+    twin = twin_of(data, parallelogram.MIXERS)
+    found = oracle.code_positions(twin, [[]] * n, corners_of(F, n), lambda *_: 0, {})
+    assert values.tolist() == found[0]
+
+
 @strategies.SOME
 @given(strategies.surfaces(), strategies.SMALL, st.sampled_from([2, 300, MOST_STEPS - 1]))
 def test_prediction_equals_its_oracle(mesh: meshes.Arrays, seed: int, most: int) -> None:

@@ -222,13 +222,13 @@ def _distance(values: _Ints, i: Int, j: Int) -> Int:
 
 @inlined
 def _neighbour_mean(indptr: _Ints, indices: _Ints, values: _Ints, i: Int, axis: Int) -> Int:
-    """Return the mean of the known neighbours, of which there is one."""
+    """Return the mean of the known neighbours; 0 without any, as within a polygon."""
     total, count = np.int64(0), np.int64(0)
     for at in range(indptr[i], indptr[i + 1]):
         if indices[at] < i:
             total += values[indices[at], axis]
             count += 1
-    return total // count
+    return total // max(count, 1)
 
 
 @kernel
