@@ -98,7 +98,7 @@ def test_offsets_count_from_where_the_bytes_are():
     with pytest.raises(FormatError) as caught, located(100), located(20, "a: "), located(3):
         raise FormatError("fault", 1)
     assert (caught.value.reason, caught.value.offset) == ("a: fault", 124)
-    with pytest.raises(MeshError, match="^no faces$"), located(40):
+    with pytest.raises(MeshError, match=r"^no faces$"), located(40):
         raise MeshError("no faces")
 
 

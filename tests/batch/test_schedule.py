@@ -11,11 +11,10 @@ from hypothesis import strategies as st
 from works import task
 
 from deltamesh._limits import memory_for_counts, memory_needed
+from deltamesh._machine import available_cores, physical_memory
 from deltamesh.batch._schedule import (
-    available_cores,
     groups,
     memory_for_mesh_file,
-    physical_memory,
     share,
     startable,
 )
