@@ -19,6 +19,7 @@ from deltamesh._compare.welding import welded, without_isolated
 from deltamesh._mesh import TriangleMesh, triangulated
 from deltamesh_formats.meshfiles.files import read_mesh
 from deltamesh_formats.meshfiles.formats import EXTENSIONS
+from deltamesh_formats.polymesh.mesh import PolyMesh, from_triangles
 
 GENERATED = "torus"
 _GENERATED_PATH = Path(__file__).parent / "meshes" / "torus.ply"
@@ -90,6 +91,11 @@ def files() -> list[Path]:
 def load(name: str) -> TriangleMesh:
     """Read a mesh; the last one is kept."""
     return read(path(name))
+
+
+def as_polymesh(mesh: TriangleMesh) -> PolyMesh:
+    """Return a mesh for the encoder."""
+    return from_triangles(mesh.vertices, mesh.faces)
 
 
 def bare(name: str) -> TriangleMesh:

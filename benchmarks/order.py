@@ -60,8 +60,9 @@ def compared(file: Path, bits: int) -> tuple[str, ...]:
     MeshError
     """
     mesh = corpus.read(file)
-    kept = encode_mesh(mesh, Options(method="cartesian", bits=bits, keep_order=True))
-    free = encode_mesh(mesh, Options(method="cartesian", bits=bits))
+    whole = corpus.as_polymesh(mesh)
+    kept = encode_mesh(whole, Options(method="cartesian", bits=bits, keep_order=True))
+    free = encode_mesh(whole, Options(method="cartesian", bits=bits))
     size, n, m = read_container(kept.data).sections["ORDR"].size, len(kept.order), len(mesh.faces)
     bound = any_order(n, m)
     ours = len(free.data), len(kept.data)

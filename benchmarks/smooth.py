@@ -21,12 +21,12 @@ from numpy.typing import NDArray
 from deltamesh._geometry import cartesian, highpass
 from deltamesh._geometry.quantize import grid_step
 from deltamesh._geometry.solve import factorization
-from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Settings
-from deltamesh._shape.encoding import encode_structure
+from deltamesh._shape import connectivity
+from deltamesh._shape.draft import first_draft
 from deltamesh._shape.surface import Surface, surface_of
 from deltamesh_formats.meshfiles.files import read_mesh
-from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.polymesh.mesh import PolyMesh, from_triangles
 
 BITS = (8, 10, 12)
 STEPS = 2.0 ** np.arange(-14, 3.5, 0.5)  # of the deltas, in steps of the grid of 8 bits
@@ -62,15 +62,10 @@ def in_order(
     """Return both in the order of the connectivity coder."""
     # Positions of no meaning, all different: nothing is welded.
     places = np.stack([np.arange(len(values)) * 1.0] * 3, axis=1)
-    _, structure, origin = encode_structure(
-        TriangleMesh(places, faces), False, False, print_nothing
-    )
-    surface = structure.surface
-    return surface, values[origin.points]
-
-
-def print_nothing(stage: str) -> None:
-    """Tell nobody."""
+    triangles = from_triangles(places, faces).triangulation()
+    draft = first_draft(places, triangles, drop_isolated=False, exact=False)
+    _, draft = connectivity.encode(draft)
+    return draft.structure.surface, values[draft.triangle_provenance.points]
 
 
 def coded(

@@ -114,7 +114,7 @@ def of_connectivity(name: str, runs: int) -> tuple[str, ...]:
     manifold = cut(welded[mesh.faces], len(keep))
     topology = build_topology(manifold.faces, manifold.opposite, len(manifold.points))
     payload, coded = encode_connectivity(topology)
-    view, n, m = memoryview(payload), len(coded.order), len(coded.faces)
+    view, n, m = memoryview(payload), len(coded.order), len(coded.manifold.faces)
     seconds = (
         _best(lambda: encode_connectivity(topology), runs),
         _best(lambda: decode_connectivity(view, n, m), runs),

@@ -55,7 +55,7 @@ def compared(file: Path) -> tuple[str, ...]:
     """
     # The geometry does not matter here: the fastest that there is.
     options = Options(method="cartesian", bits=8, drop_isolated=True)
-    encoded = encode_mesh(corpus.read(file), options)
+    encoded = encode_mesh(corpus.as_polymesh(corpus.read(file)), options)
     size, n = read_container(encoded.data).sections["CONN"].size, len(encoded.order)
     rate, bound = 8 * size / n, entropy(_valences(encoded))
     ratio = f"{rate / bound:.3f}" if bound else "-"

@@ -1,4 +1,4 @@
-"""Write tests/golden and tests/refused anew: `python tests/make_golden.py`, by hand only.
+"""Write tests/data/golden and tests/data/refused anew: `just golden`, by hand only.
 
 Golden files pin the decoder, not the encoder: old bytes must decode to the same mesh for ever, new
 bytes may become fewer. As long as SPEC.md says that the format is not frozen, both folders are
@@ -11,7 +11,6 @@ with those of the input, positions with a dense least-squares solution.
 from __future__ import annotations
 
 import zlib
-from pathlib import Path
 
 import attributed
 import forging
@@ -20,6 +19,7 @@ import meshes
 import numpy as np
 import oracle
 import strategies
+from places import GOLDEN, REFUSED
 
 from deltamesh._codec import decode
 from deltamesh._content import digest
@@ -27,7 +27,6 @@ from deltamesh._geometry import highpass, lossless
 from deltamesh._geometry.integers import NONE, Integers
 from deltamesh._geometry.quantize import from_grid
 from deltamesh._measures.metrics import diagonal
-from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
 from deltamesh._order.coding import encode_order
 from deltamesh._order.reordering import Order
@@ -39,9 +38,8 @@ from deltamesh_formats.container.attribute_table import entries_of
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, LimitError
+from deltamesh_formats.polymesh.mesh import from_triangles
 
-HERE = Path(__file__).parent
-GOLDEN, REFUSED = HERE / "golden", HERE / "refused"
 TABLE = REFUSED / "expected.tsv"
 
 
@@ -226,7 +224,7 @@ def assert_right(encoded, V, F):
 
 def write_golden():
     for name, (V, F), options in golden():
-        encoded = encode_mesh(TriangleMesh(V, F), Options(method=name.split("-")[0], **options))
+        encoded = encode_mesh(from_triangles(V, F), Options(method=name.split("-")[0], **options))
         decoded = assert_right(encoded, V, F)
         assert ("corrected" in name) == ("FIXS" in read_container(encoded.data).sections)
         (GOLDEN / f"{name}.dmesh").write_bytes(encoded.data)
@@ -289,7 +287,7 @@ def write_attributed():
 
 
 def encoded(mesh, method="highpass", **options):
-    return encode_mesh(TriangleMesh(*mesh), Options(method=method, **options)).data
+    return encode_mesh(from_triangles(*mesh), Options(method=method, **options)).data
 
 
 def payload_of(data, name):

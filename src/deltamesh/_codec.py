@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import TypeAlias, Unpack, overload
 
 from numpy.typing import ArrayLike
@@ -16,7 +17,8 @@ from deltamesh._options import (
     EncodeOptions,
     Options,
 )
-from deltamesh._pipeline import Progress, decode_mesh, encode_mesh, silent
+from deltamesh._pipeline import decode_mesh, encode_mesh
+from deltamesh._progress import Progress, silent
 from deltamesh._sources import Bytes, bytes_of
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_container
@@ -77,7 +79,7 @@ def encode(
     ----------
     mesh : PolyMesh, or array_like (n, 3)
         A mesh, which `deltamesh.from_arrays` makes of arrays with attributes; or the positions of
-        the vertices, finite real numbers, with `faces`.
+        the vertices, finite real numbers of any type, with `faces`.
     faces : array_like (m, k), or a sequence of polygons
         Vertex indices from 0 of triangles, quads, or polygons of any sizes, as `from_arrays` takes
         them. Not with a `PolyMesh`.
@@ -197,7 +199,8 @@ def _checked(mesh: PolyMesh | ArrayLike, faces: Faces | None) -> PolyMesh:
             f"{type(mesh).__name__} without faces: give vertices and faces, or a PolyMesh, "
             "which from_arrays and deltamesh.plugins make"
         )
-    return checked(unchecked(mesh, faces), LARGEST)
+    # The bytes are those of the numbers, whatever type they come in.
+    return checked(replace(unchecked(mesh, faces), precision="float64"), LARGEST)
 
 
 def decode(

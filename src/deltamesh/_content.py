@@ -1,57 +1,65 @@
-"""Everything exact in a file, as encoder and decoder know it, and the mesh that it is."""
+"""Content of a file, known exactly to encoder and decoder, and the mesh that it makes."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._attributes.domains import Domains
 from deltamesh._attributes.section import CodedAttribute, attribute_arrays, restore_attribute
-from deltamesh._geometry.integers import Integers
+from deltamesh._geometry.integers import NO_POINTS, NONE, Integers
 from deltamesh._order.reordering import Order, order_arrays, reordered
 from deltamesh._parts import Annotations
 from deltamesh._shape.polygons import assembled
-from deltamesh._shape.structure import Structure
+from deltamesh._shape.structure import EMPTY, Structure
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
 
 @dataclass(frozen=True)
 class Content:
-    """What is in a file beside its parameters.
+    """Content of a file beside its parameters, as far as its sections are coded.
 
     Attributes
     ----------
-    structure : Structure
+    domains : Domains
+        The vertices, corners and polygons of the structure.
     integers : Integers
         Of the geometry.
     attributes : tuple of CodedAttribute
-    told : Annotations or None
-        Parts, names, metadata.
+    annotations : Annotations or None
+        Parts, names, transforms and metadata.
     order : Order or None
-        None where it is free.
+        The order of the input, where it is kept.
     """
 
-    structure: Structure
+    domains: Domains
     integers: Integers
     attributes: tuple[CodedAttribute, ...] = ()
-    told: Annotations | None = None
+    annotations: Annotations | None = None
     order: Order | None = None
 
-    @cached_property
-    def places(self) -> Domains:
-        """What attributes and parts belong to."""
-        return Domains(self.structure)
+    @property
+    def structure(self) -> Structure:
+        """The mesh without its positions."""
+        return self.domains.structure
 
     def digest(self) -> bytes:
-        """Return the checksum that CHEK has of it (SPEC.md 5.7)."""
-        s, told = self.structure, () if self.told is None else self.told.arrays()
-        further = (*order_arrays(self.order), *s.glue, *attribute_arrays(self.attributes), *told)
-        return digest(s.faces, s.copied, self.integers, further)
+        """Return the checksum in CHEK (SPEC.md 5.7)."""
+        s = self.structure
+        merged = (s.merged,) if len(s.merged) else ()
+        annotations = () if self.annotations is None else self.annotations.arrays()
+        further = (
+            *order_arrays(self.order),
+            *merged,
+            *attribute_arrays(self.attributes),
+            *annotations,
+        )
+        return digest(s.faces, s.split_points, self.integers, further)
 
     def mesh(self, points: NDArray[np.float64], single: bool) -> PolyMesh:
         """Return the mesh.
@@ -63,39 +71,52 @@ class Content:
         single : bool
             Whether the source had them in float32.
         """
-        V, s = points[self.structure.points], self.structure
+        s = self.structure
+        vertices = points[s.points]
         mesh = replace(
-            assembled(V, s.faces, s.polygons),
-            attributes=tuple(restore_attribute(one, self.places, V) for one in self.attributes),
+            assembled(vertices, s.faces, s.polygons),
+            attributes=tuple(
+                restore_attribute(one, self.domains, vertices) for one in self.attributes
+            ),
             precision="float32" if single else "float64",
         )
-        mesh = mesh if self.told is None else self.told.given_to(mesh)
+        mesh = mesh if self.annotations is None else self.annotations.given_to(mesh)
         return mesh if self.order is None else reordered(mesh, self.order)
+
+
+# The content before the first section.
+NOTHING: Final = Content(Domains(EMPTY), Integers(NO_POINTS, NONE, NO_POINTS, NO_POINTS))
 
 
 def digest(
     faces: NDArray[np.int64],
-    copied: NDArray[np.int64],
+    split_points: NDArray[np.int64],
     integers: Integers,
-    order: Iterable[NDArray[np.int64]] = (),
+    further: Iterable[NDArray[np.int64]] = (),
 ) -> bytes:
     """Return the checksum of everything exact that a decoder makes (SPEC.md 5.7).
 
     Parameters
     ----------
     faces : int64 (m, 3)
-    copied : int64 (n,) or (0,)
-        The point of each vertex, where some have several.
+        Triangles over vertices.
+    split_points : int64 (n,) or (0,)
+        The point of each vertex, where points are split into several vertices.
     integers : Integers
-    order : int64 arrays
-        Of vertices, faces and corners, where it is kept.
+    further : iterable of int64 arrays
+        Those of the order, the merged half-edges, those of the attributes, the text of the
+        annotations and their arrays; each only where the file has it, in this order.
+
+    Returns
+    -------
+    bytes, 8
     """
     i = integers
-    arrays = (
-        *(faces, copied, i.values, i.anchors, i.positions, i.isolated, i.refinements),
-        *(i.corrections, i.formats, *order),
+    all_of_them = (
+        *(faces, split_points, i.values, i.anchors, i.positions, i.isolated, i.refinements),
+        *(i.corrections, i.formats, *further),
     )
     result = hashlib.blake2b(digest_size=8)
-    for array in arrays:
+    for array in all_of_them:
         result.update(np.ascontiguousarray(array, dtype="<i8").data)
     return result.digest()

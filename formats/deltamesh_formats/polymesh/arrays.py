@@ -84,7 +84,7 @@ def unchecked(
     MeshError
         For arrays that do not fit each other.
     """
-    V = _numbers(vertices, "vertices", "fiu")
+    V = _numbers(vertices, "vertices", "fiu", size=16)
     if V.ndim != 2 or V.shape[1] != 3:
         raise MeshError(f"vertices must have shape (n, 3), not {V.shape}")
     corners, offsets, regular = _polygons(faces)
@@ -176,13 +176,13 @@ def to_arrays(
     return dict(zip(distinct_names(a.name for a in chosen), columns, strict=True))
 
 
-def _numbers(values: ArrayLike, name: str, kinds: str) -> NDArray[Any]:
-    """Return an array of numbers of at most eight bytes; anything else is refused by name."""
+def _numbers(values: ArrayLike, name: str, kinds: str, size: int = 8) -> NDArray[Any]:
+    """Return an array of numbers of at most `size` bytes; anything else is refused by name."""
     try:
         array = np.asarray(values)
     except ValueError as error:
         raise MeshError(f"{name}: not an array: {error}") from None
-    if array.dtype.kind not in kinds or array.dtype.itemsize > 8:
+    if array.dtype.kind not in kinds or array.dtype.itemsize > size:
         raise MeshError(f"{name} must be real numbers, not {array.dtype}")
     return array
 

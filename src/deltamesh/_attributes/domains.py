@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._graph.elements import Elements, of_polygons, of_vertices
+from deltamesh._graph.elements import Elements, of_polygons
 from deltamesh._shape.polygons import Polygons
 from deltamesh._shape.structure import Structure
 from deltamesh_formats.polymesh.mesh import Domain
@@ -44,7 +44,7 @@ class Domains:
     @cached_property
     def vertices(self) -> Elements:
         """The vertices as elements, with the isolated ones."""
-        return of_vertices(self.structure.faces, len(self.structure.points))
+        return self.structure.vertices
 
     @cached_property
     def faces(self) -> Elements:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from deltamesh._attributes.domains import Domains
 from deltamesh._attributes.wedges import decode_wedges, encode_wedges
-from deltamesh._graph.elements import Elements, of_classes
+from deltamesh._graph.elements import Elements, of_wedges
 from deltamesh._graph.permutations import numbered
 from deltamesh._streams.labels import decode_labels, encode_labels
 from deltamesh_formats.container.attribute_table import Entry
@@ -148,6 +148,6 @@ def _own_wedges(payload: memoryview, stream: tuple[int, int], domains: Domains) 
 
 
 def _of_wedges(wedges: _Ints, domains: Domains, reference: int) -> Owners:
-    elements = of_classes(wedges)
+    elements = of_wedges(wedges)
     of_elements = wedges[domains.polygons.corners]
     return Owners(of_elements, elements, np.ones(elements.count, bool), wedges, reference)

@@ -24,7 +24,7 @@ from deltamesh._attributes.normals.coding import (
 )
 from deltamesh._attributes.owners import Owners, decode_owners, encode_owners
 from deltamesh._attributes.rows import Rows, decode_rows, encode_rows
-from deltamesh._shape.polygons import Sources
+from deltamesh._shape.provenance import Provenance
 from deltamesh_formats.container.attribute_table import Entry, read_table, write_table
 from deltamesh_formats.container.layout import OWN_WEDGES
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
@@ -81,7 +81,7 @@ def attribute_arrays(coded: Iterable[CodedAttribute]) -> tuple[_Ints, ...]:
 # Any bits may be numbers, those of a signalling NaN too.
 @np.errstate(over="ignore", invalid="ignore")
 def encode_attributes(
-    mesh: PolyMesh, provenance: Sources, domains: Domains, settings: AttributeSettings
+    mesh: PolyMesh, provenance: Provenance, domains: Domains, settings: AttributeSettings
 ) -> tuple[bytes, tuple[CodedAttribute, ...]]:
     """Return the payload of ATTR, and the attributes as they are decoded.
 
@@ -89,13 +89,13 @@ def encode_attributes(
     ----------
     mesh : PolyMesh
         With attributes.
-    provenance : Sources
+    provenance : Provenance
         Of the elements of the file.
     domains : Domains
     settings : AttributeSettings
     """
     p = provenance
-    inputs = {"vertex": p.vertices, "corner": p.corners, "face": p.faces}
+    inputs = {"vertex": p.vertices, "corner": p.corners, "face": p.polygons}
     coded: list[CodedAttribute] = []
     payload: list[bytes] = []
     for attribute in mesh.attributes:

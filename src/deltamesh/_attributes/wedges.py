@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from deltamesh._kernels.coding import wedges as kernels
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.models import Model
-from deltamesh._shape.corners import code_corner_classes
 from deltamesh._shape.polygons import Polygons
 from deltamesh._shape.structure import Structure
+from deltamesh._shape.wedges import code_wedges
 from deltamesh._streams.entropy import decode_with, encode_with
 
 _Ints = NDArray[np.int64]
@@ -37,7 +37,7 @@ def encode_wedges(structure: Structure, polygons: Polygons, rows: _Ints) -> tupl
     wedges = rows[polygons.of_corners]
 
     def run(coder: Coder) -> None:
-        wedges[:] = code_corner_classes(coder, structure.corners, wedges)
+        wedges[:] = code_wedges(coder, structure.corners, wedges)
 
     return encode_with(_MODEL, len(wedges), run), wedges
 
@@ -51,6 +51,6 @@ def decode_wedges(payload: memoryview, begin: int, end: int, structure: Structur
     """
 
     def run(coder: Coder) -> _Ints:
-        return code_corner_classes(coder, structure.corners, _UNKNOWN)
+        return code_wedges(coder, structure.corners, _UNKNOWN)
 
     return decode_with(_MODEL, payload[begin:end], run, begin)

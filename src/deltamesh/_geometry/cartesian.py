@@ -73,7 +73,5 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
 
 
 def _code(coder: Coder, surface: Surface, values: NDArray[np.int64]) -> None:
-    first, corners, within = surface.parallelograms
-    indptr, indices = surface.graph
-    indptr = np.pad(indptr, (0, surface.isolated_count), mode="edge")
-    parallelogram.code_positions(coder, indptr, indices, first, corners, within, values)
+    e = surface.elements
+    parallelogram.code_positions(coder, e.indptr, e.indices, e.first, e.corners, e.within, values)

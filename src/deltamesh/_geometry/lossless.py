@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from deltamesh._geometry.integers import Integers, Quantized
 from deltamesh._geometry.solve import Factor
-from deltamesh._graph.elements import Elements
 from deltamesh._mesh import LARGEST
 from deltamesh._methods import LOSSLESS
 from deltamesh._options import Settings
@@ -48,7 +47,7 @@ def quantize(
     V = np.concatenate([vertices, isolated])
     with np.errstate(over="ignore"):
         single = bool((V.astype(np.float32) == V).all())
-    errors = parallelogram_errors(V, _elements(surface))
+    errors = parallelogram_errors(V, surface.elements)
     axes = [choose_formats(V[:, a].copy(), errors[:, a], single) for a in range(3)]
     integers = exactly(V.view(np.int64), pack_formats(SINGLE if single else DOUBLE, axes))
     return parameters, integers, V
@@ -75,13 +74,13 @@ def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict
     for a, how in enumerate(axes):
         one = bits[:, a].copy().view(np.float64)
         classes[:, a], values[:, a] = to_indices(one, how, width == SINGLE)
-    stream = encode_indices(_elements(surface), width, axes, classes, values)
+    stream = encode_indices(surface.elements, width, axes, classes, values)
     return {EXACT: formats + stream}
 
 
 def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
     """Return the bit patterns."""
-    elements = _elements(surface)
+    elements = surface.elements
     V = np.empty((elements.count, 3))
     with payload_of(sections[EXACT]) as payload:
         width, axes, at = unpack_formats(payload)
@@ -91,10 +90,3 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
         if not (np.abs(V) <= LARGEST).all():
             raise FormatError("a position that no mesh has", at)
         return exactly(V.view(np.int64), bytes(payload[:at]))
-
-
-def _elements(surface: Surface) -> Elements:
-    """Return the points, the isolated ones last."""
-    indptr, indices = surface.graph
-    indptr = np.pad(indptr, (0, surface.isolated_count), mode="edge")
-    return Elements(len(indptr) - 1, indptr, indices, *surface.parallelograms)

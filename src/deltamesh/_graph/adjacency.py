@@ -1,7 +1,4 @@
-"""The graph of a mesh: edges, neighbours and connected components.
-
-Everything here follows from the faces alone: encoder and decoder get the same integers.
-"""
+"""Edges of a mesh, neighbours of its vertices, and connected components."""
 
 from __future__ import annotations
 
@@ -33,7 +30,7 @@ def edges(faces: NDArray[np.int64], n: int) -> NDArray[np.int64]:
 
 
 def edges_between(a: NDArray[np.int64], b: NDArray[np.int64], n: int) -> NDArray[np.int64]:
-    """Return `edges` of half-edges from a to b, int64 (h,)."""
+    """Return the undirected edges of half-edges from a to b, int64 (h,), as `edges` does."""
     low, high = np.minimum(a, b), np.maximum(a, b)
     # Sorting in place and comparing neighbours is several times faster than np.unique's hash table.
     keys = (low * n + high)[low != high]
@@ -63,7 +60,7 @@ def adjacency(faces: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], NDAr
 def adjacency_of_edges(
     pairs: NDArray[np.int64], n: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return `adjacency` of edges, (e, 2), each once."""
+    """Return the neighbours of every vertex, as `adjacency` does, from edges (e, 2), each once."""
     A = sparse.csr_array(
         (
             np.ones(2 * len(pairs)),

@@ -1,4 +1,4 @@
-"""Elements that numbers belong to (vertices, wedges, polygons), and their neighbours."""
+"""Elements that values belong to (vertices, wedges, polygons), and their neighbours."""
 
 from __future__ import annotations
 
@@ -22,9 +22,10 @@ class Elements:
     ----------
     count : int
     indptr, indices : int64 (count + 1,), (2 e,)
-        The neighbours of each element, ascending, as of `adjacency.adjacency`.
+        The neighbours of each element, ascending; see `adjacency.adjacency`.
     first, corners, within : int64 (count + 1,), (p, 3), (count,)
-        What predicts each element, as of `parallelograms.parallelograms`; nothing for faces.
+        The parallelograms that predict each element; see `parallelograms.parallelograms`.
+        Polygons have none.
     """
 
     count: int
@@ -35,21 +36,24 @@ class Elements:
     within: _Ints
 
 
-def of_vertices(faces: _Ints, count: int) -> Elements:
-    """Return vertices, or classes of corners, as elements.
+def of_vertices(faces: _Ints, count: int, opposite: _Ints | None = None) -> Elements:
+    """Return vertices, or wedges, as elements.
 
     Parameters
     ----------
     faces : int64 (m, 3)
-        Any triangles; those that share an edge are a parallelogram.
+        Any triangles; two that share an edge form a parallelogram.
     count : int
-        Number of vertices, with those in no face.
+        Number of vertices, isolated ones included.
+    opposite : int64 (3 m,), optional
+        As `halfedges.pair_halfedges` returns it, where it is known.
     """
-    return Elements(count, *adjacency(faces, count), *parallelograms(faces, count))
+    predictors = parallelograms(faces, count, opposite=opposite)
+    return Elements(count, *adjacency(faces, count), *predictors)
 
 
 def of_polygons(faces: _Ints, offsets: _Ints, of_corners: _Ints) -> Elements:
-    """Return polygons as elements; those with an edge in common are neighbours.
+    """Return polygons as elements; two with an edge in common are neighbours.
 
     Parameters
     ----------
@@ -75,19 +79,19 @@ def of_polygons(faces: _Ints, offsets: _Ints, of_corners: _Ints) -> Elements:
     return Elements(count, *adjacency(pairs, count), first, none, within)
 
 
-def of_classes(classes: _Ints) -> Elements:
-    """Return the classes of corners of triangles, (3 m,), each an element."""
-    return of_vertices(classes.reshape(-1, 3), int(classes.max(initial=-1)) + 1)
+def of_wedges(wedges: _Ints) -> Elements:
+    """Return wedges as elements, from the wedge of each corner of triangles, int64 (3 m,)."""
+    return of_vertices(wedges.reshape(-1, 3), int(wedges.max(initial=-1)) + 1)
 
 
 def alone(count: int) -> Elements:
-    """Return elements that are near none but the one before."""
+    """Return elements without neighbours: only the element before predicts each."""
     none = np.zeros(count + 1, dtype=np.int64)
     return Elements(count, none, none[:0], none, np.zeros((0, 3), dtype=np.int64), none[:count])
 
 
 def among(elements: Elements, keep: NDArray[np.bool_]) -> Elements:
-    """Return only some of the elements, in their order, and what is near among these."""
+    """Return only the elements to `keep`, in their order, with the neighbours among these."""
     if keep.all():
         return elements
     e, number = elements, np.cumsum(keep) - 1

@@ -1,7 +1,7 @@
-"""Half-edges of triangles, and the welding of vertices at one position.
+"""Half-edges of faces, and the welding of vertices at one position.
 
-Half-edge 3 f + i runs from corner i of face f to the next corner; of polygons with k corners, k
-takes the place of 3.
+Half-edge 3 f + i runs from corner i of triangle f to the next corner; with k corners a face, it is
+k f + i.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def edges_of_two(order: _Ints, bounds: _Ints) -> tuple[_Ints, _Ints]:
 
 
 def pair_halfedges(faces: _Ints) -> _Ints:
-    """Return the opposite of each half-edge, int64 (3 m,), -1 where it has none.
+    """Return the opposite of each half-edge of triangles (m, 3), int64 (3 m,), -1 where none is.
 
     Of an edge with more than two half-edges, the first two in the order of the faces are a pair.
     """
@@ -65,7 +65,7 @@ def weld(vertices: NDArray[np.float64], *, exact: bool = False) -> tuple[_Ints, 
     ----------
     vertices : float64 (n, 3)
     exact : bool
-        Tell -0.0 from 0.0: positions are equal only bit for bit.
+        Positions are equal only bit for bit: -0.0 and 0.0 differ.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The combinatorial Laplacian L = D - A of a graph, as a sparse matrix.
+"""Combinatorial Laplacian L = D - A of a graph, as a sparse matrix.
 
 Source: O. Sorkine, D. Cohen-Or, S. Toledo, "High-Pass Quantization for Mesh Encoding", SGP 2003,
 section 3.

@@ -1,4 +1,4 @@
-"""Parallelograms of two triangles, or of a quad, that predict the last of their vertices."""
+"""Parallelograms of two triangles, or of a quad, each of which predicts its last vertex."""
 
 from __future__ import annotations
 
@@ -13,27 +13,34 @@ NO_QUADS: Final = np.zeros((0, 4), dtype=np.int64)
 
 
 def parallelograms(
-    faces: NDArray[np.int64], n: int, quads: NDArray[np.int64] = NO_QUADS
+    faces: NDArray[np.int64],
+    n: int,
+    quads: NDArray[np.int64] = NO_QUADS,
+    opposite: NDArray[np.int64] | None = None,
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     """Return, for each vertex, the parallelograms that predict it.
 
     Parameters
     ----------
-    faces : int64 (m, 3), of an oriented manifold
+    faces : int64 (m, 3)
+        Triangles.
     n : int
+        Number of vertices.
     quads : int64 (q, 4)
-        The polygons of four corners among those that the faces make.
+        The polygons of four corners that are cut into triangles of `faces`.
+    opposite : int64 (3 m,), optional
+        As `halfedges.pair_halfedges` returns it, where it is known.
 
     Returns
     -------
     first : int64 (n + 1,)
     corners : int64 (p, 3)
         Rows first[i] to first[i + 1] are (a, b, o), all below i: first those where (a, i, b, o)
-        is a quad, then those where (a, b, i) is a face, (b, a, o) another.
+        is a quad, then those where (a, b, i) is a triangle, (b, a, o) another.
     within : int64 (n,)
-        How many of those of each vertex are quads.
+        Number of parallelograms of each vertex that are quads.
     """
-    opposite = pair_halfedges(faces)
+    opposite = pair_halfedges(faces) if opposite is None else opposite
     (a, b), apex = ends(faces), np.roll(faces, -2, axis=1).ravel()
     across = np.where(opposite >= 0, apex[opposite], n)
     sides = [np.roll(quads, -turn, axis=1).ravel() for turn in (3, 1, 2, 0)]

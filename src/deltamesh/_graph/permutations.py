@@ -25,7 +25,7 @@ def numbered(values: _Ints) -> tuple[_Ints, _Ints]:
     Returns
     -------
     labels : int64 (count,)
-        0 for the first value, 1 for the first other one, and so on: what `encode_labels` takes.
+        0 for the first value, 1 for the next one that differs, and so on.
     order : int64 (k,)
         The value of each label.
     """

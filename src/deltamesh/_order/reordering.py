@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._graph.permutations import inverse
-from deltamesh._shape.polygons import Polygons, Sources
+from deltamesh._shape.polygons import Polygons
+from deltamesh._shape.provenance import Provenance
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 
 _Ints = NDArray[np.int64]
@@ -38,21 +39,21 @@ def order_arrays(order: Order | None) -> tuple[_Ints, ...]:
     return () if order is None else (order.vertices, order.polygons, order.rotations)
 
 
-def order_of(polygons: Polygons, provenance: Sources, starts: _Ints) -> Order:
+def order_of(polygons: Polygons, provenance: Provenance, starts: _Ints) -> Order:
     """Return the order of the input, as another order of a file.
 
     Parameters
     ----------
     polygons : Polygons
         Of the file.
-    provenance : Sources
+    provenance : Provenance
         Of the elements of the file, which may be fewer than those of the input.
     starts : int64
         The first corner of each polygon of the input.
     """
     p = provenance
-    order = np.argsort(p.faces)
-    is_first = p.corners == np.repeat(starts[p.faces], np.diff(polygons.offsets))
+    order = np.argsort(p.polygons)
+    is_first = p.corners == np.repeat(starts[p.polygons], np.diff(polygons.offsets))
     rotations = np.flatnonzero(is_first) - polygons.offsets[:-1]
     return Order(np.argsort(p.vertices), order, rotations[order])
 

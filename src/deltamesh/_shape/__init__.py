@@ -1,1 +1,1 @@
-"""Everything of a mesh but its positions: connectivity, stitching, copies, polygons."""
+"""Structure of a mesh, everything but its positions, and its sections: CONN, STCH, COPY, POLY."""

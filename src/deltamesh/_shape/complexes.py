@@ -1,6 +1,6 @@
-"""Any set of triangles as an oriented manifold, with what it takes to have them back.
+"""Cut of any set of triangles into an oriented manifold, with what it takes to have them back.
 
-Faces that repeat a vertex, or another face, are set aside. The others are turned so that as many
+Faces that repeat a vertex, or another face, are set aside. The others are oriented so that as many
 neighbours as possible agree in winding; where two still do not (a Moebius strip), and where more
 than two meet, the surface is cut along the edge; each fan of faces around a vertex gets a vertex
 of its own (A. Gueziec, G. Taubin, F. Lazarus, W. Horn, "Cutting and stitching: converting sets of
@@ -24,7 +24,7 @@ _Bools = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Cut:
-    """An oriented manifold with boundary, and where it comes from.
+    """Oriented manifold with boundary, and what it was cut from.
 
     Attributes
     ----------
@@ -32,10 +32,10 @@ class Cut:
     opposite : int64 (3 m,)
         The half-edge on the other side of each half-edge, -1 on the boundary.
     points : int64 (n,)
-        Of each of its vertices; several may be at one point.
-    sources : int64 (m,)
-        The face of the complex that each face was.
-    turned : bool (m,)
+        The point of each of its vertices; several may be at one point.
+    triangles : int64 (m,)
+        The triangle of the complex that each face was.
+    reversed : bool (m,)
         Whether its second and third corners were exchanged.
     repeats, repeated : int64 (r,)
         Faces of the complex with the vertices of another; the face, of `faces`, that they repeat.
@@ -48,8 +48,8 @@ class Cut:
     faces: _Ints
     opposite: _Ints
     points: _Ints
-    sources: _Ints
-    turned: _Bools
+    triangles: _Ints
+    reversed: _Bools
     repeats: _Ints
     repeated: _Ints
     against: _Bools
@@ -65,20 +65,20 @@ def cut(faces: _Ints, n: int) -> Cut:
         Of any kind, over points in [0, n).
     """
     collapsed = _collapsed(faces)
-    degenerate, sources = np.flatnonzero(collapsed), np.flatnonzero(~collapsed)
-    kept = faces[sources] if len(degenerate) else faces
+    degenerate, triangles = np.flatnonzero(collapsed), np.flatnonzero(~collapsed)
+    kept = faces[triangles] if len(degenerate) else faces
     order, bounds = by_edge(*ends(kept))
     clean = _is_clean(kept, order, bounds)
-    repeats, repeated, against = sources[:0], sources[:0], collapsed[:0]
-    turned = np.zeros(len(kept), dtype=bool)
+    repeats, repeated, against = triangles[:0], triangles[:0], collapsed[:0]
+    reversed_ = np.zeros(len(kept), dtype=bool)
     if not clean:
         first, repeats, repeated, against = _repeats(kept)
-        repeats, sources = sources[repeats], sources[first]
+        repeats, triangles = triangles[repeats], triangles[first]
         kept = kept[first]
         order, bounds = by_edge(*ends(kept))
     opposite = np.full(3 * len(kept), -1, dtype=np.int64)
     if not clean:
-        kept, turned = _pair(kept, order, bounds, opposite)
+        kept, reversed_ = _pair(kept, order, bounds, opposite)
     else:
         first, second = edges_of_two(order, bounds)
         opposite[first], opposite[second] = second, first
@@ -93,8 +93,8 @@ def cut(faces: _Ints, n: int) -> Cut:
         label.reshape(-1, 3),
         opposite,
         points,
-        sources,
-        turned,
+        triangles,
+        reversed_,
         repeats,
         repeated,
         against,
@@ -103,7 +103,7 @@ def cut(faces: _Ints, n: int) -> Cut:
 
 
 def distinct_faces(faces: _Ints) -> _Ints:
-    """Return the faces (k, 3) that repeat no vertex; of equal ones, turned or not, the first."""
+    """Return the faces (k, 3) that repeat no vertex; of equal ones, in any winding, the first."""
     collapsed = _collapsed(faces)
     faces = faces[~collapsed] if collapsed.any() else faces
     first = _repeats(faces)[0]
@@ -111,13 +111,13 @@ def distinct_faces(faces: _Ints) -> _Ints:
 
 
 def _collapsed(faces: _Ints) -> _Bools:
-    """Tell which faces repeat a vertex."""
+    """Return which faces repeat a vertex."""
     a, b, c = faces.T
     return np.asarray((a == b) | (b == c) | (c == a))
 
 
 def _is_clean(faces: _Ints, order: _Ints, bounds: _Ints) -> bool:
-    """Tell whether all edges have one face, or two that agree in winding."""
+    """Return whether all edges have one face, or two that agree in winding."""
     first, second = edges_of_two(order, bounds)
     start = faces.ravel()
     return np.diff(bounds).max(initial=0) <= 2 and bool((start[first] != start[second]).all())
@@ -144,18 +144,18 @@ def _repeats(faces: _Ints) -> tuple[_Ints, _Ints, _Ints, _Bools]:
 
 
 def _pair(faces: _Ints, order: _Ints, bounds: _Ints, opposite: _Ints) -> tuple[_Ints, _Bools]:
-    """Fill in the opposites of the half-edges; return the faces, turned, and which were."""
+    """Fill in the opposites of half-edges; return the oriented faces, and which are reversed."""
     size = np.diff(bounds)
     first, second = edges_of_two(order, bounds)
     start = faces.ravel()
     component = np.arange(len(faces))
-    turned = np.zeros(len(faces), dtype=bool)
-    cutting.orient(first, second, start[first] == start[second], component, turned)
-    faces = np.where(turned[:, None], faces[:, [0, 2, 1]], faces)
-    # The half-edges of a turned face: 0, 1, 2 run along the edges of 2, 1, 0.
+    reversed_ = np.zeros(len(faces), dtype=bool)
+    cutting.orient(first, second, start[first] == start[second], component, reversed_)
+    faces = np.where(reversed_[:, None], faces[:, [0, 2, 1]], faces)
+    # The half-edges of a reversed face: 0, 1, 2 run along the edges of 2, 1, 0.
     h = np.arange(3 * len(faces))
-    place = np.where(turned[h // 3], 3 * (h // 3) + 2 - h % 3, h)
-    first, second, order = place[first], place[second], place[order]
+    renamed = np.where(reversed_[h // 3], 3 * (h // 3) + 2 - h % 3, h)
+    first, second, order = renamed[first], renamed[second], renamed[order]
     start, end = ends(faces)
     agree = start[first] != start[second]
     first, second = first[agree], second[agree]
@@ -168,4 +168,4 @@ def _pair(faces: _Ints, order: _Ints, bounds: _Ints, opposite: _Ints) -> tuple[_
         by = np.lexsort((component[halfedges // 3], edge[chosen]))
         limits = np.concatenate(([0], np.cumsum(size[many])))
         cutting.pair_up(halfedges[by], limits, start < end, component, opposite)
-    return faces, turned
+    return faces, reversed_

@@ -1,12 +1,12 @@
-"""Coding the connectivity: a closed manifold in, bytes out, and back.
+"""Section CONN: the connectivity of an oriented manifold.
 
 The payload is three counts (boundary loops, boundary edges, joins), which bound the work and the
-memory of the decoder, then what the range coder writes (`deltamesh._kernels.coding.connectivity`).
+memory of the decoder, then a range coded stream (`deltamesh._kernels.coding.connectivity`).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,34 +21,56 @@ from deltamesh._kernels.coding.connectivity import (
 )
 from deltamesh._kernels.coding.front import JOINS, new_front
 from deltamesh._kernels.coding.valence import MIXERS, MODEL_SIZE, PRIOR, SLOTS
-from deltamesh._shape.topology import Topology
+from deltamesh._shape.announced import announced
+from deltamesh._shape.coding_order import in_coding_order
+from deltamesh._shape.draft import ShapeDraft
+from deltamesh._shape.manifold import CodedManifold, Manifold, trivial
+from deltamesh._shape.structure import Complex, Structure, structure_of
+from deltamesh._shape.topology import Topology, build_topology
 from deltamesh._streams import entropy
+from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.layout import ATTRIBUTES, COPIES, POLYGONS, STITCHES
 from deltamesh_formats.container.reader import read_varint
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
 
+# The sections whose decoders walk from half-edge to half-edge.
+_NEED_MANIFOLD: Final = frozenset({STITCHES, COPIES, POLYGONS, ATTRIBUTES})
 
-@dataclass(frozen=True)
-class Connectivity:
-    """A mesh in coding order.
 
-    Attributes
-    ----------
-    faces : int64 (m, 3)
-        In the order in which both sides visit them.
-    order : int64 (n,)
-        The vertex of the topology that each vertex was; isolated ones are not among them.
-    starts : int64 (m,)
-        The half-edge of the topology with which each face begins.
+def applies(draft: ShapeDraft) -> bool:
+    """Return True: every file has this section."""
+    return True
+
+
+def encode(draft: ShapeDraft) -> tuple[bytes, ShapeDraft]:
+    """Return the payload of CONN, and the draft in coding order; the mirror is `decode`."""
+    cut = draft.input.cut
+    topology = build_topology(cut.faces, cut.opposite, len(cut.points))
+    payload, coded = encode_connectivity(topology)
+    return payload, in_coding_order(draft, coded)
+
+
+def decode(payload: memoryview, container: Container, structure: Structure) -> Structure:
+    """Return the structure of a manifold: the mirror of `encode`.
+
+    Raises
+    ------
+    FormatError
+        If no encoder has written the payload, or if a section needs a manifold that its faces do
+        not form; the offset counts from its beginning.
     """
+    counts = announced(container)
+    faces = decode_connectivity(payload, counts.vertices, counts.faces)
+    manifold = Manifold(faces, counts.vertices)
+    if _NEED_MANIFOLD & container.sections.keys() and not manifold.is_sound:
+        raise FormatError("the faces form no manifold", 0)
+    stitches, used = trivial(counts.vertices, counts.faces), counts.points - counts.isolated
+    return structure_of(Complex(manifold, stitches, used, counts.isolated))
 
-    faces: NDArray[np.int64]
-    order: NDArray[np.int64]
-    starts: NDArray[np.int64]
 
-
-def encode_connectivity(topology: Topology) -> tuple[bytes, Connectivity]:
-    """Code the faces of a topology; return the payload and the mesh in coding order."""
+def encode_connectivity(topology: Topology) -> tuple[bytes, CodedManifold]:
+    """Code the faces of a topology; return the payload and the manifold in coding order."""
     face_count, degree = len(topology.faces), topology.valence
     halfedges = np.empty(3 * face_count, dtype=HALFEDGE)
     halfedges["origin"], halfedges["opposite"] = topology.faces.ravel(), topology.opposite
@@ -60,9 +82,22 @@ def encode_connectivity(topology: Topology) -> tuple[bytes, Connectivity]:
     coder = entropy.encoder(face_count, SLOTS, MIXERS)
     coder.memory[: len(PRIOR)] = PRIOR
     if grow(coder, front, region, topology.loop_count, topology.vertex_count) != OK:
-        raise AssertionError("the region grower lost its way in a manifold")
+        raise AssertionError("the region grower failed on a manifold")
     counts = (topology.loop_count, topology.boundary_edge_count, int(front.counts[JOINS]))
-    return b"".join(map(write_varint, counts)) + entropy.finish(coder), _open(region)
+    faces, is_open = _open(region)
+    starts, order = region.starts[is_open], region.vertices["old"][~region.vertices["is_loop"]]
+    manifold = Manifold(faces, len(order), _reordered(topology.opposite, starts))
+    payload = b"".join(map(write_varint, counts)) + entropy.finish(coder)
+    return payload, CodedManifold(manifold, order, starts)
+
+
+def _reordered(opposite: NDArray[np.int64], starts: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the opposites of the half-edges of the faces that begin with half-edges `starts`."""
+    face, corner = np.divmod(starts, 3)
+    old = (3 * face[:, None] + (corner[:, None] + np.arange(3)) % 3).ravel()
+    new = np.full(len(opposite), -1, dtype=np.int64)  # stays -1 in faces that close a loop
+    new[old] = np.arange(len(old))
+    return new[opposite[old]]
 
 
 def decode_connectivity(
@@ -89,11 +124,11 @@ def decode_connectivity(
     if status != OK or front.counts[JOINS] != joins:
         raise FormatError("the connectivity is corrupt", at)
     entropy.check_end(coder, at)
-    faces = _open(region).faces
+    faces, _ = _open(region)
     if len(faces) != face_count:
         raise FormatError("the connectivity has another number of faces than the header", at)
     if np.bincount(faces.ravel(), minlength=vertex_count).min(initial=1) == 0:
-        raise FormatError("a vertex of the connectivity that is in no face", at)
+        raise FormatError("a vertex of the connectivity is in no face", at)
     return faces
 
 
@@ -111,10 +146,9 @@ def _region(
     )
 
 
-def _open(region: Region) -> Connectivity:
-    """Take away the vertices that close the boundary loops, and their faces."""
+def _open(region: Region) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Return the faces without those that close boundary loops, and which of all faces they are."""
     real = ~region.vertices["is_loop"]
     index = np.cumsum(real) - 1
     kept = real[region.faces].all(axis=1)
-    starts = region.starts[kept] if len(region.starts) else region.starts
-    return Connectivity(index[region.faces[kept]], region.vertices["old"][real], starts)
+    return index[region.faces[kept]], kept

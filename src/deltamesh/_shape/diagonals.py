@@ -1,4 +1,4 @@
-"""How the polygons of a mesh are cut into triangles to be coded.
+"""Cut of the polygons of a mesh into triangles to be coded.
 
 A decoder joins the triangles again, so that any diagonals will do. Where quads meet in a grid,
 diagonals that all run in parallel give every vertex a valence of 6, which costs nearly nothing:
@@ -13,16 +13,23 @@ from numpy.typing import NDArray
 from deltamesh._graph.halfedges import by_edge, edges_of_two, ends, weld
 from deltamesh._kernels.mesh import diagonals as kernels
 from deltamesh_formats.polymesh.mesh import PolyMesh
-from deltamesh_formats.polymesh.triangles import Triangles, fans, folds, middles
+from deltamesh_formats.polymesh.triangles import Triangles, fans, folds
 
 _Ints = NDArray[np.int64]
 
 
-def cut_polygons(mesh: PolyMesh) -> Triangles:
-    """Cut polygons into fans."""
+def cut_polygons(mesh: PolyMesh, around: _Ints) -> Triangles:
+    """Cut polygons into fans.
+
+    Parameters
+    ----------
+    mesh : PolyMesh
+    around : int64 (p,)
+        The corner around which any reader cuts each polygon, as `triangles.middles` returns it.
+    """
     if (mesh.sizes == 3).all():
         return mesh.triangulation()
-    around = middles(mesh.vertices, mesh.corners, mesh.offsets)
+    around = around.copy()
     quads = np.flatnonzero(mesh.sizes == 4)
     around[quads] = _parallel(mesh, quads, around[quads])
     return fans(mesh.corners, mesh.offsets, around)
@@ -31,7 +38,7 @@ def cut_polygons(mesh: PolyMesh) -> Triangles:
 def _parallel(mesh: PolyMesh, quads: _Ints, around: _Ints) -> _Ints:
     """Return the corner, 0 or 1, at which the diagonal of each quad ends.
 
-    `around` are those to take where one of the two diagonals folds the quad.
+    `around` (q,) are the corners to take where one of the two diagonals folds the quad.
     """
     corners = mesh.corners[mesh.offsets[quads, None] + np.arange(4)]
     points = mesh.vertices[corners]

@@ -1,107 +1,149 @@
-"""Everything of a mesh but its positions, as both sides know it.
+"""Structure of a mesh: everything but its positions, known to encoder and decoder.
 
-`structure_encoding` and `structure_decoding` make it, of any triangles and of a file.
+Manifold -> complex of triangles over points -> triangles over vertices -> polygons: the sections
+CONN, STCH, COPY and POLY each add a step, and what follows from a step is computed once.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._graph.halfedges import pair_halfedges
-from deltamesh._shape.corners import Corners, corners_of
-from deltamesh._shape.merging import hidden_halfedges, partners
-from deltamesh._shape.polygons import Polygons, joined, plain
-from deltamesh._shape.stitching import Stitching
+from deltamesh._graph.elements import Elements, of_vertices
+from deltamesh._shape.manifold import Manifold, Stitches, complex_faces, trivial
+from deltamesh._shape.merge_candidates import hidden_halfedges, merge_candidates
+from deltamesh._shape.polygons import Polygons, merged_polygons, plain
 from deltamesh._shape.surface import NO_EDGES, Surface, surface_of
+from deltamesh._shape.wedges import Corners, corners_of
 
 _Ints = NDArray[np.int64]
+_NONE: Final = np.zeros(0, dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class Complex:
+    """Triangles over points: a manifold that is stitched, with repeated and degenerate faces.
+
+    Attributes
+    ----------
+    manifold : Manifold
+    stitches : Stitches
+    used : int
+        Number of points that the faces of the manifold have.
+    isolated : int
+        Number of further points, which come after them.
+    """
+
+    manifold: Manifold
+    stitches: Stitches
+    used: int
+    isolated: int
+
+    @property
+    def point_count(self) -> int:
+        """Number of points."""
+        return self.used + self.isolated
+
+    @cached_property
+    def faces(self) -> _Ints:
+        """All triangles over points, (m, 3)."""
+        return complex_faces(self.manifold.faces, self.stitches)
+
+    @cached_property
+    def manifold_faces(self) -> _Ints:
+        """The faces of the manifold over points, (k, 3)."""
+        s, faces = self.stitches, self.manifold.faces
+        return faces if s.is_trivial else s.points[faces]
+
+    @cached_property
+    def corners(self) -> Corners:
+        """The corners of the triangles, point by point."""
+        m = self.manifold
+        return corners_of(m.faces, m.opposite, self.stitches, self.point_count)
 
 
 @dataclass(frozen=True)
 class Structure:
-    """A mesh without its positions, as both sides know it.
+    """Mesh without its positions.
 
     Attributes
     ----------
-    manifold : int64 (k, 3)
-        The faces that CONN has, over vertices of its own.
-    stitching : Stitching
-        What makes a complex of them.
-    used, isolated : int
-        Points of these faces; further points, which come after them.
+    complex : Complex
     faces : int64 (m, 3)
-        Of the mesh, over its vertices.
+        The triangles of the complex, over vertices.
     points : int64 (n,)
         The point of each vertex, ascending.
-    glued : int64 (3 m,) or (0,)
-        The half-edge of the mesh that each is glued to in a polygon, -1 for none; nothing if all
-        polygons are triangles.
+    merged : int64 (3 m,) or (0,)
+        The half-edge that each half-edge of `faces` is merged with in a polygon, -1 for none;
+        nothing if all polygons are triangles.
     """
 
-    manifold: _Ints
-    stitching: Stitching
-    used: int
-    isolated: int
+    complex: Complex
     faces: _Ints
     points: _Ints
-    glued: _Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    merged: _Ints
 
-    @cached_property
-    def point_faces(self) -> _Ints:
-        """The faces of the manifold over points, (k, 3)."""
-        return self.stitching.points[self.manifold]
-
-    @cached_property
-    def surface(self) -> Surface:
-        """What geometry is coded on."""
-        return surface_of(self.point_faces, self.used, self.isolated, self.hidden, self.quads)
-
-    @cached_property
-    def opposite(self) -> _Ints:
-        """Of the half-edges of the manifold, (3 k,), as of `topology.pair_halfedges`."""
-        return pair_halfedges(self.manifold)
-
-    @cached_property
+    @property
     def corners(self) -> Corners:
-        """The corners of the complex, point by point."""
-        count = self.used + self.isolated
-        return corners_of(self.manifold, self.opposite, self.stitching, count)
+        """The corners of the triangles, point by point."""
+        return self.complex.corners
+
+    @property
+    def has_split_vertices(self) -> bool:
+        """Whether several vertices are at one point."""
+        return len(self.points) != self.complex.point_count
+
+    @property
+    def split_points(self) -> _Ints:
+        """The points of the vertices if some are split, else nothing: a part of the digest."""
+        return self.points if self.has_split_vertices else _NONE
 
     @cached_property
-    def partners(self) -> _Ints:
-        """The half-edge of the mesh that each may be glued to, (3 m,), or -1."""
-        return partners(self.faces, self.opposite, self.stitching.turned)
+    def merge_candidates(self) -> _Ints:
+        """The half-edge that each may be merged with, (3 m,), -1 for none."""
+        c = self.complex
+        return merge_candidates(self.faces, c.manifold.opposite, c.stitches.reversed)
 
     @cached_property
     def polygons(self) -> Polygons:
         """The polygons of the mesh."""
-        return joined(self.glued) if len(self.glued) else plain(len(self.faces))
+        return merged_polygons(self.merged) if len(self.merged) else plain(len(self.faces))
 
     @cached_property
-    def hidden(self) -> NDArray[np.bool_]:
-        """Half-edges of the manifold, (3 k,), within a polygon; (0,) if all are triangles."""
-        if not len(self.glued):
-            return NO_EDGES
-        return hidden_halfedges(self.glued, self.opposite, self.stitching.turned)
+    def surface(self) -> Surface:
+        """The surface over points on which geometry is coded."""
+        c, hidden = self.complex, NO_EDGES
+        if len(self.merged):
+            hidden = hidden_halfedges(self.merged, c.manifold.opposite, c.stitches.reversed)
+        manifold = c.manifold if c.stitches.is_trivial else None
+        faces = c.manifold_faces
+        return surface_of(faces, c.used, c.isolated, hidden, self._quads(), manifold)
 
-    @property
-    def quads(self) -> _Ints:
-        """The polygons of four corners, (q, 4), over points."""
+    @cached_property
+    def vertices(self) -> Elements:
+        """The vertices as elements, isolated ones included, over the edges of all triangles."""
+        trivial_everywhere = self.complex.stitches.is_trivial and not self.has_split_vertices
+        if trivial_everywhere and not len(self.merged):
+            return self.surface.elements
+        opposite = self.complex.manifold.opposite if trivial_everywhere else None
+        return of_vertices(self.faces, len(self.points), opposite)
+
+    def _quads(self) -> _Ints:
+        """Return the polygons of four corners, (q, 4), over points."""
         corners, offsets = self.polygons.corners, self.polygons.offsets
         first = offsets[:-1][np.diff(offsets) == 4]
         quads: _Ints = corners[first[:, None] + np.arange(4)]
         return np.asarray(self.points[self.faces.ravel()[quads]])
 
-    @property
-    def glue(self) -> tuple[_Ints, ...]:
-        """What the digest of a file covers of its polygons."""
-        return (self.glued,) if len(self.glued) else ()
 
-    @property
-    def copied(self) -> _Ints:
-        """The points where some have several vertices; else nothing."""
-        return self.points[: 0 if len(self.points) == self.used + self.isolated else None]
+def structure_of(built: Complex) -> Structure:
+    """Return the structure of a complex with a vertex at each point, and triangles only."""
+    return Structure(built, built.faces, np.arange(built.point_count), _NONE)
+
+
+# The structure before the first section.
+EMPTY: Final = structure_of(Complex(Manifold(np.zeros((0, 3), np.int64), 0), trivial(0, 0), 0, 0))

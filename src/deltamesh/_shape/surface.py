@@ -1,4 +1,4 @@
-"""What the two geometry methods share: what they are given, and what they make of it."""
+"""Surface over points: the connectivity on which geometry is coded, and what follows from it."""
 
 from __future__ import annotations
 
@@ -11,33 +11,38 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from deltamesh._graph.adjacency import adjacency, adjacency_of_edges, components, edges_between
+from deltamesh._graph.elements import Elements
 from deltamesh._graph.halfedges import ends
 from deltamesh._graph.laplacian import laplacian
 from deltamesh._graph.parallelograms import NO_QUADS, parallelograms
+from deltamesh._shape.manifold import Manifold
 
 NO_EDGES: Final = np.zeros(0, dtype=bool)
 
 
 @dataclass(frozen=True)
 class Surface:
-    """Connectivity in coding order, and what follows from it.
+    """Triangles in coding order with the neighbours of their vertices.
 
     Attributes
     ----------
     faces : int64 (m, 3)
     graph : pair of int64 arrays
-        Neighbours of the vertices of the faces, as of `laplacian.adjacency`, along the edges of
-        polygons.
+        Neighbours of the vertices of the faces along the edges of polygons; see
+        `adjacency.adjacency`.
     isolated_count : int
-        Vertices without a face; they come after the others.
+        Number of vertices without a face; they come after the others.
     quads : int64 (q, 4)
         The polygons of four corners.
+    manifold : Manifold, optional
+        The manifold that has these very faces, where one has.
     """
 
     faces: NDArray[np.int64]
     graph: tuple[NDArray[np.int64], NDArray[np.int64]]
     isolated_count: int
     quads: NDArray[np.int64] = field(default_factory=lambda: NO_QUADS)
+    manifold: Manifold | None = None
 
     @property
     def vertex_count(self) -> int:
@@ -55,10 +60,14 @@ class Surface:
         return components(*self.graph)
 
     @cached_property
-    def parallelograms(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-        """What predicts each vertex, the isolated ones too, as of `topology.parallelograms`."""
+    def elements(self) -> Elements:
+        """The vertices as elements, the isolated ones last, with what predicts each."""
         count = self.vertex_count + self.isolated_count
-        return parallelograms(self.faces, count, self.quads)
+        indptr, indices = self.graph
+        indptr = np.pad(indptr, (0, self.isolated_count), mode="edge")
+        opposite = None if self.manifold is None else self.manifold.opposite
+        predictors = parallelograms(self.faces, count, self.quads, opposite)
+        return Elements(count, indptr, indices, *predictors)
 
 
 def surface_of(
@@ -67,13 +76,16 @@ def surface_of(
     isolated_count: int,
     hidden: NDArray[np.bool_] = NO_EDGES,
     quads: NDArray[np.int64] = NO_QUADS,
+    manifold: Manifold | None = None,
 ) -> Surface:
     """Return a `Surface` with its graph.
 
     Half-edges, (3 m,), may be `hidden` within polygons; edges where all are do not count.
     """
     if not len(hidden):
-        return Surface(faces, adjacency(faces, vertex_count), isolated_count, quads)
-    start, end = ends(faces)
-    pairs = edges_between(start[~hidden], end[~hidden], vertex_count)
-    return Surface(faces, adjacency_of_edges(pairs, vertex_count), isolated_count, quads)
+        graph = adjacency(faces, vertex_count)
+    else:
+        start, end = ends(faces)
+        pairs = edges_between(start[~hidden], end[~hidden], vertex_count)
+        graph = adjacency_of_edges(pairs, vertex_count)
+    return Surface(faces, graph, isolated_count, quads, manifold)

@@ -1,4 +1,4 @@
-"""Welding, and the closed oriented manifold on which the connectivity coder works.
+"""Closed oriented manifold on which the connectivity coder works.
 
 A boundary loop is closed by a fan of faces around an added vertex (Touma & Gotsman, *Triangle
 Mesh Compression*, 1998, section 3), so that the coder knows closed meshes only.
@@ -25,7 +25,8 @@ class Topology:
     opposite : int64 (3 (m + b),)
         The half-edge on the other side of each half-edge.
     valence : int64 (n + l,)
-        Neighbours of the n vertices (0: isolated), then of the l vertices that close a loop.
+        Number of neighbours of each of the n vertices (0: isolated), then of the l vertices that
+        close a loop.
     face_count, vertex_count : int
         m and n.
     """
@@ -54,9 +55,9 @@ def build_topology(faces: NDArray[np.int64], opposite: NDArray[np.int64], n: int
     ----------
     faces : int64 (m, 3)
         With one fan of faces around each vertex, and no two edges between the same two vertices,
-        as of `complexes.cut`.
+        as `complexes.cut` returns them.
     opposite : int64 (3 m,)
-        As of `pair_halfedges`.
+        As `halfedges.pair_halfedges` returns it.
     n : int
         Number of vertices.
     """
@@ -82,7 +83,7 @@ def build_topology(faces: NDArray[np.int64], opposite: NDArray[np.int64], n: int
 
 
 def _loop_labels(successor: NDArray[np.int64], start: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Label each boundary edge with its loop, by doubling: log2(edges) rounds, no Python loop."""
+    """Return the loop of each boundary edge, found by doubling in log2(edges) rounds."""
     lowest = np.arange(len(successor))
     jump = successor.copy()
     for _ in range(max(len(start), 1).bit_length()):

@@ -1,9 +1,9 @@
-"""Which vertices of a manifold are one point, which faces were turned, repeated or degenerate.
+"""Stitches of a manifold: vertices at one point, and faces reversed, repeated or degenerate.
 
 Everything is coded in the order of the manifold, in contexts of its connectivity. Where two banks
-of a cut run side by side, the partner of a vertex is next to the partner of its neighbour: the
-neighbours of the partners of its neighbours are candidates, ranked by how many neighbours suggest
-them.
+of a cut run side by side, the mate of a vertex, another vertex at its point, is next to the mate of
+its neighbour: the neighbours of the mates of its neighbours are candidates, ranked by how many
+neighbours suggest them.
 """
 
 from __future__ import annotations
@@ -21,14 +21,20 @@ _Bools = NDArray[np.bool_]
 # Candidates that are kept, and neighbours of neighbours that are looked at: a bound on the work.
 CANDIDATES, LOOKS = 16, 256
 
-# Mixers, and the first slot of each of their inputs.
-STITCHED, MATCHES, TURNED, REPEATED, NUMBER, ADJACENT = range(6)
+# Mixers, and the first slot of each of their inputs: sums of the numbers of their contexts.
+STITCHED, MATCHES, REVERSED, REPEATED, NUMBER, ADJACENT = range(6)
 MIXERS = ((3, 255), (2, 255), (3, 255), (2, 255), (1, 255), (1, 255))
-STITCHED_AT = 0
-MATCHES_AT = STITCHED_AT + 32 + 16 + 32
-TURNED_AT = MATCHES_AT + 128 + 64
-REPEATED_AT = TURNED_AT + 4 + 16 + 64
-NUMBER_AT = REPEATED_AT + 2 * 32
+STITCHED_BY_LOWER = 0
+STITCHED_BY_BEFORE = STITCHED_BY_LOWER + 2 * 4 * 4
+STITCHED_BY_VOTES = STITCHED_BY_BEFORE + 2 * 4 * 2
+MATCHES_BY_RANK = STITCHED_BY_VOTES + 2 * 8 * 2
+MATCHES_BY_RIVAL = MATCHES_BY_RANK + 8 * 16
+REVERSED_BY_BEFORE = MATCHES_BY_RIVAL + 8 * 8
+REVERSED_BY_AROUND = REVERSED_BY_BEFORE + 2 * 2
+REVERSED_BY_BOTH = REVERSED_BY_AROUND + 4 * 4
+REPEATED_BY_LAST = REVERSED_BY_BOTH + 4 * 4 * 4
+REPEATED_BY_AROUND = REPEATED_BY_LAST + 2 * 4 * 4
+NUMBER_AT = REPEATED_BY_AROUND + 2 * 4 * 4
 ADJACENT_AT = NUMBER_AT + MAX_BITS
 SLOTS = ADJACENT_AT + 1
 
@@ -37,8 +43,8 @@ SLOTS = ADJACENT_AT + 1
 def code_stitches(c: Coder, indptr: _Ints, indices: _Ints, boundary: _Bools, points: _Ints) -> Int:
     """Code `points` (n,), filled in when decoding; return how many there are, -1: corrupt.
 
-    Points are numbered in the order of their first vertices; `boundary` (n,) tells which vertices
-    are on a boundary of the manifold, whose neighbours are as of `adjacency`.
+    Points are numbered in the order of their first vertices. `boundary` (n,) is whether vertices
+    are on a boundary of the manifold; their neighbours are those of `adjacency.adjacency`.
     """
     n = len(points)
     state = c.state
@@ -63,9 +69,9 @@ def code_stitches(c: Coder, indptr: _Ints, indices: _Ints, boundary: _Bools, poi
         best = min(votes[0], 7) if found > 0 else 0
         edge = 1 if boundary[v] else 0
         before = flags[v - 1] + 2 * flags[v - 2] if v > 1 else 0
-        state[CONTEXT] = STITCHED_AT + (edge * 4 + min(stitched, 3)) * 4 + min(lower, 3)
-        state[CONTEXT + 1] = STITCHED_AT + 32 + (edge * 4 + before) * 2 + min(stitched, 1)
-        state[CONTEXT + 2] = STITCHED_AT + 48 + (edge * 8 + best) * 2 + flags[max(v - 1, 0)]
+        state[CONTEXT] = STITCHED_BY_LOWER + (edge * 4 + min(stitched, 3)) * 4 + min(lower, 3)
+        state[CONTEXT + 1] = STITCHED_BY_BEFORE + (edge * 4 + before) * 2 + min(stitched, 1)
+        state[CONTEXT + 2] = STITCHED_BY_VOTES + (edge * 8 + best) * 2 + flags[max(v - 1, 0)]
         flags[v] = code_bit(c, 1 if points[v] < count else 0, np.int64(STITCHED)) if v > 0 else 0
         if flags[v] == 0:
             points[v] = count
@@ -98,17 +104,17 @@ def _find_candidates(
         u = indices[at]
         if u >= v:
             break
-        partner = latest[points[u]]
-        while partner >= 0 and looks < LOOKS:
+        mate = latest[points[u]]
+        while mate >= 0 and looks < LOOKS:
             looks += 1
-            for by in range(indptr[partner], indptr[partner + 1]):
+            for by in range(indptr[mate], indptr[mate + 1]):
                 w = indices[by]
                 if w >= v or looks == LOOKS:
                     break
                 looks += 1
                 point = points[w]
                 slit = boundary[u] and boundary[v] and boundary[w]
-                if beside[point] == v or (partner == u and not slit):
+                if beside[point] == v or (mate == u and not slit):
                     continue
                 k = 0
                 while k < found and candidates[k] != point:
@@ -123,7 +129,7 @@ def _find_candidates(
                     candidates[k], candidates[k - 1] = candidates[k - 1], candidates[k]
                     votes[k], votes[k - 1] = votes[k - 1], votes[k]
                     k -= 1
-            partner = earlier[partner]
+            mate = earlier[mate]
     return found
 
 
@@ -131,12 +137,12 @@ def _find_candidates(
 def _code_match(
     c: Coder, point: Int, count: Int, candidates: _Ints, votes: _Ints, found: Int
 ) -> Int:
-    """Code which of the points so far a vertex is at; -1: a candidate that was passed over."""
+    """Code the point of a vertex, one of those so far; -1: a candidate that was skipped before."""
     for k in range(found):
         rank, vote = min(k, 7), min(votes[k], 15)
         rival = min(votes[k + 1], 7) if k + 1 < found else 0
-        c.state[CONTEXT] = MATCHES_AT + rank * 16 + vote
-        c.state[CONTEXT + 1] = MATCHES_AT + 128 + min(vote, 7) * 8 + rival
+        c.state[CONTEXT] = MATCHES_BY_RANK + rank * 16 + vote
+        c.state[CONTEXT + 1] = MATCHES_BY_RIVAL + min(vote, 7) * 8 + rival
         if code_bit(c, 1 if candidates[k] == point else 0, np.int64(MATCHES)) == 1:
             return candidates[k]
     point = code_below(c, point, count)
@@ -147,50 +153,50 @@ def _code_match(
 
 
 @kernel
-def code_turned(c: Coder, opposite: _Ints, turned: _Bools) -> None:
-    """Code which faces (m,) were turned, filled in when decoding."""
+def code_reversed(c: Coder, opposite: _Ints, reversed_: _Bools) -> None:
+    """Code which faces (m,) are reversed, filled in when decoding."""
     state = c.state
-    for f in range(len(turned)):
-        known, set_ = 0, 0
+    for f in range(len(reversed_)):
+        known, around = 0, 0
         for h in range(3 * f, 3 * f + 3):
             g = opposite[h] // 3
             if 0 <= g < f:
                 known += 1
-                set_ += turned[g]
-        last = 1 if f > 0 and turned[f - 1] else 0
-        before = 1 if f > 1 and turned[f - 2] else 0
-        state[CONTEXT] = TURNED_AT + 2 * last + before
-        state[CONTEXT + 1] = TURNED_AT + 4 + 4 * known + set_
-        state[CONTEXT + 2] = TURNED_AT + 20 + 4 * (4 * known + set_) + 2 * last + before
-        turned[f] = code_bit(c, 1 if turned[f] else 0, np.int64(TURNED)) == 1
+                around += reversed_[g]
+        last = 1 if f > 0 and reversed_[f - 1] else 0
+        before = 1 if f > 1 and reversed_[f - 2] else 0
+        state[CONTEXT] = REVERSED_BY_BEFORE + 2 * last + before
+        state[CONTEXT + 1] = REVERSED_BY_AROUND + 4 * known + around
+        state[CONTEXT + 2] = REVERSED_BY_BOTH + 4 * (4 * known + around) + 2 * last + before
+        reversed_[f] = code_bit(c, 1 if reversed_[f] else 0, np.int64(REVERSED)) == 1
 
 
 @kernel
 def code_repeats(c: Coder, opposite: _Ints, repeats: _Ints, total: Int) -> Flag:
     """Code how often each face is repeated, `repeats` (m, 2): in its winding, in the opposite one.
 
-    Filled in when decoding; return whether they come to the total.
+    Filled in when decoding; return whether the sum is the total.
     """
     state = c.state
     rest = total
     for f in range(len(repeats)):
-        for way in range(2):
+        for winding in range(2):
             around = 0
             for h in range(3 * f, 3 * f + 3):
                 g = opposite[h] // 3
                 if 0 <= g < f:
-                    around = max(around, repeats[g, way])
-            last = repeats[f - 1, way] if f > 0 else 0
-            wanted, k = repeats[f, way], 0
+                    around = max(around, repeats[g, winding])
+            last = repeats[f - 1, winding] if f > 0 else 0
+            number, k = repeats[f, winding], 0
             while rest > 0:
-                level = way * 4 + min(k, 3)
-                state[CONTEXT] = REPEATED_AT + 4 * level + min(last, 3)
-                state[CONTEXT + 1] = REPEATED_AT + 32 + 4 * level + min(around, 3)
-                if code_bit(c, 1 if wanted > k else 0, np.int64(REPEATED)) == 0:
+                level = winding * 4 + min(k, 3)
+                state[CONTEXT] = REPEATED_BY_LAST + 4 * level + min(last, 3)
+                state[CONTEXT + 1] = REPEATED_BY_AROUND + 4 * level + min(around, 3)
+                if code_bit(c, 1 if number > k else 0, np.int64(REPEATED)) == 0:
                     break
                 k += 1
                 rest -= 1
-            repeats[f, way] = k
+            repeats[f, winding] = k
     return rest == 0
 
 

@@ -1,8 +1,8 @@
-"""Classes of corners around a point: copies of a vertex, or both sides of a seam.
+"""Wedges, classes of corners at a point: split vertices, or the two sides of a seam.
 
-The corners of a point are visited fan by fan in their rotational order. A corner is of the class
-of the one before unless a seam runs between them, along the edge that they share; a seam at one
-end of an edge mostly goes on at the other.
+The corners of a point are visited fan by fan in their rotational order. A corner is in the wedge of
+the one before unless a seam runs between them, along the edge that they share; a seam at one end of
+an edge mostly goes on at the other.
 """
 
 from __future__ import annotations
@@ -17,18 +17,25 @@ from deltamesh._kernels.mesh.halfedges import next_halfedge, previous_halfedge
 
 _Ints = NDArray[np.int64]
 
-# How a corner comes after the one that it is expected to be like: across an edge, as the first of
-# a further fan, in a repeat of a face, in a degenerate face.
+# The kind of a corner, by its relation to the one that it is expected to be like: across an edge,
+# the first of a further fan, in a repeat of a face, in a degenerate face.
 ACROSS, FAN, REPEAT, DEGENERATE = range(4)
-# What is known of a seam along an edge at its other end.
+# The status of an edge at its other end: not visited, no seam, a seam, no edge.
 UNKNOWN, SMOOTH, SEAM, OPEN = range(4)
 
 SAME, NEW, MORE = range(3)
 MIXERS = ((5, 255), (2, 255), (2, 255))
-SAME_AT = 0
-NEW_AT = SAME_AT + 64 + 4 * 256
-MORE_AT = NEW_AT + 2 * 64
-SLOTS = MORE_AT + 2 * 16
+# The first slot of each input of the mixers: sums of the numbers of their contexts.
+SAME_BY_KIND = 0
+SAME_BY_SEAMS = SAME_BY_KIND + 4 * 4 * 4
+SAME_BY_UNKNOWN = SAME_BY_SEAMS + 4 * 4 * 4 * 4
+SAME_BY_DISTANCE = SAME_BY_UNKNOWN + 4 * 4 * 4 * 4
+SAME_BY_COUNT = SAME_BY_DISTANCE + 4 * 8 * 8
+NEW_BY_KIND = SAME_BY_COUNT + 4 * 4 * 4 * 2 * 2
+NEW_BY_COUNT = NEW_BY_KIND + 4 * 4 * 4
+MORE_BY_LAST = NEW_BY_COUNT + 16 * 4
+MORE_BY_NUMBER = MORE_BY_LAST + 4 * 4
+SLOTS = MORE_BY_NUMBER + 16
 
 
 @kernel
@@ -43,7 +50,7 @@ def fill_rings(
     """Put the corners of each point into rotational order, fan by fan.
 
     opposite : int64 (3 m,), of a manifold; corners : int64 (3 m,), its vertices.
-    by_point : int64 (n,), the vertices in the order in which they are wanted.
+    by_point : int64 (n,), the vertices in the order of their points.
     ring : int64 (3 m,), the corners; spoke : the half-edge that leads on to each from the corner
         before, -1 at the first of a fan; closing : that from the last of a closed fan to the first.
     """
@@ -105,7 +112,7 @@ def _look_ahead(
 
 
 @kernel
-def code_classes(
+def code_wedges(
     c: Coder,
     opposite: _Ints,
     bounds: _Ints,
@@ -114,15 +121,16 @@ def code_classes(
     closing: _Ints,
     like: _Ints,
     kind: _Ints,
-    classes: _Ints,
+    wedges: _Ints,
     labels: Int,
 ) -> Int:
-    """Code the classes of corners; return how many there are, over all points, or -1: corrupt.
+    """Code the wedges of corners; return how many there are, over all points.
 
     bounds : int64 (p + 1,), where the corners of each point begin in `ring`, `spoke`, `closing`,
         `like` (the corner that each is expected to be like, -1 for the first of a point), `kind`.
-    classes : int64, of each corner; any numbers below `labels` when encoding, of which those at
-        one point count. Replaced by numbers that ascend with the points and the visits.
+    wedges : int64, of each corner: any numbers below `labels` when encoding, which are compared at
+        one point only. Replaced by numbers that ascend with the points and the visits.
+    labels : 0 when decoding.
     """
     state = c.state
     seams = np.full(len(opposite), UNKNOWN, np.int64)
@@ -139,23 +147,22 @@ def code_classes(
             corner = ring[i]
             actual = np.int64(0)
             if labels > 0:
-                label = classes[corner]
+                label = wedges[corner]
                 if met[label] != p:
                     met[label], number[label] = p, count
                 actual = number[label]
             if like[i] >= 0:
-                expected = classes[like[i]] - base
+                expected = wedges[like[i]] - base
                 far = _status(seams, opposite, spoke[i])
                 back = _status(seams, opposite, closing[i])
                 known = kind[i] * 16 + min(count, 4) - 1
                 found = 64 * far + 16 * seen + 4 * min(changes, 3)
-                state[CONTEXT] = SAME_AT + (kind[i] * 4 + far) * 4 + recent
-                state[CONTEXT + 1] = SAME_AT + 64 + found + kind[i]
-                state[CONTEXT + 2] = SAME_AT + 320 + found + min(left[i], 3)
-                state[CONTEXT + 3] = (
-                    SAME_AT + 576 + 64 * far + 8 * min(behind, 7) + min(ahead[i], 7)
-                )
-                state[CONTEXT + 4] = SAME_AT + 832 + 4 * known + 2 * several + (back == SEAM)
+                state[CONTEXT] = SAME_BY_KIND + (kind[i] * 4 + far) * 4 + recent
+                state[CONTEXT + 1] = SAME_BY_SEAMS + found + kind[i]
+                state[CONTEXT + 2] = SAME_BY_UNKNOWN + found + min(left[i], 3)
+                distance = 64 * far + 8 * min(behind, 7) + min(ahead[i], 7)
+                state[CONTEXT + 3] = SAME_BY_DISTANCE + distance
+                state[CONTEXT + 4] = SAME_BY_COUNT + 4 * known + 2 * several + (back == SEAM)
                 same = code_bit(c, 1 if actual == expected else 0, np.int64(SAME))
                 recent = 2 * (recent & 1) + same
                 behind += behind > 0
@@ -172,7 +179,7 @@ def code_classes(
             if closing[i] >= 0:
                 seams[closing[i]] = SMOOTH if start == actual else SEAM
             count = max(count, actual + 1)
-            classes[corner] = base + actual
+            wedges[corner] = base + actual
         several = 1 if count > 1 else 0
         base += count
     return base
@@ -180,11 +187,11 @@ def code_classes(
 
 @inlined
 def _code_other(c: Coder, actual: Int, expected: Int, count: Int, known: Int, far: Int) -> Int:
-    """Code a class that is not the expected one: a new one, or one of the others."""
+    """Code a wedge that is not the expected one: a new one, or one of the others."""
     if count == 1:
         return np.int64(1)
-    c.state[CONTEXT] = NEW_AT + known
-    c.state[CONTEXT + 1] = NEW_AT + 64 + 4 * min(count, 15) + far
+    c.state[CONTEXT] = NEW_BY_KIND + known
+    c.state[CONTEXT + 1] = NEW_BY_COUNT + 4 * min(count, 15) + far
     if code_bit(c, 1 if actual == count else 0, np.int64(NEW)) == 1:
         return count
     other = code_below(c, actual - (1 if actual > expected else 0), count - 1)
@@ -192,21 +199,21 @@ def _code_other(c: Coder, actual: Int, expected: Int, count: Int, known: Int, fa
 
 
 @kernel
-def code_loose(c: Coder, loose: _Ints, total: Int) -> Flag:
-    """Code how many vertices at each point are in no face; return whether they come to the total.
+def code_isolated(c: Coder, isolated: _Ints, total: Int) -> Flag:
+    """Code the number of isolated vertices at each point; return whether the sum is the total.
 
-    loose : int64 (p,), filled in when decoding.
+    isolated : int64 (p,), filled in when decoding.
     """
     rest = total
     last = 0
-    for p in range(len(loose)):
-        wanted, k = loose[p], 0
+    for p in range(len(isolated)):
+        number, k = isolated[p], 0
         while rest > 0:
-            c.state[CONTEXT] = MORE_AT + min(k, 3) * 4 + min(last, 3)
-            c.state[CONTEXT + 1] = MORE_AT + 16 + min(k, 15)
-            if code_bit(c, 1 if wanted > k else 0, np.int64(MORE)) == 0:
+            c.state[CONTEXT] = MORE_BY_LAST + min(k, 3) * 4 + min(last, 3)
+            c.state[CONTEXT + 1] = MORE_BY_NUMBER + min(k, 15)
+            if code_bit(c, 1 if number > k else 0, np.int64(MORE)) == 0:
                 break
             k += 1
             rest -= 1
-        loose[p] = last = k
+        isolated[p] = last = k
     return rest == 0

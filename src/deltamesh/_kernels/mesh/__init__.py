@@ -1,1 +1,1 @@
-"""Kernels on meshes that code nothing."""
+"""Kernels on meshes, without a coder."""

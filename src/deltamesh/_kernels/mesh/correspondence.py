@@ -1,4 +1,4 @@
-"""Walking over two meshes at once."""
+"""Walk over two meshes at once."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ def assign(source: int, target: int, mapping: _Ints, inverse: _Ints, log: _Ints,
 @kernel
 def propagate(
     corners: _Ints,
-    twins: _Ints,
+    opposite: _Ints,
     colours: _Ints,
     other_corners: _Ints,
-    other_twins: _Ints,
+    other_opposite: _Ints,
     other_colours: _Ints,
     half_edge: int,
     other_half_edge: int,
@@ -42,9 +42,9 @@ def propagate(
 ) -> bool:
     """Map the patch around a half-edge of one mesh onto that around a half-edge of another.
 
-    Half-edge h runs from `corners[h]` to the next corner of face `h // 3`; `twins[h]` is the one
+    Half-edge h runs from `corners[h]` to the next corner of face `h // 3`; `opposite[h]` is the one
     half-edge that runs back along it, or -1 at a boundary, at an edge of three faces, or between
-    faces that are turned differently. A patch is what can be reached over twins.
+    faces of different winding. A patch is the faces that can be reached over opposites.
 
     corners, other_corners : int64 (3 m,), the flat faces.
     colours, other_colours : int64 (n,); vertices of different colour cannot correspond.
@@ -53,7 +53,7 @@ def propagate(
     only that of its first corner is kept: entry `3 f` at `half_edges[f]`.
     """
     vertex_count, face_count, head = 0, 0, 0
-    # Twins find the face of a half-edge that should be mapped; this pair starts the first face.
+    # Opposites find the face of a half-edge that should be mapped; this pair starts the first face.
     h, g = half_edge, other_half_edge
     while True:
         f, at = h // 3, h % 3
@@ -75,13 +75,13 @@ def propagate(
                         new = assign(a, b, vertices, inverse_vertices, vertex_log, vertex_count)
                         ok = new >= 0
                         vertex_count = max(new, vertex_count)
-        # On to the next half-edge of the logged faces that has a twin.
+        # On to the next half-edge of the logged faces that has an opposite.
         h = -1
         while ok and h < 0 and head < 3 * face_count:
             f, at = face_log[head // 3], head % 3
             start = half_edges[f]
-            h = twins[3 * f + at]
-            g = other_twins[start // 3 * 3 + (start + at) % 3]
+            h = opposite[3 * f + at]
+            g = other_opposite[start // 3 * 3 + (start + at) % 3]
             ok = (h < 0) == (g < 0)
             head += 1
         if not ok:

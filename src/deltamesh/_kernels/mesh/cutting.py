@@ -1,4 +1,4 @@
-"""Cutting a triangle complex along edges, until it is an oriented manifold."""
+"""Cuts of a triangle complex along edges, until it is an oriented manifold."""
 
 from __future__ import annotations
 
@@ -13,44 +13,44 @@ _Bools = NDArray[np.bool_]
 
 
 @inlined
-def _find(parent: _Ints, turned: _Bools, f: Int) -> tuple[Int, Flag]:
-    """Return the root of a face and whether it is turned against it, halving paths on the way."""
+def _find(parent: _Ints, reversed_: _Bools, f: Int) -> tuple[Int, Flag]:
+    """Return the root of a face and whether it is reversed against it, halving paths on the way."""
     odd: Flag = False
     while parent[f] != f:
         up = parent[f]
-        turned[f] ^= turned[up]
+        reversed_[f] ^= reversed_[up]
         parent[f] = parent[up]
-        odd ^= turned[f]
+        odd ^= reversed_[f]
         f = parent[f]
     return f, odd
 
 
 @kernel
-def orient(first: _Ints, second: _Ints, twisted: _Bools, parent: _Ints, turned: _Bools) -> None:
-    """Turn faces so that as many pairs as possible agree: union-find with parities.
+def orient(first: _Ints, second: _Ints, twisted: _Bools, parent: _Ints, reversed_: _Bools) -> None:
+    """Reverse faces so that as many pairs as possible agree: union-find with parities.
 
     first, second : int64 (k,), half-edges on one edge; `twisted` where they run the same way.
     parent : int64 (m,), ends as the root of each face's component.
-    turned : bool (m,), at first False, ends as whether to turn the face: fewer than half of each
-        component.
+    reversed_ : bool (m,), at first False, ends as whether to reverse the face: fewer than half of
+        each component.
     """
     for k in range(len(first)):
-        f, odd = _find(parent, turned, first[k] // 3)
-        g, other = _find(parent, turned, second[k] // 3)
+        f, odd = _find(parent, reversed_, first[k] // 3)
+        g, other = _find(parent, reversed_, second[k] // 3)
         if f != g:
             low, high = min(f, g), max(f, g)  # the root is the first face of its component
             parent[high] = low
-            turned[high] = odd ^ other ^ twisted[k]
+            reversed_[high] = odd ^ other ^ twisted[k]
     size = np.zeros(len(parent), np.int64)
     against = np.zeros(len(parent), np.int64)
     for f in range(len(parent)):
-        root, odd = _find(parent, turned, f)
+        root, odd = _find(parent, reversed_, f)
         parent[f] = root
-        turned[f] = odd
+        reversed_[f] = odd
         size[root] += 1
         against[root] += odd
     for f in range(len(parent)):
-        turned[f] ^= 2 * against[parent[f]] > size[parent[f]]
+        reversed_[f] ^= 2 * against[parent[f]] > size[parent[f]]
 
 
 @kernel
@@ -75,19 +75,19 @@ def pair_up(
                 if across == 0 and component[h // 3] != last:
                     count[:] = 0
                     last = component[h // 3]
-                way = 1 if forward[h] else 0
-                if count[1 - way] > 0:
-                    count[1 - way] -= 1
-                    g = waiting[1 - way, count[1 - way]]
+                along = 1 if forward[h] else 0
+                if count[1 - along] > 0:
+                    count[1 - along] -= 1
+                    g = waiting[1 - along, count[1 - along]]
                     opposite[h], opposite[g] = g, h
                 else:
-                    waiting[way, count[way]] = h
-                    count[way] += 1
+                    waiting[along, count[along]] = h
+                    count[along] += 1
 
 
 @kernel
 def label_fans(opposite: _Ints, label: _Ints) -> Int:
-    """Give each fan of corners a number, in the order of first corners; return how many."""
+    """Label the fans of corners in the order of first corners; return how many there are."""
     count = 0
     label[:] = -1
     for h in range(len(opposite)):
@@ -149,7 +149,7 @@ def break_slits(opposite: _Ints, label: _Ints, count: Int) -> None:
                 seen[label[before]] = run
             seen[out] = run
             if cuts > 0:
-                label[c] = fresh - 1  # its neighbours may tell this run from the others
+                label[c] = fresh - 1  # its neighbours can distinguish this run from the others
             if after < 0 or after == first:
                 break
             c = after

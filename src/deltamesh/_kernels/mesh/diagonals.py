@@ -1,4 +1,4 @@
-"""Which diagonal cuts each quad, walking over the surface."""
+"""Diagonals of quads, chosen walking over the surface."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _Ints = NDArray[np.int64]
 
 @kernel
 def choose(start: _Ints, near: _Ints, unlike: _Ints, cut: _Ints) -> None:
-    """Choose one of two diagonals for each quad, breadth first, as most neighbours want it.
+    """Choose one of two diagonals for each quad, breadth first, by a vote of its neighbours.
 
     start : int64 (q + 1,), near : int64 (e,), the neighbours of each quad.
-    unlike : int64 (e,), whether the diagonals of both should be different ones, 0 or 1.
+    unlike : int64 (e,), 1 if the diagonals of both should differ, else 0.
     cut : int64 (q,), 0 or 1 where it is given, else -1: filled in.
     """
     votes = np.zeros((len(cut), 2), np.int64)

@@ -1,4 +1,4 @@
-"""The corners of polygons that are triangles glued together."""
+"""Outlines of polygons of merged triangles."""
 
 from __future__ import annotations
 
@@ -12,16 +12,17 @@ _Ints = NDArray[np.int64]
 
 
 @kernel
-def walk(glued: _Ints, corners: _Ints, offsets: _Ints, of_corners: _Ints) -> None:
+def walk(merged: _Ints, corners: _Ints, offsets: _Ints, of_corners: _Ints) -> None:
     """List the corners of the polygons, ascending by their lowest triangles.
 
-    glued : int64 (3 m,), the half-edge that each is glued to, -1 for none; no ring of triangles.
+    merged : int64 (3 m,), the half-edge that each is merged with, -1 for none; no triangles form a
+        ring.
     corners : int64 (c,), offsets : int64 (p + 1,), of_corners : int64 (3 m,), filled in; see
         `polygons.Polygons`.
     """
     of_corners[:] = -1
     at, number = 0, 0
-    for t in range(len(glued) // 3):
+    for t in range(len(merged) // 3):
         if of_corners[3 * t] >= 0:
             continue
         start: Int = 3 * t
@@ -29,11 +30,11 @@ def walk(glued: _Ints, corners: _Ints, offsets: _Ints, of_corners: _Ints) -> Non
         for h in range(3 * t, 3 * t + 3):
             e: Int = h  # first to where the corner begins, then over all of it
             meeting = 1
-            while glued[e] >= 0:
-                e = next_halfedge(glued[e])
+            while merged[e] >= 0:
+                e = next_halfedge(merged[e])
             f: Int = e
-            while glued[previous_halfedge(f)] >= 0:
-                f = glued[previous_halfedge(f)]
+            while merged[previous_halfedge(f)] >= 0:
+                f = merged[previous_halfedge(f)]
                 meeting += 1
             if meeting > most:
                 start, most = e, meeting
@@ -42,13 +43,13 @@ def walk(glued: _Ints, corners: _Ints, offsets: _Ints, of_corners: _Ints) -> Non
             corners[at] = e
             of_corners[e] = at
             f = e
-            while glued[previous_halfedge(f)] >= 0:
-                f = glued[previous_halfedge(f)]
+            while merged[previous_halfedge(f)] >= 0:
+                f = merged[previous_halfedge(f)]
                 of_corners[f] = at
             at += 1
             e = next_halfedge(e)
-            while glued[e] >= 0:
-                e = next_halfedge(glued[e])
+            while merged[e] >= 0:
+                e = next_halfedge(merged[e])
             if e == start:
                 break
         number += 1

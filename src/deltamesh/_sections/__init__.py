@@ -1,0 +1,1 @@
+"""Sections of a file, each with the coder of both directions."""

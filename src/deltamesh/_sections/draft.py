@@ -1,0 +1,85 @@
+"""Draft of a file: the state of its encoder between two sections."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh._content import NOTHING, Content
+from deltamesh._geometry.search import Trial
+from deltamesh._options import Options
+from deltamesh._parts import Annotations, annotations_of
+from deltamesh._progress import Progress
+from deltamesh._shape.diagonals import cut_polygons
+from deltamesh._shape.draft import ShapeDraft, first_draft
+from deltamesh_formats.errors import MeshError
+from deltamesh_formats.polymesh.dropping import without
+from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.polymesh.triangles import middles
+
+
+@dataclass(frozen=True)
+class Draft:
+    """State of an encoder between two sections.
+
+    Attributes
+    ----------
+    mesh : PolyMesh
+        The input, without what is to be dropped.
+    options : Options
+    progress : callable
+        Called with the name of each stage as it begins.
+    around : int64 (p,)
+        The corner around which any reader cuts each polygon of the input into triangles.
+    shape : ShapeDraft
+    trial : Trial or None
+        The geometry that was chosen.
+    content : Content
+        As a decoder knows it after the same sections.
+    """
+
+    mesh: PolyMesh
+    options: Options
+    progress: Progress
+    around: NDArray[np.int64]
+    shape: ShapeDraft
+    trial: Trial | None = None
+    content: Content = NOTHING
+
+    @property
+    def chosen(self) -> Trial:
+        """The geometry that was chosen, once it is."""
+        assert self.trial is not None
+        return self.trial
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """The input's position of each point, float64 (p, 3)."""
+        return self.mesh.vertices[self.shape.triangle_provenance.points]
+
+    @cached_property
+    def annotations(self) -> Annotations | None:
+        """Parts, names, transforms and metadata of the input, None if it has none."""
+        return annotations_of(self.mesh, self.shape.provenance.polygons)
+
+
+def begin(mesh: PolyMesh, options: Options, progress: Progress) -> Draft:
+    """Return the draft before the first section.
+
+    Raises
+    ------
+    MeshError
+        If the mesh has no faces.
+    """
+    mesh = without(mesh, options.drop)
+    around = middles(mesh.vertices, mesh.corners, mesh.offsets)
+    triangles = cut_polygons(mesh, around)
+    if len(triangles.faces) == 0:
+        raise MeshError("the mesh has no faces")
+    progress("topology")
+    exact, drop_isolated = options.exact, options.drop_isolated
+    shape = first_draft(mesh.vertices, triangles, drop_isolated=drop_isolated, exact=exact)
+    return Draft(mesh, options, progress, around, shape)

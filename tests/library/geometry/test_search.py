@@ -1,0 +1,162 @@
+"""The search for the fewest bytes: what it asks for, and what it makes of the answers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import meshes
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from deltamesh import TargetError, encode, info
+from deltamesh._geometry.bounds import Bounds
+from deltamesh._geometry.search import MOST_TRIES, Trial, smallest
+from deltamesh._measures.metrics import VertexErrors, diagonal
+from deltamesh._options import Options, Settings
+from deltamesh_formats.container.container import Parameters
+from deltamesh_formats.errors import MeshError
+
+N = 1000
+
+
+@dataclass
+class Model:
+    """Answers a search by laws: errors grow with the step, sizes fall with it."""
+
+    law: object
+    asked: list
+
+    def __call__(self, settings: Settings) -> Trial:
+        self.asked.append(settings)
+        bits, errors = self.law(settings)
+        anchors = settings.anchors or 1
+        parameters = Parameters(
+            settings.method, True, None, None, settings.step, (0, 0, 0), 0, 0, anchors, 0
+        )
+        write = {"DATA": bytes(max(int(N * bits / 8), 0))}.copy
+        return Trial(settings, parameters, None, write, np.zeros((N, 3)), errors)
+
+
+def search(law, options, bounds, edge=1.0):
+    model = Model(law, [])
+    return smallest(options, bounds, edge, model), model.asked
+
+
+def errors(normal, rms=0.0, largest=0.0):
+    return VertexErrors(rms=rms, max=largest, normal_deviation=normal, dihedral=normal)
+
+
+@given(
+    st.floats(0.6, 1.8),
+    st.floats(1e-6, 1e6),
+    st.floats(1e-3, 1e3),
+    st.floats(0, 0.05),
+    st.randoms(),
+)
+def test_a_power_law_with_noise_gets_a_good_step(power, scale, bound, noise, rng):
+    def law(settings):
+        error = scale * settings.step**power * (1 + noise * (2 * rng.random() - 1))
+        return 30 - 4 * math.log2(settings.step), errors(error)
+
+    right = (bound / scale) ** (1 / power)
+    edge = right * rng.choice([1e-3, 0.1, 1, 10, 1e3])
+    found, asked = search(law, Options(method="highpass"), Bounds(normal_deviation=bound), edge)
+    assert found.errors.normal_deviation <= bound
+    assert found.settings.step > 0.3 * right
+    assert len(asked) <= MOST_TRIES
+
+
+@given(st.floats(-6, 6), st.floats(1, 40))
+def test_auto_takes_the_smaller_of_two_methods(difference, base):
+    def law(settings):
+        extra = difference if settings.method == "cartesian" else 0.0
+        return base + 30 + extra - 3 * math.log2(settings.step), errors(settings.step)
+
+    found, _ = search(law, Options(), Bounds(normal_deviation=1.0))
+    if abs(difference) > 1:  # an error is met to within a few percent
+        assert found.settings.method == ("cartesian" if difference < 0 else "refined")
+
+
+def test_distances_alone_are_kept_by_cartesian_coordinates():
+    def law(settings):
+        return 30.0, errors(0.0, largest=settings.step)
+
+    found, asked = search(law, Options(), Bounds(max=1.0))
+    assert {settings.method for settings in asked} == {"cartesian"}
+    assert 0.9 < found.errors.max <= 1
+
+
+def test_drift_is_held_by_anchors():
+    def law(settings):
+        anchors = settings.anchors or 1
+        return 30 - math.log2(settings.step), errors(settings.step, 9 * settings.step / anchors)
+
+    found, _ = search(law, Options(method="refined", coarse=8), Bounds(1.0, normal_deviation=1.0))
+    assert found.parameters.anchor_count == 16
+    assert found.settings.step > 0.8
+
+
+def test_corrections_let_the_step_grow_while_files_shrink():
+    def law(settings):
+        error = settings.step if settings.largest == math.inf else min(settings.step, 1.0)
+        return 30 - 4 * math.log2(settings.step) + settings.step, errors(0.0, largest=error)
+
+    options = Options(method="refined", coarse=8)
+    found, _ = search(law, options, Bounds(max=1.0))
+    assert 2 < found.settings.step < 12  # the least of the law is at 4 / ln 2
+    assert found.settings.largest == 1.0
+
+
+def test_an_error_that_does_not_fall_is_a_missed_target():
+    with pytest.raises(TargetError, match="normal deviation 1 cannot be met: the least found is 7"):
+        search(lambda settings: (9.0, errors(7.0)), Options(), Bounds(normal_deviation=1.0))
+
+
+def test_a_step_that_is_too_small_ends_the_search():
+    def law(settings):
+        if settings.step < 0.01:
+            raise MeshError("too small")
+        return 9.0, errors(100 * settings.step)
+
+    with pytest.raises(TargetError, match="cannot be met"):
+        search(law, Options(), Bounds(normal_deviation=0.5))
+
+
+def test_an_error_of_nothing_lets_the_step_grow():
+    def law(settings):
+        return 9.0, errors(0.0 if settings.step < 50 else math.inf)
+
+    options = Options(method="cartesian")
+    assert search(law, options, Bounds(normal_deviation=1.0))[0].settings.step >= 16
+
+
+def test_a_rate_is_not_searched_for():
+    law = lambda settings: (9.0, errors(1.0))  # noqa: E731
+    for options in (Options(method="highpass"), Options(method="cartesian", bits=9)):
+        found, asked = search(law, options, None)
+        assert asked == [found.settings]
+        assert found.settings == replace(found.settings, bits=options.bits, largest=math.inf)
+
+
+def test_auto_at_a_step_is_not_worse_than_refined():
+    V, F = meshes.torus(24, 16)
+    step = diagonal(V) / 500
+    plain, auto = (info(encode(V, F, method=method, step=step)) for method in ("refined", "auto"))
+    assert auto.meta.normal <= plain.meta.normal
+    assert auto.size <= plain.size
+
+
+def test_zero_bits_are_a_least_squares_mesh():
+    assert info(encode(*meshes.torus(8, 6), bits=0)).parameters.method == "highpass"
+
+
+@pytest.mark.parametrize(
+    "name", meshes.large_are_slow(["clean/1002_tray_bottom.STL", "unstated/fandisk.obj"], 200_000)
+)
+def test_more_effort_is_never_much_larger_on_real_meshes(name):
+    mesh = meshes.real(name)
+    sizes = [len(encode(mesh.vertices, mesh.faces, effort=effort)) for effort in (1, 2, 3)]
+    assert sizes[2] <= 1.02 * sizes[1] <= 1.05 * sizes[0]

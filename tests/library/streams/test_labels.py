@@ -1,0 +1,235 @@
+"""Labels of elements: neighbours, round trips, what they cost, and bytes that are none."""
+
+from __future__ import annotations
+
+import drafts
+import meshes
+import numpy as np
+import oracle
+import pytest
+import strategies
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from deltamesh._graph import elements
+from deltamesh._graph.elements import Elements
+from deltamesh._graph.permutations import numbered
+from deltamesh._kernels.coding import coder as coder_kernels
+from deltamesh._kernels.coding import labels as kernels
+from deltamesh._shape.polygons import Polygons, plain
+from deltamesh._streams import entropy, labels
+from deltamesh_formats.errors import FormatError
+from deltamesh_formats.polymesh.mesh import from_triangles
+
+Ints = NDArray[np.int64]
+
+SEQUENCES = st.lists(st.integers(-3, 5), max_size=12)
+
+
+def graph(indptr: Ints, indices: Ints) -> Elements:
+    count = len(indptr) - 1
+    first, within = np.zeros(count + 1, np.int64), np.zeros(count, np.int64)
+    return Elements(count, indptr, indices, first, np.zeros((0, 3), np.int64), within)
+
+
+def alone(count: int) -> Elements:
+    """Elements without neighbours."""
+    return graph(np.zeros(count + 1, dtype=np.int64), np.zeros(0, dtype=np.int64))
+
+
+def of_rows(F: Ints, polygons: Polygons) -> Elements:
+    return elements.of_polygons(F, polygons.offsets, polygons.of_corners)
+
+
+def of_faces(F: Ints) -> Elements:
+    return of_rows(F, plain(len(F)))
+
+
+def rows(elements: Elements) -> list[list[int]]:
+    return [row.tolist() for row in np.split(elements.indices, elements.indptr[1:-1])]
+
+
+def size(elements: Elements, values: Ints) -> int:
+    """Bytes of a stream that comes back."""
+    wanted, order = numbered(values)
+    data = labels.encode_labels(elements, wanted)
+    found = labels.decode_labels(memoryview(data), elements)
+    assert np.array_equal(order[found], values)
+    return len(data)
+
+
+# ---- Elements -------------------------------------------------------------------------------
+
+
+def fans(F: Ints, seed: int) -> Polygons:
+    """Some faces joined to the next one: not always polygons, but neighbours do not mind."""
+    joined = np.random.default_rng(seed).random(len(F)) < 0.4
+    joined[:1] = False
+    begins = np.flatnonzero(~joined)
+    of_corners = np.arange(3 * len(F))
+    return Polygons(of_corners, np.append(3 * begins, 3 * len(F)), of_corners)
+
+
+@given(strategies.complexes(), strategies.SMALL)
+def test_polygons_are_beside_those_with_an_edge_in_common(mesh: meshes.Arrays, seed: int) -> None:
+    F = mesh[1]
+    polygons = fans(F, seed)
+    sizes = np.diff(polygons.offsets) // 3
+    found = of_rows(F, polygons)
+    polygon = np.repeat(np.arange(len(sizes)), sizes)
+    assert rows(found) == oracle.beside(F.tolist(), polygon.tolist())
+    assert found.count == len(sizes) == len(found.first) - 1
+    assert len(found.corners) == 0
+    assert found.indices.dtype == found.indptr.dtype == np.int64
+    assert len(found.indices) <= 6 * len(F)
+
+
+def test_many_faces_on_one_edge_are_a_chain() -> None:
+    pages = 4000
+    F = np.stack([np.zeros(pages), np.ones(pages), np.arange(2, pages + 2)], axis=1).astype(int)
+    assert rows(of_faces(F))[:3] == [[1], [0, 2], [1, 3]]
+
+
+def test_vertices_have_the_graph_and_the_parallelograms_of_their_faces() -> None:
+    F = meshes.icosphere(1)[1]
+    found = elements.of_vertices(F, 45)
+    assert found.count == 45
+    assert found.indptr[-1] == found.indptr[42] == 2 * 120
+    expected = oracle.parallelograms(F)
+    corners = np.split(found.corners, found.first[1:-1])
+    assert {i: sorted(map(tuple, row.tolist())) for i, row in enumerate(corners) if len(row)} == {
+        i: sorted(row) for i, row in expected.items()
+    }
+
+
+# ---- Round trips ----------------------------------------------------------------------------
+
+
+@given(strategies.complexes(), SEQUENCES, strategies.SMALL)
+def test_labels_of_any_mesh_round_trip(mesh: meshes.Arrays, cycle: list[int], seed: int) -> None:
+    V, F = mesh
+    rng = np.random.default_rng(seed)
+    for these in (elements.of_vertices(F, len(V)), of_faces(F)):
+        values = np.resize(np.array(cycle or [0]), these.count)
+        noise = rng.random(these.count) < rng.choice([0.0, 0.1, 1.0])
+        size(these, np.where(noise, rng.integers(-(2**62), 2**62, these.count) % 50, values))
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 4, 5])
+def test_few_elements_round_trip(count: int) -> None:
+    for values in np.ndindex(*(3,) * count):
+        size(alone(count), np.array(values, dtype=np.int64))
+
+
+def test_values_are_numbered_by_their_first_elements() -> None:
+    found, order = numbered(np.array([7, 7, -1, 2**40, 7, -1]))
+    assert found.tolist() == [0, 0, 1, 2, 0, 1]
+    assert order.tolist() == [7, -1, 2**40]
+
+
+@pytest.mark.parametrize("wrong", [[1, 0], [0, 2], [0, -1], [0, 1, 3, 2]])
+def test_other_numbers_are_refused(wrong: list[int]) -> None:
+    with pytest.raises(ValueError, match="first elements"):
+        labels.encode_labels(alone(len(wrong)), np.array(wrong))
+
+
+# ---- The oracle -----------------------------------------------------------------------------
+
+
+def twin_of(data: bytes | None) -> oracle.RangeCoder:
+    tables = coder_kernels.STRETCH, coder_kernels.SQUASH, coder_kernels.RATE
+    weights = entropy.INITIAL_WEIGHT_SUM
+    return oracle.RangeCoder(tables, kernels.SLOTS, kernels.MIXERS, weights, data)
+
+
+CASES = st.tuples(
+    st.sampled_from([meshes.icosphere(1)[1], meshes.grid(6, 5)[1], meshes.crossing()[1]]),
+    st.lists(st.integers(0, 6), min_size=1, max_size=9),
+    st.sampled_from([0.0, 0.1, 0.5]),
+    strategies.SMALL,
+)
+
+
+@strategies.FEW
+@given(CASES)
+def test_labels_equal_their_oracle(case: tuple[Ints, list[int], float, int]) -> None:
+    F, cycle, share, seed = case
+    these = of_faces(F)
+    rng = np.random.default_rng(seed)
+    values = np.resize(np.array(cycle), these.count)
+    values = np.where(rng.random(these.count) < share, rng.integers(0, 40, these.count), values)
+    wanted, _ = numbered(values)
+    twin = twin_of(None)
+    assert oracle.code_labels(twin, rows(these), wanted.tolist()) == wanted.tolist()
+    assert labels.encode_labels(these, wanted) == twin.finish()
+
+
+@strategies.FEW
+@given(st.binary(max_size=60), st.sampled_from([0x00, 0x55, 0xFF]), st.integers(0, 100))
+def test_any_bytes_are_the_labels_of_the_oracle(data: bytes, filler: int, more: int) -> None:
+    data += bytes([filler]) * more
+    these = of_faces(meshes.icosphere(1)[1])
+    found = np.zeros(these.count, dtype=np.int64)
+    decoder = entropy.decoder(data, kernels.SLOTS, kernels.MIXERS)
+    seen = kernels.code_labels(decoder, these.indptr, these.indices, found)
+    twin = twin_of(data)
+    expected = oracle.code_labels(twin, rows(these), [0] * these.count)
+    assert (seen < 0) == (expected is None)
+    if expected is not None:
+        assert found.tolist() == expected
+        assert seen == max(expected) + 1
+        assert int(decoder.state[coder_kernels.CODE]) == twin.code
+
+
+# ---- What they cost -------------------------------------------------------------------------
+
+
+def test_what_goes_on_costs_next_to_nothing() -> None:
+    these = of_faces(meshes.torus(160, 160)[1])
+    count = these.count
+    assert count > 50_000
+    assert size(these, np.full(count, 3)) == 0
+    for cycle in ([0, 1, 2], [0, 0, 0, 0, 0, 0, 1], list(range(100)), [0, 0, 1, 0, 0, 2]):
+        assert size(these, np.resize(cycle, count)) < 40
+    assert size(these, np.arange(count)) < 40
+
+
+def test_patches_cost_about_a_bit_an_element_on_their_boundaries() -> None:
+    V, F = meshes.torus(100, 100)
+    draft = drafts.before_polygons(from_triangles(V, F))
+    structure, vertices = draft.structure, draft.triangle_provenance.vertices
+    these = of_faces(structure.faces)
+    # Two sides of a slanted plane, across which the faces do not alternate evenly.
+    middles = V[vertices][structure.faces].mean(axis=1)
+    inside = middles @ np.array([0.7, 0.4, 1.1]) > 0.2
+    pairs = np.repeat(np.arange(len(F)), np.diff(these.indptr))
+    on_boundary = np.unique(pairs[inside[pairs] != inside[these.indices]])
+    assert 100 < len(on_boundary) < 0.1 * len(F)
+    assert 8 * size(these, inside.astype(np.int64)) < 1.8 * len(on_boundary)
+
+
+def test_noise_costs_little_more_than_its_entropy() -> None:
+    values = np.random.default_rng(7).integers(0, 170, 20_000)
+    assert 8 * size(alone(20_000), values) < 1.05 * 20_000 * np.log2(170)
+
+
+# ---- Refusals -------------------------------------------------------------------------------
+
+
+@given(st.binary(max_size=200))
+def test_any_bytes_are_labels_or_refused(data: bytes) -> None:
+    these = elements.of_vertices(meshes.icosphere(1)[1], 45)
+    try:
+        found = labels.decode_labels(data, these)
+    except FormatError:
+        return
+    assert labels.encode_labels(these, found) == data
+    assert found[0] == 0
+    assert (np.diff(np.maximum.accumulate(found)) <= 1).all()
+
+
+def test_an_empty_stream_is_one_label_for_any_number_of_elements() -> None:
+    for count in (0, 1, 300_000):
+        assert not labels.decode_labels(b"", alone(count)).any()
+        assert labels.encode_labels(alone(count), np.zeros(count, dtype=np.int64)) == b""

@@ -1,0 +1,48 @@
+"""The second decoder's opinion of a file beside the first one's."""
+
+from __future__ import annotations
+
+import numpy as np
+import spec_attributes
+import spec_decoder
+
+from deltamesh import decode, info
+from deltamesh._measures.metrics import diagonal
+from deltamesh_formats.polymesh.mesh import Attribute
+
+
+def assert_same(data: bytes) -> None:
+    vertices, faces, exact = spec_decoder.decode(data)
+    mesh = decode(data)
+    np.testing.assert_array_equal(np.concatenate(faces), mesh.corners)
+    np.testing.assert_array_equal([len(face) for face in faces], np.diff(mesh.offsets))
+    divisions, metadata, lost, precision = exact["told"]
+    assert (metadata, lost) == ({k: [*v] for k, v in mesh.metadata.items()}, [*mesh.lost])
+    assert precision == mesh.precision
+    assert [row[0] for row in divisions] == [parts.kind for parts in mesh.parts]
+    for (_, names, of_face, transforms), parts in zip(divisions, mesh.parts, strict=True):
+        assert names == [*parts.names]
+        np.testing.assert_array_equal(of_face, parts.of_face)
+        assert (transforms is None) == (parts.transforms is None)
+        assert transforms is None or b"".join(transforms) == parts.transforms.tobytes()
+    for attribute, found in zip(mesh.attributes, exact["attributes"], strict=True):
+        assert_same_attribute(attribute, found)
+    if info(data).parameters.method == "lossless":
+        assert vertices.tobytes() == mesh.vertices.tobytes()
+        return
+    atol = 1e-9 * diagonal(mesh.vertices)
+    np.testing.assert_allclose(vertices, mesh.vertices, rtol=0, atol=atol)
+
+
+def assert_same_attribute(attribute: Attribute, found: spec_attributes.Decoded) -> None:
+    """To the last bit, but for normals, which positions are part of."""
+    entry, rows = found.entry, attribute.rows()
+    for name in ("name", "domain", "role", "normalized", "width"):
+        assert getattr(entry, name) == getattr(attribute, name)
+    np.testing.assert_array_equal(found.has, rows >= 0)
+    ours, theirs = attribute.values[rows[found.has]], found.values[found.has]
+    assert ours.dtype == theirs.dtype
+    if entry.coding == spec_attributes.OCTAHEDRAL:
+        np.testing.assert_allclose(theirs, ours, rtol=0, atol=1e-7)
+    else:
+        assert ours.tobytes() == theirs.tobytes()

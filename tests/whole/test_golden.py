@@ -1,0 +1,87 @@
+"""Files that must decode for ever, and files that must be refused: see make_golden.py."""
+
+from __future__ import annotations
+
+import golden_polymeshes
+import numpy as np
+import pytest
+from graphs import FREE_SOLVERS as SOLVERS
+from places import GOLDEN, REFUSED
+
+from deltamesh import decode, info, verify
+from deltamesh._measures.metrics import diagonal
+from deltamesh_formats import errors
+from deltamesh_formats.container.attribute_table import entries_of
+from deltamesh_formats.container.reader import read_container
+
+TABLE = (REFUSED / "expected.tsv").read_text(encoding="utf-8").splitlines()[1:]
+
+
+def names(folder):
+    return sorted(path.stem for path in folder.glob("*.dmesh"))
+
+
+def test_the_folders_are_complete() -> None:
+    assert names(GOLDEN) == sorted(path.stem for path in GOLDEN.glob("*.npz"))
+    assert len(names(GOLDEN)) >= 20
+    assert names(REFUSED) == sorted(row.split("\t")[0] for row in TABLE)
+    size = sum(path.stat().st_size for folder in (GOLDEN, REFUSED) for path in folder.iterdir())
+    assert size < 350_000
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("name", names(GOLDEN))
+def test_golden_file_decodes(name: str, solver: str) -> None:
+    data = (GOLDEN / f"{name}.dmesh").read_bytes()
+    mesh = decode(data, solver=solver)
+    with np.load(GOLDEN / f"{name}.npz") as expected:
+        if "faces" in expected:
+            np.testing.assert_array_equal(mesh.triangles, expected["faces"])
+            assert (mesh.parts, mesh.metadata, mesh.lost) == ((), {}, ())
+        else:
+            own = golden_polymeshes.stored(mesh)
+            for key in {*own} - {"vertices"}:
+                np.testing.assert_array_equal(own[key], expected[key])
+        atol = 1e-9 * diagonal(expected["vertices"])
+        np.testing.assert_allclose(mesh.vertices, expected["vertices"], rtol=0, atol=atol)
+        entries = entries_of(read_container(data))
+        assert len(entries) == sum(key.startswith("values") for key in expected)
+        for i, (entry, attribute) in enumerate(zip(entries, mesh.attributes, strict=True)):
+            assert_expected(entry, attribute, expected, i)
+
+
+def assert_expected(entry, attribute, expected, i) -> None:
+    """What a file says of an attribute, to the last bit; of unit normals, nearly."""
+    values, rows = expected[f"values{i}"], attribute.rows()
+    has = expected.get(f"has{i}", np.ones(len(values), dtype=bool))
+    np.testing.assert_array_equal(rows >= 0, has)
+    found, values = attribute.values[rows[has]], values[has]
+    assert (found.dtype, found.shape) == (values.dtype, values.shape)
+    if entry.coding == "octahedral":
+        np.testing.assert_allclose(found, values, rtol=0, atol=1e-7)
+    else:
+        assert found.tobytes() == values.tobytes()
+
+
+@pytest.mark.parametrize("name", names(GOLDEN))
+def test_golden_file_tells_of_itself(name: str) -> None:
+    container = info((GOLDEN / f"{name}.dmesh").read_bytes())
+    with np.load(GOLDEN / f"{name}.npz") as expected:
+        assert container.vertices == len(expected["vertices"])
+        polygons = len(expected["offsets"]) - 1 if "offsets" in expected else None
+        faces = expected["faces"] if polygons is None else expected["corners"][2 * polygons :]
+        assert container.triangles == len(faces)
+    assert name.startswith(container.parameters.method)
+    assert container.meta is not None
+
+
+@pytest.mark.parametrize("row", TABLE, ids=lambda row: row.split("\t")[0])
+def test_refused_file_is_refused(row: str) -> None:
+    name, kind, offset, message = row.split("\t")
+    data = (REFUSED / f"{name}.dmesh").read_bytes()
+    for reader in (decode, verify):
+        with pytest.raises(getattr(errors, kind)) as caught:
+            reader(data)
+        assert type(caught.value) is getattr(errors, kind)
+        assert str(caught.value).startswith(message)
+        assert getattr(caught.value, "offset", None) == (int(offset) if offset else None)
