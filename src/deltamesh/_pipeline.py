@@ -27,6 +27,7 @@ from deltamesh._shape.announced import announced
 from deltamesh._version import __version__
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Meta
+from deltamesh_formats.container.layout import CHECK, PARAMETERS
 from deltamesh_formats.container.writer import write_container
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -121,7 +122,7 @@ def decode_mesh(
     """Decompress a container; see `codec.decode`."""
     content = read_content(container, max_vertices, memory, progress)
     if content.digest() != container.digest:
-        offset = container.sections["CHEK"].offset
+        offset = container.sections[CHECK].offset
         raise FormatError("the checksum of the decoded integers is wrong", offset)
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
@@ -153,4 +154,4 @@ def read_content(
 def _check_scale(container: Container, integers: Integers) -> None:
     """Refuse steps and origins that no mesh has."""
     if not has_scale(container.parameters, integers):
-        raise FormatError("positions that are too large", container.sections["PARM"].offset)
+        raise FormatError("positions that are too large", container.sections[PARAMETERS].offset)
