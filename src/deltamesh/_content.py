@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._attributes.domains import Domains
 from deltamesh._attributes.section import CodedAttribute, attribute_arrays, restore_attribute
@@ -17,6 +16,7 @@ from deltamesh._order.reordering import Order, order_arrays, reordered
 from deltamesh._parts import Annotations
 from deltamesh._shape.polygons import assembled
 from deltamesh._shape.structure import EMPTY, Structure
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
 
@@ -61,7 +61,7 @@ class Content:
         )
         return digest(s.faces, s.split_points, self.integers, further)
 
-    def mesh(self, points: NDArray[np.float64], single: bool) -> PolyMesh:
+    def mesh(self, points: Floats, single: bool) -> PolyMesh:
         """Return the mesh.
 
         Parameters
@@ -89,10 +89,10 @@ NOTHING: Final = Content(Domains(EMPTY), Integers(NO_POINTS, NONE, NO_POINTS, NO
 
 
 def digest(
-    faces: NDArray[np.int64],
-    split_points: NDArray[np.int64],
+    faces: Ints,
+    split_points: Ints,
     integers: Integers,
-    further: Iterable[NDArray[np.int64]] = (),
+    further: Iterable[Ints] = (),
 ) -> bytes:
     """Return the checksum of everything exact that a decoder makes (SPEC.md 5.7).
 

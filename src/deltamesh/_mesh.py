@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
 # The squares of coordinates, and of their sums, have to stay within double precision.
@@ -26,8 +24,8 @@ class TriangleMesh:
         Vertex indices from 0, counter-clockwise seen from outside.
     """
 
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.int64]
+    vertices: Floats
+    faces: Ints
 
 
 def triangulated(mesh: PolyMesh) -> TriangleMesh:

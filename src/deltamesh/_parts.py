@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.elements import Elements
 from deltamesh._graph.permutations import numbered
@@ -14,6 +13,7 @@ from deltamesh._kernels.coding import choices as kernels
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh._streams.labels import decode_labels, encode_labels
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.packed import packed, unpacked
 from deltamesh_formats.container.reader import read_varint, take
 from deltamesh_formats.container.texts import Division, Texts, raw_texts, read_texts, write_texts
@@ -21,9 +21,6 @@ from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, located
 from deltamesh_formats.polymesh.descriptions import losses_of, unreferenced_rows
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh
-
-_Ints = NDArray[np.int64]
-_Transforms = NDArray[np.float64]
 
 _MATRIX_BYTES = 4 * 4 * 8
 _IDENTITY = np.eye(4).view(np.uint8)
@@ -43,7 +40,7 @@ class Annotations:
     texts: Texts
     parts: tuple[Parts, ...]
 
-    def arrays(self) -> tuple[_Ints, ...]:
+    def arrays(self) -> tuple[Ints, ...]:
         """Return the arrays that the digest of a file covers."""
         text = np.frombuffer(raw_texts(self.texts), dtype=np.uint8).astype(np.int64)
         return (text, *(array for parts in self.parts for array in _arrays(parts)))
@@ -54,7 +51,7 @@ class Annotations:
         return replace(mesh, parts=self.parts, metadata=texts.metadata, lost=texts.lost)
 
 
-def annotations_of(mesh: PolyMesh, polygons: _Ints) -> Annotations | None:
+def annotations_of(mesh: PolyMesh, polygons: Ints) -> Annotations | None:
     """Return the annotations of a mesh, None if there are none.
 
     Parameters
@@ -136,13 +133,13 @@ def _stream(payload: memoryview, at: int) -> tuple[bytes, int, int]:
     return bytes(take(payload, start, size)), start, start + size
 
 
-def _arrays(parts: Parts) -> tuple[_Ints, ...]:
+def _arrays(parts: Parts) -> tuple[Ints, ...]:
     if parts.transforms is None:
         return (parts.of_face,)
     return parts.of_face, np.ascontiguousarray(parts.transforms, "<f8").view("<i8").ravel()
 
 
-def _encode_order(order: _Ints, count: int) -> bytes:
+def _encode_order(order: Ints, count: int) -> bytes:
     """Code the part that each label stands for, of `count` parts."""
     coded = order.copy()
     return encode_with(
@@ -150,14 +147,14 @@ def _encode_order(order: _Ints, count: int) -> bytes:
     )
 
 
-def _decode_order(stream: bytes, start: int, division: Division, labels: int) -> _Ints:
+def _decode_order(stream: bytes, start: int, division: Division, labels: int) -> Ints:
     """Return the part of each label, -1 for none: the mirror of `_encode_order`."""
     none = int(division.partly)
     count = len(division.names) + none
     if labels > count:
         raise FormatError(f"{labels} labels for {count} parts of kind {division.kind}", start)
 
-    def run(coder: Coder) -> _Ints:
+    def run(coder: Coder) -> Ints:
         order = np.zeros(labels, dtype=np.int64)
         if not kernels.code_choices(coder, order, count):
             raise FormatError("non-canonical part number: the next part was skipped", start)
@@ -169,7 +166,7 @@ def _decode_order(stream: bytes, start: int, division: Division, labels: int) ->
     return order - none
 
 
-def _encode_transforms(transforms: _Transforms) -> bytes:
+def _encode_transforms(transforms: Floats) -> bytes:
     """Pack a bit per matrix, 1 unless it is the identity, and the other matrices bytewise."""
     matrices = np.ascontiguousarray(transforms, dtype="<f8").view(np.uint8)
     moves = (matrices != _IDENTITY).any(axis=(1, 2))
@@ -177,7 +174,7 @@ def _encode_transforms(transforms: _Transforms) -> bytes:
     return packed(np.packbits(moves, bitorder="little").tobytes() + planes.tobytes())
 
 
-def _decode_transforms(payload: memoryview, at: int, count: int) -> tuple[_Transforms, int]:
+def _decode_transforms(payload: memoryview, at: int, count: int) -> tuple[Floats, int]:
     size = (count + 7) // 8
     raw, end = unpacked(payload, at, size + count * _MATRIX_BYTES)
     data = np.frombuffer(raw, dtype=np.uint8)

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._content import NOTHING, Content
 from deltamesh._geometry.integers import Integers
@@ -25,6 +24,7 @@ from deltamesh._sections.geometry import has_scale
 from deltamesh._sections.table import SECTIONS
 from deltamesh._shape.announced import announced
 from deltamesh._version import __version__
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Meta
 from deltamesh_formats.container.layout import CHECK, PARAMETERS
@@ -55,19 +55,19 @@ class Encoded:
         return self.draft.content.mesh(self.draft.chosen.vertices, single)
 
     @cached_property
-    def order(self) -> NDArray[np.int64]:
+    def order(self) -> Ints:
         """The input vertex that each vertex of `mesh` was, int64 (n,)."""
         vertices, kept = self.draft.shape.provenance.vertices, self.draft.content.order
         return vertices if kept is None else vertices[kept.vertices]
 
     @cached_property
-    def face_order(self) -> NDArray[np.int64]:
+    def face_order(self) -> Ints:
         """The input polygon that each polygon of `mesh` was, int64 (p,)."""
         polygons = self.draft.shape.provenance.polygons
         return polygons if self.draft.content.order is None else np.arange(len(polygons))
 
     @cached_property
-    def rotation(self) -> NDArray[np.int64]:
+    def rotation(self) -> Ints:
         """The corner of that input polygon with which each polygon of `mesh` begins, int64 (p,)."""
         if self.draft.content.order is not None:
             return np.zeros_like(self.face_order)

@@ -7,6 +7,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
@@ -24,14 +25,14 @@ def source_positions(mesh: PolyMesh) -> NDArray[Any]:
     return mesh.vertices
 
 
-def bounding_diagonal(vertices: NDArray[np.float64]) -> float:
+def bounding_diagonal(vertices: Floats) -> float:
     """Return the diagonal of the bounding box of positions, (n, 3)."""
     with np.errstate(over="ignore"):
         return float(np.linalg.norm(np.ptp(vertices, axis=0)))
 
 
 def rounded_positions(
-    vertices: NDArray[np.float64], diagonal: float, file_format: str
+    vertices: Floats, diagonal: float, file_format: str
 ) -> tuple[NDArray[np.float32], list[str]]:
     """Round positions to float32, and describe the loss if it is large for the size of the mesh.
 

@@ -15,10 +15,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Bools, Ints
 from deltamesh_formats.errors import MeshError
 
 Bytes = NDArray[np.uint8]
-Indices = NDArray[np.int64]
 
 _NUMBER: Final = re.compile(
     rb"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|nan|inf(?:inity)?)", re.IGNORECASE
@@ -45,13 +45,13 @@ class Lines:
     """
 
     buffer: Bytes
-    starts: Indices
-    first: Indices
-    token_starts: Indices
-    token_ends: Indices
+    starts: Ints
+    first: Ints
+    token_starts: Ints
+    token_ends: Ints
 
     @property
-    def counts(self) -> Indices:
+    def counts(self) -> Ints:
         """Number of tokens of each line, int64 (l,)."""
         return np.diff(self.first)
 
@@ -77,7 +77,7 @@ def keyword(text: bytes) -> np.uint64:
     return np.uint64(int.from_bytes(text[:8], "little"))
 
 
-def keywords(buffer: Bytes, starts: Indices, ends: Indices, tokens: Indices) -> NDArray[np.uint64]:
+def keywords(buffer: Bytes, starts: Ints, ends: Ints, tokens: Ints) -> NDArray[np.uint64]:
     """Return the first eight bytes of some tokens as `keyword` does, uint64 (len(tokens),)."""
     found = np.zeros(len(tokens), dtype=np.uint64)
     starts, lengths = starts[tokens], ends[tokens] - starts[tokens]
@@ -109,7 +109,7 @@ def split_lines(data: bytes) -> Lines:
     return Lines(buffer, starts, np.append(first[has], len(token_starts)), token_starts, token_ends)
 
 
-def token_bounds(buffer: Bytes) -> tuple[Indices, Indices]:
+def token_bounds(buffer: Bytes) -> tuple[Ints, Ints]:
     """Return the first byte of each token and the byte after its last; white space separates."""
     inside = np.zeros(len(buffer) + 2, dtype=bool)
     np.logical_not((buffer == 32) | ((buffer >= 9) & (buffer <= 13)), out=inside[1:-1])
@@ -117,7 +117,7 @@ def token_bounds(buffer: Bytes) -> tuple[Indices, Indices]:
     return changes[::2], changes[1::2]
 
 
-def without_first_tokens(lines: Lines, chosen: NDArray[np.bool_]) -> tuple[Bytes, Indices]:
+def without_first_tokens(lines: Lines, chosen: Bools) -> tuple[Bytes, Ints]:
     """Return the text of some lines with blanks for their first tokens.
 
     Parameters
@@ -140,7 +140,7 @@ def without_first_tokens(lines: Lines, chosen: NDArray[np.bool_]) -> tuple[Bytes
     return copy[np.repeat(chosen, np.diff(lines.starts))], tokens
 
 
-def blank_tokens(buffer: Bytes, lines: Lines, tokens: Indices) -> None:
+def blank_tokens(buffer: Bytes, lines: Lines, tokens: Ints) -> None:
     """Write spaces over some tokens, in the buffer itself."""
     starts = lines.token_starts[tokens]
     lengths = lines.token_ends[tokens] - starts
@@ -148,7 +148,7 @@ def blank_tokens(buffer: Bytes, lines: Lines, tokens: Indices) -> None:
         buffer[starts[lengths > i] + i] = ord(" ")
 
 
-def read_numbers(text: Bytes, lines: Lines, tokens: Indices, dtype: type = float) -> NDArray[Any]:
+def read_numbers(text: Bytes, lines: Lines, tokens: Ints, dtype: type = float) -> NDArray[Any]:
     """Return the numbers of a text, one for each of its tokens.
 
     Parameters

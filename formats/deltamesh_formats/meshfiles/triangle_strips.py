@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from deltamesh_formats.array_types import Ints
 
 
-def triangles_of_strips(indices: NDArray[np.int64]) -> NDArray[np.int64]:
+def triangles_of_strips(indices: Ints) -> Ints:
     """Return the triangles of strips, int64 (t, 3).
 
     The winding of every second triangle of a strip is reversed, so that all face the same side.
@@ -26,5 +27,5 @@ def triangles_of_strips(indices: NDArray[np.int64]) -> NDArray[np.int64]:
     triples[odd] = triples[odd][:, [1, 0, 2]]
     a, b, c = triples.T
     real = (triples >= 0).all(axis=1) & (a != b) & (b != c) & (c != a)
-    triangles: NDArray[np.int64] = triples[real]
+    triangles: Ints = triples[real]
     return triangles

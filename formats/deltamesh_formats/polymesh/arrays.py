@@ -13,6 +13,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh, Role
 from deltamesh_formats.polymesh.names import distinct_names
@@ -194,7 +195,7 @@ def _counts(values: NDArray[Any]) -> bool:
 
 def _polygons(
     faces: ArrayLike | Sequence[ArrayLike],
-) -> tuple[NDArray[np.int64], NDArray[np.int64], int | None]:
+) -> tuple[Ints, Ints, int | None]:
     """Return corners and offsets, and how many corners all faces have, if they have as many."""
     if isinstance(faces, np.ndarray) and faces.dtype != object:
         rows: Sequence[NDArray[Any]] | NDArray[Any] = faces

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.polymesh.kinds import Kind
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 
@@ -51,12 +51,12 @@ def concatenate(meshes: Sequence[PolyMesh]) -> PolyMesh:
     )
 
 
-def _starts(counts: Sequence[int]) -> NDArray[np.int64]:
+def _starts(counts: Sequence[int]) -> Ints:
     """Return the first element of each mesh, and the end of the last."""
     return np.cumsum([0, *counts], dtype=np.int64)
 
 
-def _attribute(some: Sequence[Attribute | None], starts: NDArray[np.int64]) -> Attribute:
+def _attribute(some: Sequence[Attribute | None], starts: Ints) -> Attribute:
     there = [a for a in some if a is not None]
     values = np.concatenate([a.values for a in there])
     if len(there) == len(some) and all(a.index is None for a in there):

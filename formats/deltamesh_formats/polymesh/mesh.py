@@ -16,6 +16,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.polymesh.kinds import Kind
 from deltamesh_formats.polymesh.triangles import Triangles, triangulate
 
@@ -46,7 +47,7 @@ class Attribute:
     domain: Domain
     values: NDArray[Any]
     role: Role = "other"
-    index: NDArray[np.int64] | None = None
+    index: Ints | None = None
     normalized: bool = False
 
     @property
@@ -54,7 +55,7 @@ class Attribute:
         """Numbers a row."""
         return int(self.values.shape[1])
 
-    def rows(self) -> NDArray[np.int64]:
+    def rows(self) -> Ints:
         """Return the row of each element, int64, -1 for none."""
         if self.index is not None:
             return self.index
@@ -90,8 +91,8 @@ class Parts:
 
     kind: Kind
     names: tuple[str, ...]
-    of_face: NDArray[np.int64]
-    transforms: NDArray[np.float64] | None = None
+    of_face: Ints
+    transforms: Floats | None = None
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -119,9 +120,9 @@ class PolyMesh:
         Name of the format of the file; "" for a mesh from elsewhere.
     """
 
-    vertices: NDArray[np.float64]
-    corners: NDArray[np.int64]
-    offsets: NDArray[np.int64]
+    vertices: Floats
+    corners: Ints
+    offsets: Ints
     attributes: tuple[Attribute, ...] = ()
     parts: tuple[Parts, ...] = ()
     metadata: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -130,7 +131,7 @@ class PolyMesh:
     format: str = ""
 
     @property
-    def sizes(self) -> NDArray[np.int64]:
+    def sizes(self) -> Ints:
         """Corners of each polygon, int64 (p,)."""
         return np.diff(self.offsets)
 
@@ -161,7 +162,7 @@ class PolyMesh:
         return mesh_html(self)
 
     @property
-    def faces(self) -> NDArray[np.int64] | list[NDArray[np.int64]]:
+    def faces(self) -> Ints | list[Ints]:
         """The polygons as `from_arrays` takes them: an array (p, k) if all have k corners."""
         sizes = self.sizes
         if (sizes == sizes[:1]).all():
@@ -169,7 +170,7 @@ class PolyMesh:
         return np.split(self.corners, self.offsets[1:-1])
 
     @property
-    def triangles(self) -> NDArray[np.int64]:
+    def triangles(self) -> Ints:
         """The vertices of the triangles that the polygons are cut into, int64 (t, 3)."""
         return self.triangulation().faces
 
@@ -193,13 +194,13 @@ def _arrays(mesh: PolyMesh, domain: Domain) -> dict[str, NDArray[Any]]:
     return to_arrays(mesh, domain)
 
 
-def from_triangles(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> PolyMesh:
+def from_triangles(vertices: Floats, faces: Ints) -> PolyMesh:
     """Return a mesh of vertices, float64 (n, 3), and triangles, int64 (m, 3), and nothing else."""
     offsets = np.arange(len(faces) + 1, dtype=np.int64) * 3
     return PolyMesh(vertices, np.ascontiguousarray(faces, dtype=np.int64).ravel(), offsets)
 
 
-def keep_faces(mesh: PolyMesh, keep: NDArray[np.bool_]) -> PolyMesh:
+def keep_faces(mesh: PolyMesh, keep: Bools) -> PolyMesh:
     """Return the mesh with only those faces where `keep`, bool (p,), is true."""
     if keep.all():
         return mesh
@@ -214,7 +215,7 @@ def keep_faces(mesh: PolyMesh, keep: NDArray[np.bool_]) -> PolyMesh:
     return replace(mesh, corners=corners, offsets=offsets, attributes=attributes, parts=parts)
 
 
-def _keep_rows(attribute: Attribute, keep: NDArray[np.bool_]) -> Attribute:
+def _keep_rows(attribute: Attribute, keep: Bools) -> Attribute:
     if attribute.index is None:
         return replace(attribute, values=attribute.values[keep])
     return replace(attribute, index=attribute.index[keep])

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 
 
@@ -66,7 +67,7 @@ def split_at_seams(mesh: PolyMesh, attribute: Attribute) -> PolyMesh:
     )
 
 
-def _repeated(attribute: Attribute, source: NDArray[np.int64]) -> Attribute:
+def _repeated(attribute: Attribute, source: Ints) -> Attribute:
     if attribute.domain != "vertex":
         return attribute
     if attribute.index is None:
@@ -74,7 +75,7 @@ def _repeated(attribute: Attribute, source: NDArray[np.int64]) -> Attribute:
     return replace(attribute, index=attribute.index[source])
 
 
-def _first_corners(mesh: PolyMesh) -> NDArray[np.int64]:
+def _first_corners(mesh: PolyMesh) -> Ints:
     """Return the first corner at each vertex, int64 (n,), -1 for none."""
     first = np.full(len(mesh.vertices), -1)
     first[mesh.corners[::-1]] = np.arange(len(mesh.corners))[::-1]

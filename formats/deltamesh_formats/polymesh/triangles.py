@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from deltamesh_formats.array_types import Bools, Floats, Ints
 
 # Each corner is tried as the middle of the fan, which is quadratic in the size of the polygon.
 _LARGEST_TRIED: Final = 16
@@ -24,14 +25,12 @@ class Triangles(NamedTuple):
         Indices of the polygons' corners, for attributes of corners.
     """
 
-    faces: NDArray[np.int64]
-    polygon: NDArray[np.int64]
-    corners: NDArray[np.int64]
+    faces: Ints
+    polygon: Ints
+    corners: Ints
 
 
-def triangulate(
-    vertices: NDArray[np.float64], corners: NDArray[np.int64], offsets: NDArray[np.int64]
-) -> Triangles:
+def triangulate(vertices: Floats, corners: Ints, offsets: Ints) -> Triangles:
     """Cut each polygon into a fan of triangles (a, i, i + 1) around one of its corners a.
 
     That is its first corner, so that regular meshes are cut regularly, unless a triangle of that
@@ -53,9 +52,7 @@ def triangulate(
     return fans(corners, offsets, middles(vertices, corners, offsets))
 
 
-def fans(
-    corners: NDArray[np.int64], offsets: NDArray[np.int64], around: NDArray[np.int64]
-) -> Triangles:
+def fans(corners: Ints, offsets: Ints, around: Ints) -> Triangles:
     """Cut each polygon into a fan around a corner of it.
 
     Parameters
@@ -74,9 +71,7 @@ def fans(
     return Triangles(corners[cut], polygon, cut)
 
 
-def middles(
-    vertices: NDArray[np.float64], corners: NDArray[np.int64], offsets: NDArray[np.int64]
-) -> NDArray[np.int64]:
+def middles(vertices: Floats, corners: Ints, offsets: Ints) -> Ints:
     """Return the corner around which `triangulate` cuts each polygon, int64 (p,)."""
     sizes = np.diff(offsets)
     around = np.zeros(len(sizes), dtype=np.int64)
@@ -88,13 +83,13 @@ def middles(
     return around
 
 
-def folds(points: NDArray[np.float64], corner: int) -> NDArray[np.bool_]:
+def folds(points: Floats, corner: int) -> Bools:
     """Tell which polygons of one size, (q, size, 3), the fan around a corner folds, bool (q,)."""
     with np.errstate(all="ignore"):
         return ~(_worst(np.roll(points, -corner, axis=1)) > 0)
 
 
-def _middles(points: NDArray[np.float64]) -> NDArray[np.int64]:
+def _middles(points: Floats) -> Ints:
     """Return the corner, int64 (q,), around which to cut polygons of one size, (q, size, 3)."""
     middles = np.zeros(len(points), dtype=np.int64)
     with np.errstate(all="ignore"):  # coordinates beyond 1e75 may overflow: the first, then
@@ -109,10 +104,10 @@ def _middles(points: NDArray[np.float64]) -> NDArray[np.int64]:
     return middles
 
 
-def _worst(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _worst(points: Floats) -> Floats:
     """Return the least product of a normal of the fan around corner 0 with the polygon's."""
     spokes = points[:, 1:] - points[:, :1]
     normals = np.cross(spokes[:, :-1], spokes[:, 1:])
     whole = normals.sum(axis=1)  # Newell's normal, whichever the middle
-    products: NDArray[np.float64] = np.einsum("qtk,qk->qt", normals, whole).min(axis=1)
+    products: Floats = np.einsum("qtk,qk->qt", normals, whole).min(axis=1)
     return products

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, keep_faces
 
@@ -50,7 +51,7 @@ def checked(mesh: PolyMesh, largest: float = math.inf) -> PolyMesh:
     return mesh
 
 
-def _check_positions(V: NDArray[np.float64], largest: float) -> None:
+def _check_positions(V: Floats, largest: float) -> None:
     bad = ~np.isfinite(V).all(axis=1)
     if bad.any():
         i = int(np.argmax(bad))

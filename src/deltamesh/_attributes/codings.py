@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from deltamesh._attributes.normals.octahedral import is_unit
 from deltamesh._streams.floats import bits_of, from_bits
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.attribute_table import Entry
 from deltamesh_formats.container.layout import MAX_LIMB_BITS
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import Attribute
 
-_Ints = NDArray[np.int64]
 _Any = NDArray[Any]
 
 _WORD: Final = 1 << 64
@@ -46,7 +46,7 @@ class AttributeSettings:
     bits_uv: int
     bits_normal: int
     lossless: bool
-    positions: NDArray[np.float64]
+    positions: Floats
     tolerance: float
 
 
@@ -139,7 +139,7 @@ def _is_lossless(entry: Entry, values: _Any) -> bool:
     return back.tobytes() == np.ascontiguousarray(values).tobytes()
 
 
-def to_codes(entry: Entry, values: _Any) -> _Ints:
+def to_codes(entry: Entry, values: _Any) -> Ints:
     """Return the integers (r, columns) of rows of values (r, width).
 
     Those of unit normals only distinguish them: their codes depend on the surface.
@@ -157,7 +157,7 @@ def to_codes(entry: Entry, values: _Any) -> _Ints:
     return limbs.reshape(entry.columns, len(values)).T.astype(np.int64)
 
 
-def from_codes(entry: Entry, codes: _Ints) -> _Any:
+def from_codes(entry: Entry, codes: Ints) -> _Any:
     """Return the values of codes that `check_codes` accepts: the mirror of `to_codes`."""
     if entry.coding == "exact":
         return from_bits(codes, entry.dtype)
@@ -170,7 +170,7 @@ def from_codes(entry: Entry, codes: _Ints) -> _Any:
     return words.astype(entry.dtype)
 
 
-def check_codes(entry: Entry, codes: _Ints) -> None:
+def check_codes(entry: Entry, codes: Ints) -> None:
     """Refuse integers that are the codes of no value.
 
     Raises
@@ -193,14 +193,14 @@ def check_codes(entry: Entry, codes: _Ints) -> None:
         raise FormatError(f"attribute value not representable in {entry.dtype}", 0)
 
 
-def mixed(columns: _Ints) -> _Ints:
+def mixed(columns: Ints) -> Ints:
     """Return columns with the second subtracted from the first and the third."""
     result = columns.copy()
     result[:, [0, 2]] -= columns[:, 1:2]
     return result
 
 
-def unmixed(columns: _Ints) -> _Ints:
+def unmixed(columns: Ints) -> Ints:
     """Return the columns: the mirror of `mixed`."""
     result = columns.copy()
     result[:, [0, 2]] += columns[:, 1:2]
@@ -214,7 +214,7 @@ def _words(values: _Any) -> NDArray[np.uint64]:
     return values.astype(np.uint64)
 
 
-def _from_limbs(entry: Entry, codes: _Ints) -> NDArray[np.uint64]:
+def _from_limbs(entry: Entry, codes: Ints) -> NDArray[np.uint64]:
     """Return the integers modulo 2^64 that limbs (r, columns) are cut from."""
     limbs = codes.reshape(len(codes), entry.numbers, entry.limbs).astype(np.uint64)
     shifts = np.arange(entry.limbs, dtype=np.uint64) * np.uint64(entry.bits)

@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.elements import Elements, of_polygons
 from deltamesh._shape.polygons import Polygons
 from deltamesh._shape.structure import Structure
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.polymesh.mesh import Domain
-
-_Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -53,11 +51,11 @@ class Domains:
         return of_polygons(s.points[s.faces], self.polygons.offsets, self.polygons.of_corners)
 
     @cached_property
-    def vertex_of_corners(self) -> _Ints:
+    def vertex_of_corners(self) -> Ints:
         """The vertex at each corner of the polygons, int64 (c,)."""
         return np.asarray(self.structure.faces.ravel()[self.polygons.corners])
 
     @cached_property
-    def polygon_of_corners(self) -> _Ints:
+    def polygon_of_corners(self) -> Ints:
         """The polygon of each corner, int64 (c,)."""
         return np.repeat(np.arange(self.count("face")), np.diff(self.polygons.offsets))

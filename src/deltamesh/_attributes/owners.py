@@ -6,18 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._attributes.domains import Domains
 from deltamesh._attributes.wedges import decode_wedges, encode_wedges
 from deltamesh._graph.elements import Elements, of_wedges
 from deltamesh._graph.permutations import numbered
 from deltamesh._streams.labels import decode_labels, encode_labels
+from deltamesh_formats.array_types import Bools, Ints
 from deltamesh_formats.container.attribute_table import Entry
 from deltamesh_formats.container.layout import OWN_WEDGES, POLYGON_OWNERS, WEDGES_OF
 from deltamesh_formats.errors import FormatError, located
-
-_Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -40,14 +38,14 @@ class Owners:
         The coded wedges and the coded presence of values, each if there is one.
     """
 
-    of_elements: _Ints
+    of_elements: Ints
     elements: Elements
-    has: NDArray[np.bool_]
-    wedges: _Ints | None = None
+    has: Bools
+    wedges: Ints | None = None
     reference: int = OWN_WEDGES
     streams: tuple[bytes, ...] = ()
 
-    def rows(self, of_elements: _Ints) -> _Ints:
+    def rows(self, of_elements: Ints) -> Ints:
         """Return the row of each owner, from those of the elements."""
         rows = np.empty(self.elements.count, dtype=np.int64)
         rows[self.of_elements] = of_elements
@@ -55,7 +53,7 @@ class Owners:
 
 
 def encode_owners(
-    entry: Entry, rows: _Ints, domains: Domains, earlier: Sequence[_Ints | None]
+    entry: Entry, rows: Ints, domains: Domains, earlier: Sequence[Ints | None]
 ) -> Owners:
     """Return the owners of the values of elements with these rows.
 
@@ -81,7 +79,7 @@ def decode_owners(
     streams: list[tuple[int, int]],
     entry: Entry,
     domains: Domains,
-    earlier: Sequence[_Ints | None],
+    earlier: Sequence[Ints | None],
 ) -> Owners:
     """Return the owners: the mirror of `encode_owners`.
 
@@ -111,7 +109,7 @@ def decode_owners(
     return replace(owners, has=(labels == 1) == entry.first_none)
 
 
-def _owners(entry: Entry, rows: _Ints, domains: Domains, earlier: Sequence[_Ints | None]) -> Owners:
+def _owners(entry: Entry, rows: Ints, domains: Domains, earlier: Sequence[Ints | None]) -> Owners:
     if entry.domain == "corner":
         first = domains.polygons.offsets[:-1]
         per_polygon = (rows == rows[first][domains.polygon_of_corners]).all()
@@ -138,7 +136,7 @@ def _known_owners(entry: Entry, domains: Domains) -> Owners | None:
     return Owners(of_elements, elements, np.ones(elements.count, bool), reference=reference)
 
 
-def _own_wedges(payload: memoryview, stream: tuple[int, int], domains: Domains) -> _Ints:
+def _own_wedges(payload: memoryview, stream: tuple[int, int], domains: Domains) -> Ints:
     begin, end = stream
     wedges = decode_wedges(payload, begin, end, domains.structure)
     p = domains.polygons
@@ -147,7 +145,7 @@ def _own_wedges(payload: memoryview, stream: tuple[int, int], domains: Domains) 
     return wedges
 
 
-def _of_wedges(wedges: _Ints, domains: Domains, reference: int) -> Owners:
+def _of_wedges(wedges: Ints, domains: Domains, reference: int) -> Owners:
     elements = of_wedges(wedges)
     of_elements = wedges[domains.polygons.corners]
     return Owners(of_elements, elements, np.ones(elements.count, bool), wedges, reference)

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._attributes.codings import check_codes, mixed, unmixed
 from deltamesh._attributes.owners import Owners
@@ -16,10 +15,9 @@ from deltamesh._limits import PER_BYTE
 from deltamesh._streams.columns import decode_columns, encode_columns
 from deltamesh._streams.floats import decode_floats, encode_floats
 from deltamesh._streams.labels import decode_labels, encode_labels
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.attribute_table import Entry
 from deltamesh_formats.errors import FormatError, located
-
-_Ints = NDArray[np.int64]
 
 # A palette is tried for at most so many different rows, and at most one for so many of all.
 _MOST_DIFFERENT: Final = 4096
@@ -36,12 +34,12 @@ class Rows:
     codes : int64 (rows, columns)
     """
 
-    labels: _Ints
-    codes: _Ints
+    labels: Ints
+    codes: Ints
 
 
 def encode_rows(
-    entry: Entry, codes: _Ints, rows: _Ints, owners: Owners
+    entry: Entry, codes: Ints, rows: Ints, owners: Owners
 ) -> tuple[Entry, Rows, list[bytes]]:
     """Return the entry, the rows and their streams; there is a palette if that is smaller.
 
@@ -100,7 +98,7 @@ def decode_rows(
     return Rows(labels, codes)
 
 
-def _encode(entry: Entry, codes: _Ints, elements: Elements) -> list[bytes]:
+def _encode(entry: Entry, codes: Ints, elements: Elements) -> list[bytes]:
     if entry.coding == "exact":
         return encode_floats(elements, codes, entry.number_size)
     return encode_columns(elements, mixed(codes) if entry.mixed else codes)
@@ -108,7 +106,7 @@ def _encode(entry: Entry, codes: _Ints, elements: Elements) -> list[bytes]:
 
 def _decode(
     payload: memoryview, streams: list[tuple[int, int]], entry: Entry, elements: Elements
-) -> _Ints:
+) -> Ints:
     width = entry.columns
     if entry.coding == "exact":
         return decode_floats(payload, streams, elements, width, entry.number_size)

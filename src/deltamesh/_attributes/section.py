@@ -25,11 +25,11 @@ from deltamesh._attributes.normals.coding import (
 from deltamesh._attributes.owners import Owners, decode_owners, encode_owners
 from deltamesh._attributes.rows import Rows, decode_rows, encode_rows
 from deltamesh._shape.provenance import Provenance
+from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.container.attribute_table import Entry, read_table, write_table
 from deltamesh_formats.container.layout import OWN_WEDGES
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 
-_Ints = NDArray[np.int64]
 _Any = NDArray[Any]
 
 
@@ -55,25 +55,25 @@ class CodedAttribute:
     """
 
     entry: Entry
-    owner: _Ints
-    wedges: _Ints | None
-    has: NDArray[np.bool_]
-    labels: _Ints
-    codes: _Ints
+    owner: Ints
+    wedges: Ints | None
+    has: Bools
+    labels: Ints
+    codes: Ints
     normals: Normals | None = None
 
     @property
-    def arrays(self) -> tuple[_Ints, ...]:
+    def arrays(self) -> tuple[Ints, ...]:
         """The arrays that the digest of a file covers."""
         return self.owner, self.has.astype(np.int64), self.labels, self.codes
 
     @property
-    def own_wedges(self) -> _Ints | None:
+    def own_wedges(self) -> Ints | None:
         """The wedges, unless those of an attribute before serve."""
         return self.wedges if self.entry.wedges == OWN_WEDGES else None
 
 
-def attribute_arrays(coded: Iterable[CodedAttribute]) -> tuple[_Ints, ...]:
+def attribute_arrays(coded: Iterable[CodedAttribute]) -> tuple[Ints, ...]:
     """Return the arrays of all attributes that the digest of a file covers."""
     return tuple(array for one in coded for array in one.arrays)
 
@@ -109,7 +109,7 @@ def encode_attributes(
     return write_table(tuple(one.entry for one in coded)) + b"".join(payload), tuple(coded)
 
 
-def _used_rows(of_elements: _Ints) -> tuple[_Ints, _Ints]:
+def _used_rows(of_elements: Ints) -> tuple[Ints, Ints]:
     """Return the rows that elements use, and the index of that of each element, -1 for none."""
     used, compact = np.unique(of_elements, return_inverse=True)
     nothing = int(len(used) > 0 and used[0] < 0)
@@ -138,10 +138,10 @@ class _Encoder:
     def __init__(
         self,
         values: _Any,
-        of_elements: _Ints,
+        of_elements: Ints,
         domains: Domains,
         settings: AttributeSettings,
-        earlier: list[_Ints | None],
+        earlier: list[Ints | None],
     ) -> None:
         self.values, self.of_elements = values, of_elements
         self.domains, self.settings, self.earlier = domains, settings, earlier
@@ -172,7 +172,7 @@ class _Encoder:
         entry = replace(entry, sizes=tuple(map(len, streams)))
         return _coded(entry, owners, coded, normals), streams
 
-    def _owners_of(self, entry: Entry, first_equal: _Ints) -> Owners:
+    def _owners_of(self, entry: Entry, first_equal: Ints) -> Owners:
         """Return the owners, which depend on nothing of a coding but which rows are equal."""
         key = first_equal.tobytes()
         if key not in self._owners:
@@ -181,7 +181,7 @@ class _Encoder:
         return self._owners[key]
 
 
-def _first_equal(codes: _Ints) -> _Ints:
+def _first_equal(codes: Ints) -> Ints:
     """Return the first row that equals each row of codes (r, c)."""
     if not codes.size:
         return np.zeros(len(codes), np.int64)
@@ -223,7 +223,7 @@ def decode_attributes(payload: memoryview, domains: Domains) -> tuple[CodedAttri
 
 # Any bits may be numbers, those of a signalling NaN too.
 @np.errstate(over="ignore", invalid="ignore")
-def restore_attribute(coded: CodedAttribute, domains: Domains, V: NDArray[np.float64]) -> Attribute:
+def restore_attribute(coded: CodedAttribute, domains: Domains, V: Floats) -> Attribute:
     """Return the attribute, of vertices and polygons without an index where all have a value.
 
     Parameters

@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding import wedges as kernels
 from deltamesh._kernels.coding.coder import Coder
@@ -17,14 +16,13 @@ from deltamesh._shape.polygons import Polygons
 from deltamesh._shape.structure import Structure
 from deltamesh._shape.wedges import code_wedges
 from deltamesh._streams.entropy import decode_with, encode_with
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 _MODEL: Final = Model(kernels.SLOTS, kernels.MIXERS)
 _UNKNOWN: Final = np.zeros(0, dtype=np.int64)
 
 
-def encode_wedges(structure: Structure, polygons: Polygons, rows: _Ints) -> tuple[bytes, _Ints]:
+def encode_wedges(structure: Structure, polygons: Polygons, rows: Ints) -> tuple[bytes, Ints]:
     """Return the stream of wedges, and the wedge of each corner of the triangles, int64 (3 m,).
 
     Parameters
@@ -42,7 +40,7 @@ def encode_wedges(structure: Structure, polygons: Polygons, rows: _Ints) -> tupl
     return encode_with(_MODEL, len(wedges), run), wedges
 
 
-def decode_wedges(payload: memoryview, begin: int, end: int, structure: Structure) -> _Ints:
+def decode_wedges(payload: memoryview, begin: int, end: int, structure: Structure) -> Ints:
     """Return the wedges: the mirror of `encode_wedges`.
 
     Raises
@@ -50,7 +48,7 @@ def decode_wedges(payload: memoryview, begin: int, end: int, structure: Structur
     FormatError
     """
 
-    def run(coder: Coder) -> _Ints:
+    def run(coder: Coder) -> Ints:
         return code_wedges(coder, structure.corners, _UNKNOWN)
 
     return decode_with(_MODEL, payload[begin:end], run, begin)

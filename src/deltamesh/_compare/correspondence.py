@@ -12,17 +12,14 @@ from collections.abc import Iterator
 
 import numpy as np
 import scipy.sparse as sparse
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from deltamesh._graph.adjacency import adjacency
 from deltamesh._graph.halfedges import by_edge, edges_of_two, ends
 from deltamesh._kernels.mesh import correspondence as kernels
 from deltamesh._mesh import TriangleMesh, triangulated
+from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.polymesh.mesh import PolyMesh
-
-_Floats = NDArray[np.float64]
-_Ints = NDArray[np.int64]
 
 # Rounds of colouring: a colour sees this many edges far.
 ROUNDS = 4
@@ -34,7 +31,7 @@ _SCAN = 256
 _ISOLATED_ROUNDS = 16
 
 
-def match(reference: TriangleMesh, other: TriangleMesh) -> _Ints | None:
+def match(reference: TriangleMesh, other: TriangleMesh) -> Ints | None:
     """Return a map such that `other.vertices[map]` and `reference.faces` are the other mesh again.
 
     Parameters
@@ -66,7 +63,7 @@ def match(reference: TriangleMesh, other: TriangleMesh) -> _Ints | None:
     return mapping if same_faces(mapping[reference.faces], other.faces) else None
 
 
-def match_polygons(reference: PolyMesh, other: PolyMesh) -> _Ints | None:
+def match_polygons(reference: PolyMesh, other: PolyMesh) -> Ints | None:
     """Return `match` of meshes of polygons, which may begin at any of their corners.
 
     Where one has polygons and the other triangles for them, the triangles are matched.
@@ -94,7 +91,7 @@ def _starred(mesh: PolyMesh) -> TriangleMesh:
     return TriangleMesh(np.concatenate([mesh.vertices, middles[many]]), faces)
 
 
-def same_faces(faces: _Ints, others: _Ints) -> bool:
+def same_faces(faces: Ints, others: Ints) -> bool:
     """Tell whether two face arrays (m, 3) are equal up to the order and the rotation of faces."""
     if faces.shape != others.shape:
         return False
@@ -102,7 +99,7 @@ def same_faces(faces: _Ints, others: _Ints) -> bool:
     return np.array_equal(faces[np.lexsort(faces.T)], others[np.lexsort(others.T)])
 
 
-def canonical(F: _Ints) -> _Ints:
+def canonical(F: Ints) -> Ints:
     """Return each face in the lexicographically least of its rotations."""
     best = F
     for turned in (np.roll(F, -1, axis=1), np.roll(F, -2, axis=1)):
@@ -113,7 +110,7 @@ def canonical(F: _Ints) -> _Ints:
     return best
 
 
-def _colours(F: _Ints, n: int) -> _Ints:
+def _colours(F: Ints, n: int) -> Ints:
     """Return a hash of the neighbourhood of each vertex, whatever the order."""
     indptr, indices = adjacency(F, n)
     A = sparse.csr_array((np.ones(len(indices), dtype=np.uint64), indices, indptr), shape=(n, n))
@@ -125,7 +122,7 @@ def _colours(F: _Ints, n: int) -> _Ints:
     return colour.view(np.int64)
 
 
-def _opposite(F: _Ints) -> _Ints:
+def _opposite(F: Ints) -> Ints:
     """Return the opposite of each half-edge, (3 m,), -1 unless just these two are on the edge."""
     a, b = ends(F)
     h, g = edges_of_two(*by_edge(a, b))
@@ -137,8 +134,8 @@ def _opposite(F: _Ints) -> _Ints:
 
 
 def _match_faces(
-    reference: TriangleMesh, other: TriangleMesh, colours: _Ints, other_colours: _Ints
-) -> _Ints | None:
+    reference: TriangleMesh, other: TriangleMesh, colours: Ints, other_colours: Ints
+) -> Ints | None:
     """Map every vertex that has a face, patch by patch; None when one does not fit anywhere."""
     n, m = len(reference.vertices), len(reference.faces)
     F = reference.faces.ravel()
@@ -162,7 +159,7 @@ def _match_faces(
     return mapping
 
 
-def _seeds(F: _Ints, colours: _Ints) -> Iterator[int]:
+def _seeds(F: Ints, colours: Ints) -> Iterator[int]:
     """Yield a half-edge of every face, from the corner of rarest colour, the rarest faces first."""
     _, inverse, counts = np.unique(colours, return_inverse=True, return_counts=True)
     rarity = counts[inverse][F].reshape(-1, 3)
@@ -173,7 +170,7 @@ def _seeds(F: _Ints, colours: _Ints) -> Iterator[int]:
 class _Candidates:
     """The half-edges of a mesh, by position and colour of the vertices they start from."""
 
-    def __init__(self, mesh: TriangleMesh, colours: _Ints) -> None:
+    def __init__(self, mesh: TriangleMesh, colours: Ints) -> None:
         self._vertices, self._corners, self._colours = mesh.vertices, mesh.faces.ravel(), colours
         self._by_vertex = np.argsort(self._corners, kind="stable")
         self._first = np.searchsorted(self._corners[self._by_vertex], np.arange(len(colours) + 1))
@@ -181,7 +178,7 @@ class _Candidates:
         self._sorted = colours[self._by_colour]
         self._tree: cKDTree | None = None
 
-    def half_edges(self, starts: _Ints, triangle: _Floats) -> list[int]:
+    def half_edges(self, starts: Ints, triangle: Floats) -> list[int]:
         """Return the half-edges from given vertices, those whose faces are nearest first.
 
         triangle : float64 (3, 3), where the corners of the face are, from the start on.
@@ -192,7 +189,7 @@ class _Candidates:
         misfit = ((self._vertices[self._corners[at]] - triangle) ** 2).sum(axis=(1, 2))
         return h[np.argsort(misfit, kind="stable")].tolist()  # type: ignore[no-any-return]
 
-    def nearest(self, point: _Floats, colour: int, free: NDArray[np.bool_]) -> _Ints:
+    def nearest(self, point: Floats, colour: int, free: Bools) -> Ints:
         """Return up to `NEAREST` free vertices (k,) of a colour, the nearest first."""
         low = np.searchsorted(self._sorted, colour)
         same = self._by_colour[low : np.searchsorted(self._sorted, colour, side="right")]
@@ -206,7 +203,7 @@ class _Candidates:
         return same[np.argsort(away, kind="stable")[:NEAREST]]
 
 
-def _match_isolated(V: _Floats, W: _Floats, mapping: _Ints) -> None:
+def _match_isolated(V: Floats, W: Floats, mapping: Ints) -> None:
     """Complete the map (n,) in place by nearest positions; the closest of rivals wins."""
     taken = np.zeros(len(W), dtype=bool)
     taken[mapping[mapping >= 0]] = True

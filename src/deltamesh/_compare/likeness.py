@@ -17,14 +17,13 @@ from numpy.typing import NDArray
 from deltamesh._compare import correspondence
 from deltamesh._graph.halfedges import weld
 from deltamesh._graph.permutations import inverse
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.polymesh.kinds import Kind
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 from deltamesh_formats.polymesh.texture_origin import is_top_left, with_origin
 
-_Ints = NDArray[np.int64]
-
 # Corners of polygons (c,) of one mesh, and the same of another.
-Pairs: TypeAlias = tuple[_Ints, _Ints]
+Pairs: TypeAlias = tuple[Ints, Ints]
 
 # Larger polygons begin at their lowest vertex, the first of equals: all rotations would be
 # quadratic, and a polygon that visits its lowest vertex twice is rare.
@@ -44,7 +43,7 @@ class Sites:
     """
 
     mesh: PolyMesh
-    of_vertices: _Ints
+    of_vertices: Ints
 
 
 @dataclass(frozen=True)
@@ -53,7 +52,7 @@ class Correspondence:
 
     a: Sites
     b: Sites
-    sites: _Ints
+    sites: Ints
 
 
 @dataclass(frozen=True)
@@ -93,7 +92,7 @@ def corresponding(a: PolyMesh, b: PolyMesh, exact: bool = False) -> Corresponden
     return None
 
 
-def _at_equal_positions(a: PolyMesh, b: PolyMesh, exact: bool) -> _Ints | None:
+def _at_equal_positions(a: PolyMesh, b: PolyMesh, exact: bool) -> Ints | None:
     """Return which vertex of `b` each one of `a` is, by its position, which no other has.
 
     None if positions or polygons differ. Where they do not, nothing has to be searched for, however
@@ -174,9 +173,7 @@ def _in_faces(sites: Sites) -> Sites:
     return Sites(bare, place[sites.of_vertices])
 
 
-def _corner_pairs(
-    offsets: _Ints, corners: _Ints, other_offsets: _Ints, others: _Ints
-) -> Pairs | None:
+def _corner_pairs(offsets: Ints, corners: Ints, other_offsets: Ints, others: Ints) -> Pairs | None:
     """Return the corners of equal polygons of two meshes, int64 (c,) each, None if some differ."""
     sizes, other_sizes = np.diff(offsets), np.diff(other_offsets)
     if not np.array_equal(np.sort(sizes), np.sort(other_sizes)):
@@ -193,7 +190,7 @@ def _corner_pairs(
     return np.concatenate([x for x, _ in found]), np.concatenate([y for _, y in found])
 
 
-def _canonical(at: _Ints, corners: _Ints) -> _Ints:
+def _canonical(at: Ints, corners: Ints) -> Ints:
     """Return polygons (q, size) of corners, each begun where its vertices are least in order."""
     size = at.shape[1]
     first = np.argmin(corners[at], axis=1)[:, None]
@@ -211,7 +208,7 @@ def _canonical(at: _Ints, corners: _Ints) -> _Ints:
 
 
 def _difference(
-    a: PolyMesh, b: PolyMesh, attribute: Attribute, corners: _Ints, others: _Ints
+    a: PolyMesh, b: PolyMesh, attribute: Attribute, corners: Ints, others: Ints
 ) -> Difference:
     fitting = [
         x
@@ -229,7 +226,7 @@ def _difference(
     return Difference(attribute, _largest(attribute.values[one], other.values[two], attribute.role))
 
 
-def rows_of(mesh: PolyMesh, attribute: Attribute) -> _Ints:
+def rows_of(mesh: PolyMesh, attribute: Attribute) -> Ints:
     """Return the row of an attribute that each corner of the polygons has, -1 for none."""
     rows = attribute.rows()
     if attribute.domain == "vertex":
@@ -251,7 +248,7 @@ def _largest(values: NDArray[Any], others: NDArray[Any], role: str) -> float:
     return float(away[~same].max())
 
 
-def _largest_angle(values: NDArray[np.float64], others: NDArray[np.float64]) -> float:
+def _largest_angle(values: Floats, others: Floats) -> float:
     cross = np.linalg.norm(np.cross(values, others), axis=1)
     angles = np.degrees(np.arctan2(cross, (values * others).sum(axis=1)))
     return float(np.nanmax(angles))

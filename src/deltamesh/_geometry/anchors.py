@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from deltamesh._geometry.solve import Factor, LeastSquares, factorization
 from deltamesh._graph.adjacency import components
 from deltamesh._kernels.mesh import distance
+from deltamesh_formats.array_types import Bools, Floats, Ints
 
 # 0.1 % of the vertices: with the quantization error diffused, more of them buy little.
 DEFAULT_FRACTION: Final = 0.001
@@ -75,9 +76,7 @@ def count_anchors(anchors: int | float | None, n: int, components: int) -> int:
     return min(max(count, components), n)
 
 
-def farthest(
-    indptr: NDArray[np.int64], indices: NDArray[np.int64], labels: NDArray[np.int64], k: int
-) -> NDArray[np.int64]:
+def farthest(indptr: Ints, indices: Ints, labels: Ints, k: int) -> Ints:
     """Return anchors by farthest-point sampling in the graph.
 
     First the lowest vertex of each component, in the order of the labels; then, again and again,
@@ -104,7 +103,7 @@ def farthest(
     return anchors
 
 
-def random(labels: NDArray[np.int64], k: int, seed: int) -> NDArray[np.int64]:
+def random(labels: Ints, k: int, seed: int) -> Ints:
     """Return random anchors, a function of the arguments that is the same everywhere.
 
     Vertex i gets the 64-bit key SplitMix64(seed)[i], the output number i (from 0) of that generator
@@ -136,12 +135,12 @@ def random(labels: NDArray[np.int64], k: int, seed: int) -> NDArray[np.int64]:
 
 def greedy(
     L: sparse.csr_array,
-    vertices: NDArray[np.float64],
-    delta: NDArray[np.float64],
+    vertices: Floats,
+    delta: Floats,
     k: int,
-    positions: NDArray[np.float64] | None = None,
+    positions: Floats | None = None,
     factor: Factor | None = None,
-) -> NDArray[np.int64]:
+) -> Ints:
     """Return anchors, each at a vertex where the reconstruction without it errs most, or nearly so.
 
     It starts with the lowest vertex of each component. A round takes the `CANDIDATES` largest local
@@ -193,13 +192,13 @@ def greedy(
 
 def _updates(
     base: LeastSquares,
-    graph: tuple[NDArray[np.int64], NDArray[np.int64]],
-    anchors: NDArray[np.int64],
-    x: NDArray[np.float64],
-    vertices: NDArray[np.float64],
-    positions: NDArray[np.float64],
+    graph: tuple[Ints, Ints],
+    anchors: Ints,
+    x: Floats,
+    vertices: Floats,
+    positions: Floats,
     wanted: int,
-) -> NDArray[np.int64]:
+) -> Ints:
     """Return `wanted` more anchors by updates of one factorization; x is brought up to date."""
     W = np.empty((len(x), wanted))
     chosen: list[int] = []
@@ -225,11 +224,11 @@ def _updates(
 
 
 def _candidates(
-    graph: tuple[NDArray[np.int64], NDArray[np.int64]],
-    error: NDArray[np.float64],
-    free: NDArray[np.bool_],
+    graph: tuple[Ints, Ints],
+    error: Floats,
+    free: Bools,
     count: int,
-) -> NDArray[np.int64]:
+) -> Ints:
     """Return the free vertices at the largest local maxima of the error, largest first."""
     is_maximum = np.empty(len(error), dtype=bool)
     distance.local_maxima(*graph, error, is_maximum)
@@ -237,21 +236,19 @@ def _candidates(
     return maxima[np.argsort(-error[maxima], kind="stable")[:count]]
 
 
-def _squared_error(
-    x: NDArray[np.float64], vertices: NDArray[np.float64], free: NDArray[np.bool_]
-) -> NDArray[np.float64]:
+def _squared_error(x: Floats, vertices: Floats, free: Bools) -> Floats:
     """Return the squared error of each vertex, -1 at the anchors, which err a little."""
     d = x - vertices
     return np.where(free, d[:, 0] * d[:, 0] + d[:, 1] * d[:, 1] + d[:, 2] * d[:, 2], -1.0)
 
 
-def _units(vertices: NDArray[np.int64], n: int) -> NDArray[np.float64]:
+def _units(vertices: Ints, n: int) -> Floats:
     b = np.zeros((n, len(vertices)))
     b[vertices, np.arange(len(vertices))] = 1.0
     return b
 
 
-def _off_diagonal(L: sparse.csr_array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _off_diagonal(L: sparse.csr_array) -> tuple[Ints, Ints]:
     """Return the neighbour lists of a Laplacian."""
     rows = np.repeat(np.arange(L.shape[0]), np.diff(L.indptr))
     off = L.indices != rows
@@ -259,12 +256,12 @@ def _off_diagonal(L: sparse.csr_array) -> tuple[NDArray[np.int64], NDArray[np.in
     return np.concatenate(([0], np.cumsum(counts))), L.indices[off].astype(np.int64)
 
 
-def _lowest(labels: NDArray[np.int64]) -> NDArray[np.int64]:
+def _lowest(labels: Ints) -> Ints:
     """Return the lowest vertex of each component, in the order of the labels."""
     return np.unique(labels, return_index=True)[1].astype(np.int64)
 
 
-def _clipped(k: int, labels: NDArray[np.int64]) -> int:
+def _clipped(k: int, labels: Ints) -> int:
     components = int(labels.max(initial=-1)) + 1
     return min(max(k, components), len(labels))
 

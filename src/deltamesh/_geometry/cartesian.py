@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._geometry.integers import Integers, Quantized
 from deltamesh._geometry.quantize import from_grid, grid_step, to_grid
@@ -19,6 +18,7 @@ from deltamesh._methods import CARTESIAN
 from deltamesh._options import DEFAULT_CARTESIAN_BITS, Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams import entropy
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.reader import payload_of
@@ -26,8 +26,8 @@ from deltamesh_formats.container.reader import payload_of
 
 def quantize(
     surface: Surface,
-    vertices: NDArray[np.float64],
-    isolated: NDArray[np.float64],
+    vertices: Floats,
+    isolated: Floats,
     settings: Settings,
     factor: Factor,
 ) -> Quantized:
@@ -50,7 +50,7 @@ def quantize(
 
 def reconstruct(
     surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
-) -> NDArray[np.float64]:
+) -> Floats:
     """Return the grid points; there is nothing to solve."""
     return from_grid(integers.values, np.array(parameters.origin), parameters.step)
 
@@ -72,6 +72,6 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
     return Integers(values)
 
 
-def _code(coder: Coder, surface: Surface, values: NDArray[np.int64]) -> None:
+def _code(coder: Coder, surface: Surface, values: Ints) -> None:
     e = surface.elements
     parallelogram.code_positions(coder, e.indptr, e.indices, e.first, e.corners, e.within, values)

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._geometry import anchors as choice
 from deltamesh._geometry.integers import Integers, Quantized
@@ -22,6 +21,7 @@ from deltamesh._measures.metrics import diagonal
 from deltamesh._options import DEFAULT_HIGHPASS_STEP, Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams import entropy
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.reader import payload_of, take
@@ -36,8 +36,8 @@ ANCHOR_GRID_BITS = 16
 
 def quantize(
     surface: Surface,
-    vertices: NDArray[np.float64],
-    isolated: NDArray[np.float64],
+    vertices: Floats,
+    isolated: Floats,
     settings: Settings,
     factor: Factor,
 ) -> Quantized:
@@ -55,7 +55,7 @@ def quantize(
 
 def reconstruct(
     surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
-) -> NDArray[np.float64]:
+) -> Floats:
     """Solve [L; S] x = [delta'; c] in the least-squares sense, and add the corrections."""
     W = solved(deltas(parameters, integers), parameters, integers, factor)
     return all_positions(W, parameters, integers)
@@ -63,9 +63,9 @@ def reconstruct(
 
 def anchored(
     surface: Surface,
-    vertices: NDArray[np.float64],
-    isolated: NDArray[np.float64],
-    values: NDArray[np.int64],
+    vertices: Floats,
+    isolated: Floats,
+    values: Ints,
     step: float,
     settings: Settings,
     factor: Factor,
@@ -94,8 +94,8 @@ def anchored(
 
 
 def corrected(
-    W: NDArray[np.float64],
-    vertices: NDArray[np.float64],
+    W: Floats,
+    vertices: Floats,
     parameters: Parameters,
     integers: Integers,
     settings: Settings,
@@ -116,22 +116,18 @@ def corrected(
     return parameters, integers, all_positions(W, parameters, integers)
 
 
-def solved(
-    delta: NDArray[np.float64], parameters: Parameters, integers: Integers, factor: Factor
-) -> NDArray[np.float64]:
+def solved(delta: Floats, parameters: Parameters, integers: Integers, factor: Factor) -> Floats:
     """Return the vertices of the faces that deltas and anchors make."""
     positions = from_grid(integers.positions, np.array(parameters.origin), parameters.anchor_step)
     return factor(integers.anchors).solve(delta, positions)
 
 
-def deltas(parameters: Parameters, integers: Integers) -> NDArray[np.float64]:
+def deltas(parameters: Parameters, integers: Integers) -> Floats:
     """Return the delta coordinates as they were quantized, before any refinement."""
     return to_delta(integers.values, parameters.coarse * parameters.step)
 
 
-def all_positions(
-    vertices: NDArray[np.float64], parameters: Parameters, integers: Integers
-) -> NDArray[np.float64]:
+def all_positions(vertices: Floats, parameters: Parameters, integers: Integers) -> Floats:
     """Return the solution with its corrections, then the isolated vertices."""
     if len(integers.corrections):
         vertices = vertices + parameters.step * integers.corrections
@@ -139,14 +135,14 @@ def all_positions(
     return np.concatenate([vertices, isolated])
 
 
-def step_of(vertices: NDArray[np.float64], delta: NDArray[np.float64], settings: Settings) -> float:
+def step_of(vertices: Floats, delta: Floats, settings: Settings) -> float:
     """Return the quantization step of the settings, 0 for 0 bits."""
     if settings.bits is not None:
         return delta_step(delta, settings.bits) if settings.bits else 0.0
     return settings.step or DEFAULT_HIGHPASS_STEP * diagonal(vertices) or 1.0
 
 
-def _anchor_step(vertices: NDArray[np.float64], step: float) -> float:
+def _anchor_step(vertices: Floats, step: float) -> float:
     """Return the step of the grid of the anchors."""
     extent = float(np.ptp(vertices, axis=0).max())
     coarsest = extent / 2.0**ANCHOR_GRID_BITS or 1.0
@@ -156,12 +152,12 @@ def _anchor_step(vertices: NDArray[np.float64], step: float) -> float:
 
 def _choose(
     surface: Surface,
-    vertices: NDArray[np.float64],
-    delta: NDArray[np.float64],
-    fixed: NDArray[np.float64],
+    vertices: Floats,
+    delta: Floats,
+    fixed: Floats,
     settings: Settings,
     factor: Factor,
-) -> NDArray[np.int64]:
+) -> Ints:
     """Return the anchors of the settings, ascending where their indices are stored."""
     components = int(surface.labels.max(initial=-1)) + 1
     try:
@@ -173,7 +169,7 @@ def _choose(
     return _computed(surface, settings.anchor_method, k, settings.seed)
 
 
-def _computed(surface: Surface, method: str, k: int, seed: int) -> NDArray[np.int64]:
+def _computed(surface: Surface, method: str, k: int, seed: int) -> Ints:
     """Return the anchors that follow from connectivity and seed."""
     if method == "random":
         return choice.random(surface.labels, k, seed)
@@ -225,7 +221,7 @@ def _encode_anchors(surface: Surface, parameters: Parameters, integers: Integers
 
 def _decode_anchors(
     surface: Surface, parameters: Parameters, payload: memoryview
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+) -> tuple[Ints, Ints, Ints]:
     bits = np.array(take(payload, 0, 3), dtype=np.int64)
     if bits.max() > layout.MAX_GRID_BITS:
         raise FormatError(f"a grid of more than {layout.MAX_GRID_BITS} bits", int(np.argmax(bits)))
@@ -249,13 +245,13 @@ def _decode_anchors(
     return anchors, positions, isolated
 
 
-def _encode_vectors(surface: Surface, values: NDArray[np.int64]) -> bytes:
+def _encode_vectors(surface: Surface, values: Ints) -> bytes:
     coder = entropy.encoder(len(values), residual.SLOTS, residual.MIXERS)
     delta_kernels.code_deltas(coder, *surface.graph, values.copy())
     return entropy.finish(coder)
 
 
-def _decode_vectors(surface: Surface, payload: memoryview) -> NDArray[np.int64]:
+def _decode_vectors(surface: Surface, payload: memoryview) -> Ints:
     values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
     coder = entropy.decoder(payload, residual.SLOTS, residual.MIXERS)
     delta_kernels.code_deltas(coder, *surface.graph, values)

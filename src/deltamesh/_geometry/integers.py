@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.container import Parameters
 
 NONE: Final = np.zeros(0, dtype=np.int64)
@@ -38,14 +38,14 @@ class Integers:
     All but the values are empty in a method that has none of them.
     """
 
-    values: NDArray[np.int64]
-    anchors: NDArray[np.int64] = field(default_factory=lambda: NONE)
-    positions: NDArray[np.int64] = field(default_factory=lambda: NO_POINTS)
-    isolated: NDArray[np.int64] = field(default_factory=lambda: NO_POINTS)
-    refinements: NDArray[np.int64] = field(default_factory=lambda: NONE.reshape(0, 1))
-    corrections: NDArray[np.int64] = field(default_factory=lambda: NO_POINTS)
-    formats: NDArray[np.int64] = field(default_factory=lambda: NONE)
+    values: Ints
+    anchors: Ints = field(default_factory=lambda: NONE)
+    positions: Ints = field(default_factory=lambda: NO_POINTS)
+    isolated: Ints = field(default_factory=lambda: NO_POINTS)
+    refinements: Ints = field(default_factory=lambda: NONE.reshape(0, 1))
+    corrections: Ints = field(default_factory=lambda: NO_POINTS)
+    formats: Ints = field(default_factory=lambda: NONE)
 
 
 # Parameters and integers of a file, and the positions that a decoder will make of them.
-Quantized = tuple[Parameters, Integers, NDArray[np.float64]]
+Quantized = tuple[Parameters, Integers, Floats]

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._geometry.integers import Integers, Quantized
 from deltamesh._geometry.solve import Factor
@@ -29,6 +28,7 @@ from deltamesh._streams.exact import (
 )
 from deltamesh._streams.format_choice import choose_formats
 from deltamesh._streams.number_formats import from_indices, to_indices
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.layout import EXACT
 from deltamesh_formats.container.reader import payload_of
@@ -37,8 +37,8 @@ from deltamesh_formats.errors import FormatError
 
 def quantize(
     surface: Surface,
-    vertices: NDArray[np.float64],
-    isolated: NDArray[np.float64],
+    vertices: Floats,
+    isolated: Floats,
     settings: Settings,
     factor: Factor,
 ) -> Quantized:
@@ -53,14 +53,14 @@ def quantize(
     return parameters, integers, V
 
 
-def exactly(bits: NDArray[np.int64], formats: bytes) -> Integers:
+def exactly(bits: Ints, formats: bytes) -> Integers:
     """Return the integers of bit patterns (n, 3) in these number formats."""
     return Integers(bits, formats=np.frombuffer(formats, dtype=np.uint8).astype(np.int64))
 
 
 def reconstruct(
     surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
-) -> NDArray[np.float64]:
+) -> Floats:
     """Return the positions that the bit patterns are."""
     return integers.values.view(np.float64)
 

@@ -10,14 +10,12 @@ import importlib
 from collections.abc import Mapping
 from typing import Protocol, cast
 
-import numpy as np
-from numpy.typing import NDArray
-
 from deltamesh._geometry.integers import Integers, Quantized
 from deltamesh._geometry.solve import Factor
 from deltamesh._methods import METHODS
 from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
+from deltamesh_formats.array_types import Floats
 from deltamesh_formats.container.container import Parameters, Section
 
 
@@ -27,8 +25,8 @@ class GeometryCodec(Protocol):
     def quantize(
         self,
         surface: Surface,
-        vertices: NDArray[np.float64],
-        isolated: NDArray[np.float64],
+        vertices: Floats,
+        isolated: Floats,
         settings: Settings,
         factor: Factor,
     ) -> Quantized:
@@ -57,7 +55,7 @@ class GeometryCodec(Protocol):
 
     def reconstruct(
         self, surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
-    ) -> NDArray[np.float64]:
+    ) -> Floats:
         """Return the positions, float64 (n + i, 3); isolated vertices come last.
 
         Raises

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from deltamesh_formats.array_types import Floats, Ints
 
 # Where the faces around a vertex all but cancel, or have collapsed, a direction would be rounding
 # noise, and encoder and decoder would disagree in it: the normal fades to zero below that share of
@@ -11,9 +12,7 @@ from numpy.typing import NDArray
 FADE = 1e-6
 
 
-def vertex_normals(
-    V: NDArray[np.float64], F: NDArray[np.int64], step: float
-) -> NDArray[np.float64]:
+def vertex_normals(V: Floats, F: Ints, step: float) -> Floats:
     """Return the sums of the area-weighted normals of the faces around each vertex, normalized.
 
     Parameters
@@ -37,9 +36,9 @@ def vertex_normals(
     corners = F.T.ravel()
     s = np.stack([_gather(corners, np.tile(cross[:, k], 3), len(V)) for k in range(3)], axis=1)
     around = _gather(corners, np.tile(area, 3), len(V)) + (step / extent) ** 2
-    normals: NDArray[np.float64] = s / (np.linalg.norm(s, axis=1) + FADE * around)[:, None]
+    normals: Floats = s / (np.linalg.norm(s, axis=1) + FADE * around)[:, None]
     return normals
 
 
-def _gather(corners: NDArray[np.int64], values: NDArray[np.float64], n: int) -> NDArray[np.float64]:
+def _gather(corners: Ints, values: Floats, n: int) -> Floats:
     return np.bincount(corners, weights=values, minlength=n).astype(np.float64)

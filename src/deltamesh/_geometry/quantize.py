@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding import delta as kernels
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.layout import MAX_GRID_BITS
 from deltamesh_formats.errors import MeshError
 
@@ -19,21 +19,19 @@ from deltamesh_formats.errors import MeshError
 MOST_STEPS: Final = 1 << MAX_GRID_BITS
 
 
-def delta_step(delta: NDArray[np.float64], bits: int) -> float:
+def delta_step(delta: Floats, bits: int) -> float:
     """Return range / 2^bits of the coordinate with the largest range; 1 when all are constant."""
     extent = float(np.ptp(delta, axis=0).max()) if len(delta) else 0.0
     return extent / 2.0**bits or 1.0
 
 
-def grid_step(vertices: NDArray[np.float64], bits: int) -> float:
+def grid_step(vertices: Floats, bits: int) -> float:
     """Return the longest side of the bounding box / (2^bits - 1); 1 when there is no extent."""
     extent = float(np.ptp(vertices, axis=0).max())
     return extent / (2.0**bits - 1) or 1.0
 
 
-def to_grid(
-    vertices: NDArray[np.float64], origin: NDArray[np.float64], step: float
-) -> NDArray[np.int64]:
+def to_grid(vertices: Floats, origin: Floats, step: float) -> Ints:
     """Return the nearest grid points, int64 (n, 3).
 
     Raises
@@ -46,28 +44,26 @@ def to_grid(
     return grid.astype(np.int64)
 
 
-def from_grid(
-    grid: NDArray[np.int64], origin: NDArray[np.float64], step: float
-) -> NDArray[np.float64]:
+def from_grid(grid: Ints, origin: Floats, step: float) -> Floats:
     """Return the positions of grid points, float64 (n, 3)."""
     return np.asarray(origin + grid * step, dtype=np.float64)
 
 
-def to_delta(values: NDArray[np.int64], step: float) -> NDArray[np.float64]:
+def to_delta(values: Ints, step: float) -> Floats:
     """Return the delta coordinates that quantized ones stand for, float64 (n, 3)."""
     return np.asarray(values * step, dtype=np.float64)
 
 
 def quantize_delta(
-    delta: NDArray[np.float64],
-    graph: tuple[NDArray[np.int64], NDArray[np.int64]],
+    delta: Floats,
+    graph: tuple[Ints, Ints],
     step: float,
     carry: tuple[float, float],
     *,
-    normals: NDArray[np.float64] | None = None,
+    normals: Floats | None = None,
     zone: float = 0.0,
     along: bool = False,
-) -> NDArray[np.int64]:
+) -> Ints:
     """Round delta / step, or its component along the normals, diffusing the error.
 
     Diffusion visits the vertices in their order and hands the error of each on, in equal parts,
@@ -105,6 +101,6 @@ def quantize_delta(
     return out
 
 
-def _check_size(steps: NDArray[np.float64], step: float) -> None:
+def _check_size(steps: Floats, step: float) -> None:
     if len(steps) and not np.abs(steps).max() < MOST_STEPS:
         raise MeshError(f"a quantization step of {step:g} is too small for this mesh")

@@ -16,7 +16,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._geometry import highpass
 from deltamesh._geometry.integers import Integers, Quantized
@@ -28,6 +27,7 @@ from deltamesh._kernels.coding import residual
 from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams import entropy
+from deltamesh_formats.array_types import Floats
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.layout import NORMALS
 from deltamesh_formats.container.reader import payload_of
@@ -47,8 +47,8 @@ PLAIN = (0.0, 0.0)
 
 def quantize(
     surface: Surface,
-    vertices: NDArray[np.float64],
-    isolated: NDArray[np.float64],
+    vertices: Floats,
+    isolated: Floats,
     settings: Settings,
     factor: Factor,
 ) -> Quantized:
@@ -76,7 +76,7 @@ def quantize(
 
 def reconstruct(
     surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
-) -> NDArray[np.float64]:
+) -> Floats:
     """Solve for the coarse deltas, correct them along the normals, and solve again."""
     coarse, N = _stage(surface, factor, parameters, integers)
     fine = coarse + (parameters.step * integers.refinements) * N
@@ -86,7 +86,7 @@ def reconstruct(
 
 def _stage(
     surface: Surface, factor: Factor, parameters: Parameters, integers: Integers
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Floats, Floats]:
     """Return the coarse deltas, and the normals of the surface that they make."""
     coarse = highpass.deltas(parameters, integers)
     W = highpass.solved(coarse, parameters, integers, factor)

@@ -13,14 +13,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from deltamesh._geometry.bounds import Bounds
 from deltamesh._geometry.integers import Integers
 from deltamesh._measures.metrics import VertexErrors
 from deltamesh._methods import AUTO, CARTESIAN, HIGHPASS, METHODS, REFINED
 from deltamesh._options import DEFAULT_COARSE, Options, Settings, settings_of
+from deltamesh_formats.array_types import Floats
 from deltamesh_formats.container.container import Parameters
 from deltamesh_formats.errors import MeshError, TargetError
 
@@ -66,7 +64,7 @@ class Trial:
     parameters: Parameters
     integers: Integers
     encode: Callable[[], dict[str, bytes]]
-    vertices: NDArray[np.float64]
+    vertices: Floats
     errors: VertexErrors
 
     @cached_property

@@ -27,15 +27,15 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
-from numpy.typing import NDArray
 from scipy.sparse import csgraph
 
 from deltamesh._machine import available_cores
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.errors import SolveError
 
-Solve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+Solve = Callable[[Floats], Floats]
 
-Factor = Callable[[NDArray[np.int64]], "LeastSquares"]
+Factor = Callable[[Ints], "LeastSquares"]
 
 # A row of L with d entries puts d^2 entries into L^T L: one vertex with 50 000 neighbours would ask
 # for 20 GB. Longer rows become unknowns of their own, see `_quasidefinite`.
@@ -75,7 +75,7 @@ class LeastSquares:
     def __init__(
         self,
         L: sparse.csr_array,
-        anchors: NDArray[np.int64],
+        anchors: Ints,
         solver: str = "auto",
         threads: int | None = None,
     ) -> None:
@@ -88,9 +88,7 @@ class LeastSquares:
             self._A, self._transposed, solver_name(solver), threads or available_cores()
         )
 
-    def solve(
-        self, delta: NDArray[np.float64], positions: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def solve(self, delta: Floats, positions: Floats) -> Floats:
         """Return argmin |L x - delta|^2 + |x[anchors] - positions|^2, column by column.
 
         Parameters
@@ -109,7 +107,7 @@ class LeastSquares:
             If the system is too ill-conditioned for double precision, or overflows it.
         """
         # L maps constants to zero, so the origin is free; far from it digits are lost.
-        centre: NDArray[np.float64] = positions.sum(axis=0) / max(len(positions), 1)
+        centre: Floats = positions.sum(axis=0) / max(len(positions), 1)
         b = np.concatenate((delta, positions - centre))
         with np.errstate(over="ignore", invalid="ignore"):
             x = self.solve_normal(self._transposed @ b)
@@ -122,7 +120,7 @@ class LeastSquares:
             "the least-squares system has no solution in double precision: more anchors help"
         )
 
-    def solve_normal(self, b: NDArray[np.float64]) -> NDArray[np.float64]:
+    def solve_normal(self, b: Floats) -> Floats:
         """Return M^-1 b for b of shape (n, c), M = L^T L + S^T S, without refinement."""
         try:
             return np.asarray(self._solve(b))
@@ -166,7 +164,7 @@ def _installed(module: str) -> bool:
     return importlib.util.find_spec(module) is not None
 
 
-def _check_anchored(L: sparse.csr_array, anchors: NDArray[np.int64]) -> None:
+def _check_anchored(L: sparse.csr_array, anchors: Ints) -> None:
     count, labels = csgraph.connected_components(L, directed=False)
     anchored = np.zeros(count, dtype=bool)
     anchored[labels[anchors]] = True
@@ -246,7 +244,7 @@ def _factor_pardiso(matrix: sparse.csr_array, threads: int) -> Solve:
     with _mkl_threads(solver, threads):
         solver.factorize(upper)
 
-    def solve(b: NDArray[np.float64]) -> NDArray[np.float64]:
+    def solve(b: Floats) -> Floats:
         with _mkl_threads(solver, threads):
             return np.asarray(solver.solve(upper, b))
 

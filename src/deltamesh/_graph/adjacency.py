@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sparse
-from numpy.typing import NDArray
 from scipy.sparse import csgraph
 
 from deltamesh._graph.halfedges import ends
 from deltamesh._graph.permutations import numbered
+from deltamesh_formats.array_types import Ints
 
 
-def edges(faces: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+def edges(faces: Ints, n: int) -> Ints:
     """Return the undirected edges, each once whatever the number of faces on it.
 
     Parameters
@@ -29,7 +29,7 @@ def edges(faces: NDArray[np.int64], n: int) -> NDArray[np.int64]:
     return edges_between(*ends(faces), n)
 
 
-def edges_between(a: NDArray[np.int64], b: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+def edges_between(a: Ints, b: Ints, n: int) -> Ints:
     """Return the undirected edges of half-edges from a to b, int64 (h,), as `edges` does."""
     low, high = np.minimum(a, b), np.maximum(a, b)
     # Sorting in place and comparing neighbours is several times faster than np.unique's hash table.
@@ -40,7 +40,7 @@ def edges_between(a: NDArray[np.int64], b: NDArray[np.int64], n: int) -> NDArray
     return np.stack(np.divmod(keys, n), axis=1) if n else np.empty((0, 2), dtype=np.int64)
 
 
-def adjacency(faces: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def adjacency(faces: Ints, n: int) -> tuple[Ints, Ints]:
     """Return the neighbours of every vertex.
 
     Parameters
@@ -57,9 +57,7 @@ def adjacency(faces: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], NDAr
     return adjacency_of_edges(edges(faces, n), n)
 
 
-def adjacency_of_edges(
-    pairs: NDArray[np.int64], n: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def adjacency_of_edges(pairs: Ints, n: int) -> tuple[Ints, Ints]:
     """Return the neighbours of every vertex, as `adjacency` does, from edges (e, 2), each once."""
     A = sparse.csr_array(
         (
@@ -75,7 +73,7 @@ def adjacency_of_edges(
     return A.indptr.astype(np.int64), A.indices.astype(np.int64)
 
 
-def components(indptr: NDArray[np.int64], indices: NDArray[np.int64]) -> NDArray[np.int64]:
+def components(indptr: Ints, indices: Ints) -> Ints:
     """Return the connected component of every vertex.
 
     Parameters

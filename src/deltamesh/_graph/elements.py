@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.adjacency import adjacency
 from deltamesh._graph.halfedges import ends
 from deltamesh._graph.parallelograms import parallelograms
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Bools, Ints
 
 
 @dataclass(frozen=True)
@@ -29,14 +27,14 @@ class Elements:
     """
 
     count: int
-    indptr: _Ints
-    indices: _Ints
-    first: _Ints
-    corners: _Ints
-    within: _Ints
+    indptr: Ints
+    indices: Ints
+    first: Ints
+    corners: Ints
+    within: Ints
 
 
-def of_vertices(faces: _Ints, count: int, opposite: _Ints | None = None) -> Elements:
+def of_vertices(faces: Ints, count: int, opposite: Ints | None = None) -> Elements:
     """Return vertices, or wedges, as elements.
 
     Parameters
@@ -52,7 +50,7 @@ def of_vertices(faces: _Ints, count: int, opposite: _Ints | None = None) -> Elem
     return Elements(count, *adjacency(faces, count), *predictors)
 
 
-def of_polygons(faces: _Ints, offsets: _Ints, of_corners: _Ints) -> Elements:
+def of_polygons(faces: Ints, offsets: Ints, of_corners: Ints) -> Elements:
     """Return polygons as elements; two with an edge in common are neighbours.
 
     Parameters
@@ -79,7 +77,7 @@ def of_polygons(faces: _Ints, offsets: _Ints, of_corners: _Ints) -> Elements:
     return Elements(count, *adjacency(pairs, count), first, none, within)
 
 
-def of_wedges(wedges: _Ints) -> Elements:
+def of_wedges(wedges: Ints) -> Elements:
     """Return wedges as elements, from the wedge of each corner of triangles, int64 (3 m,)."""
     return of_vertices(wedges.reshape(-1, 3), int(wedges.max(initial=-1)) + 1)
 
@@ -90,7 +88,7 @@ def alone(count: int) -> Elements:
     return Elements(count, none, none[:0], none, np.zeros((0, 3), dtype=np.int64), none[:count])
 
 
-def among(elements: Elements, keep: NDArray[np.bool_]) -> Elements:
+def among(elements: Elements, keep: Bools) -> Elements:
     """Return only the elements to `keep`, in their order, with the neighbours among these."""
     if keep.all():
         return elements
@@ -110,5 +108,5 @@ def among(elements: Elements, keep: NDArray[np.bool_]) -> Elements:
     )
 
 
-def _starts(owners: _Ints, count: int) -> _Ints:
+def _starts(owners: Ints, count: int) -> Ints:
     return np.concatenate(([0], np.cumsum(np.bincount(owners, minlength=count)))).astype(np.int64)

@@ -7,17 +7,16 @@ k f + i.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Floats, Ints
 
 
-def ends(faces: _Ints) -> tuple[_Ints, _Ints]:
+def ends(faces: Ints) -> tuple[Ints, Ints]:
     """Return the vertices at which the half-edges of faces (m, k) start and end, int64 (k m,)."""
     return faces.ravel(), np.roll(faces, -1, axis=1).ravel()
 
 
-def by_edge(start: _Ints, end: _Ints) -> tuple[_Ints, _Ints]:
+def by_edge(start: Ints, end: Ints) -> tuple[Ints, Ints]:
     """Group half-edges by the undirected edge that they run along.
 
     Parameters
@@ -40,13 +39,13 @@ def by_edge(start: _Ints, end: _Ints) -> tuple[_Ints, _Ints]:
     return order, np.concatenate(([0], new, np.full(min(len(key), 1), len(key))))
 
 
-def edges_of_two(order: _Ints, bounds: _Ints) -> tuple[_Ints, _Ints]:
+def edges_of_two(order: Ints, bounds: Ints) -> tuple[Ints, Ints]:
     """Return the half-edges of the edges that have exactly two, as `by_edge` groups them."""
     two = bounds[:-1][np.diff(bounds) == 2]
     return order[two], order[two + 1]
 
 
-def pair_halfedges(faces: _Ints) -> _Ints:
+def pair_halfedges(faces: Ints) -> Ints:
     """Return the opposite of each half-edge of triangles (m, 3), int64 (3 m,), -1 where none is.
 
     Of an edge with more than two half-edges, the first two in the order of the faces are a pair.
@@ -58,7 +57,7 @@ def pair_halfedges(faces: _Ints) -> _Ints:
     return opposite
 
 
-def weld(vertices: NDArray[np.float64], *, exact: bool = False) -> tuple[_Ints, _Ints]:
+def weld(vertices: Floats, *, exact: bool = False) -> tuple[Ints, Ints]:
     """Find the vertices at exactly equal positions.
 
     Parameters

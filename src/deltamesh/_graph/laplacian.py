@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sparse
-from numpy.typing import NDArray
+
+from deltamesh_formats.array_types import Ints
 
 
-def laplacian(indptr: NDArray[np.int64], indices: NDArray[np.int64]) -> sparse.csr_array:
+def laplacian(indptr: Ints, indices: Ints) -> sparse.csr_array:
     """Return L: the degree of vertex i on the diagonal, -1 for each of its neighbours.
 
     Parameters

@@ -5,19 +5,19 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.halfedges import ends, pair_halfedges
+from deltamesh_formats.array_types import Ints
 
 NO_QUADS: Final = np.zeros((0, 4), dtype=np.int64)
 
 
 def parallelograms(
-    faces: NDArray[np.int64],
+    faces: Ints,
     n: int,
-    quads: NDArray[np.int64] = NO_QUADS,
-    opposite: NDArray[np.int64] | None = None,
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    quads: Ints = NO_QUADS,
+    opposite: Ints | None = None,
+) -> tuple[Ints, Ints, Ints]:
     """Return, for each vertex, the parallelograms that predict it.
 
     Parameters

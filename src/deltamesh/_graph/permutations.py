@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 
-def inverse(permutation: _Ints) -> _Ints:
+def inverse(permutation: Ints) -> Ints:
     """Return the inverse of a permutation (n,)."""
     result = np.empty_like(permutation)
     result[permutation] = np.arange(len(permutation))
     return result
 
 
-def numbered(values: _Ints) -> tuple[_Ints, _Ints]:
+def numbered(values: Ints) -> tuple[Ints, Ints]:
     """Return values as numbers, in the order in which they first appear.
 
     Parameters

@@ -8,19 +8,16 @@ for calculating the exact Hausdorff distance", IEEE TPAMI 37(11), 2015 (early br
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.mesh import closest
-
-_Floats = NDArray[np.float64]
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Floats, Ints
 
 # Samples on a surface besides its vertices: the larger of these.
 SAMPLES_PER_FACE = 2
 LEAST_SAMPLES = 20_000
 
 
-def squared_hausdorff(triangles: _Floats, others: _Floats) -> float:
+def squared_hausdorff(triangles: Floats, others: Floats) -> float:
     """Return the largest squared distance from samples of either surface to the other surface.
 
     Parameters
@@ -32,7 +29,7 @@ def squared_hausdorff(triangles: _Floats, others: _Floats) -> float:
     return _one_sided(others, triangles, largest)
 
 
-def _one_sided(triangles: _Floats, others: _Floats, largest: float) -> float:
+def _one_sided(triangles: Floats, others: Floats, largest: float) -> float:
     """Return the largest squared distance of `triangles` from `others`, at least `largest`."""
     face, barycentric = _surface_samples(triangles)
     at = np.arange(len(triangles))
@@ -56,7 +53,7 @@ def _one_sided(triangles: _Floats, others: _Floats, largest: float) -> float:
     )
 
 
-def _surface_samples(triangles: _Floats) -> tuple[_Ints, _Floats]:
+def _surface_samples(triangles: Floats) -> tuple[Ints, Floats]:
     """Return faces (s,) and barycentric coordinates (s, 3) of points spread evenly over the area.
 
     Systematic sampling by cumulated area; within the faces the additive recurrence R2 (M. Roberts,
@@ -77,7 +74,7 @@ def _surface_samples(triangles: _Floats) -> tuple[_Ints, _Floats]:
     return face, np.stack((1 - u - v, u, v), axis=1)
 
 
-def _tree_order(points: _Floats, leaves: int) -> _Ints:
+def _tree_order(points: Floats, leaves: int) -> Ints:
     """Return the order of points (m, 3) in a tree that halves each box along its longest side.
 
     Every level sorts all of its boxes at once; the halves are those of `kernels.closest`.

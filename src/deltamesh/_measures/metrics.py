@@ -11,15 +11,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.adjacency import edges
 from deltamesh._graph.halfedges import by_edge, edges_of_two, ends
 from deltamesh._measures.hausdorff import squared_hausdorff
 from deltamesh._mesh import TriangleMesh
-
-_Floats = NDArray[np.float64]
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Bools, Floats, Ints
 
 # Of Mq in the visual error (Sorkine, Cohen-Or and Toledo 2003, section 5).
 VISUAL_WEIGHT = 0.15
@@ -86,7 +83,7 @@ def compare(reference: TriangleMesh, other: TriangleMesh) -> Errors:
     )
 
 
-def vertex_errors(V: _Floats, W: _Floats, F: _Ints) -> VertexErrors:
+def vertex_errors(V: Floats, W: Floats, F: Ints) -> VertexErrors:
     """Return the errors that cost little (bunny, 70k faces: 0.1 s).
 
     Parameters
@@ -103,7 +100,7 @@ def vertex_errors(V: _Floats, W: _Floats, F: _Ints) -> VertexErrors:
     return errors_from(V, F)(W)
 
 
-def errors_from(V: _Floats, F: _Ints) -> Callable[[_Floats], VertexErrors]:
+def errors_from(V: Floats, F: Ints) -> Callable[[Floats], VertexErrors]:
     """Return `vertex_errors` of one reference: half of the work is done once."""
     centre, unit = _frame(V)
     V = (V - centre) / unit
@@ -111,7 +108,7 @@ def errors_from(V: _Floats, F: _Ints) -> Callable[[_Floats], VertexErrors]:
     pairs = _interior_edges(F)
     angles = _dihedral_angles(V, m, *pairs)
 
-    def errors(W: _Floats) -> VertexErrors:
+    def errors(W: Floats) -> VertexErrors:
         if V.shape != W.shape:
             raise ValueError(f"{len(V)} and {len(W)} vertices cannot be compared one by one")
         W = (W - centre) / unit
@@ -126,18 +123,18 @@ def errors_from(V: _Floats, F: _Ints) -> Callable[[_Floats], VertexErrors]:
     return errors
 
 
-def diagonal(V: _Floats) -> float:
+def diagonal(V: Floats) -> float:
     """Return the length of the bounding box's diagonal, 0 without vertices."""
     return math.hypot(*np.ptp(V, axis=0)) if len(V) else 0.0
 
 
-def mean_edge(V: _Floats, F: _Ints) -> float:
+def mean_edge(V: Floats, F: Ints) -> float:
     """Return the mean length of the edges, those of two faces counted twice; 0 without faces."""
     lengths = [_norm(V[F[:, i]] - V[F[:, i - 1]]) for i in range(3)]
     return float(np.mean(lengths)) if len(F) else 0.0
 
 
-def visual_error(V: _Floats, W: _Floats, F: _Ints) -> float:
+def visual_error(V: Floats, W: Floats, F: Ints) -> float:
     """Return 0.15 Mq + 0.85 Sq of O. Sorkine, D. Cohen-Or, S. Toledo, SGP 2003, section 5.
 
     Mq is the RMS of the vertex distances, Sq that of the differences of geometric Laplacians.
@@ -149,7 +146,7 @@ def visual_error(V: _Floats, W: _Floats, F: _Ints) -> float:
     return unit * (VISUAL_WEIGHT * mq + (1 - VISUAL_WEIGHT) * sq)
 
 
-def geometric_laplacian(V: _Floats, pairs: _Ints) -> _Floats:
+def geometric_laplacian(V: Floats, pairs: Ints) -> Floats:
     """Return GL(v_i) = v_i - sum_j v_j / l_ij / sum_j 1 / l_ij, l_ij the length of edge ij.
 
     Z. Karni, C. Gotsman, "Spectral compression of mesh geometry", SIGGRAPH 2000, section 6.
@@ -200,30 +197,30 @@ def hausdorff(reference: TriangleMesh, other: TriangleMesh) -> float:
     return unit * float(np.sqrt(squared))
 
 
-def _normalized(V: _Floats, W: _Floats) -> tuple[_Floats, _Floats, float]:
+def _normalized(V: Floats, W: Floats) -> tuple[Floats, Floats, float]:
     """Return both meshes moved and scaled by the reference's box, and the length of the unit."""
     centre, unit = _frame(V)
     return (V - centre) / unit, (W - centre) / unit, unit
 
 
-def _frame(V: _Floats) -> tuple[_Floats, float]:
+def _frame(V: Floats) -> tuple[Floats, float]:
     """Return the centre and the unit of the reference.
 
     Squares and cubes of lengths then neither overflow nor vanish, far from the origin or not.
     """
-    centre: _Floats = V.mean(axis=0) if len(V) else np.zeros(3)
+    centre: Floats = V.mean(axis=0) if len(V) else np.zeros(3)
     return centre, diagonal(V) or 1.0
 
 
-def _norm(x: _Floats) -> _Floats:
+def _norm(x: Floats) -> Floats:
     return np.sqrt(x[:, 0] * x[:, 0] + x[:, 1] * x[:, 1] + x[:, 2] * x[:, 2])
 
 
-def _rms(x: _Floats) -> float:
+def _rms(x: Floats) -> float:
     return float(np.sqrt(np.mean(x * x))) if len(x) else 0.0
 
 
-def _cross(a: _Floats, b: _Floats) -> _Floats:
+def _cross(a: Floats, b: Floats) -> Floats:
     """Return the rows' cross products; np.cross takes three times as long."""
     x = a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1]
     y = a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2]
@@ -231,33 +228,33 @@ def _cross(a: _Floats, b: _Floats) -> _Floats:
     return np.stack((x, y, z), axis=1)
 
 
-def _face_normals(V: _Floats, F: _Ints) -> _Floats:
+def _face_normals(V: Floats, F: Ints) -> Floats:
     """Return the faces' normals (m, 3), as long as twice the area."""
     a, b, c = V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
     return _cross(b - a, c - a)
 
 
-def _angle(m: _Floats, k: _Floats) -> _Floats:
+def _angle(m: Floats, k: Floats) -> Floats:
     """Return the angles between vectors of any length in degrees, 0 for zero vectors."""
     dot = m[:, 0] * k[:, 0] + m[:, 1] * k[:, 1] + m[:, 2] * k[:, 2]
     return np.degrees(np.arctan2(_norm(_cross(m, k)), dot))
 
 
-def _normal_deviation(m: _Floats, k: _Floats) -> float:
+def _normal_deviation(m: Floats, k: Floats) -> float:
     area, lost = _norm(m), ~k.any(axis=1)
     angle = np.where(lost, 90.0, _angle(m, k))
     total = float(area.sum())
     return float(area @ angle) / total if total > 0 else 0.0
 
 
-def _mean_change(angles: _Floats, others: _Floats) -> float:
+def _mean_change(angles: Floats, others: Floats) -> float:
     change = np.abs(angles - others)
     return float(np.minimum(change, 360 - change).mean()) if len(change) else 0.0
 
 
 def _dihedral_angles(
-    V: _Floats, m: _Floats, pairs: _Ints, left: _Ints, right: _Ints, same: NDArray[np.bool_]
-) -> _Floats:
+    V: Floats, m: Floats, pairs: Ints, left: Ints, right: Ints, same: Bools
+) -> Floats:
     """Return the angles (e,) from the left faces' normals to the right ones', convex: positive."""
     a, b = m[left], np.where(same[:, None], -m[right], m[right])
     turn = _cross(a, b)
@@ -266,7 +263,7 @@ def _dihedral_angles(
     return np.where(side < 0, -1.0, 1.0) * _angle(a, b)
 
 
-def _interior_edges(F: _Ints) -> tuple[_Ints, _Ints, _Ints, NDArray[np.bool_]]:
+def _interior_edges(F: Ints) -> tuple[Ints, Ints, Ints, Bools]:
     """Return the edges of exactly two faces.
 
     Returns

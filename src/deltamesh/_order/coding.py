@@ -15,7 +15,6 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.adjacency import adjacency_of_edges, edges_between
 from deltamesh._graph.permutations import inverse
@@ -24,6 +23,7 @@ from deltamesh._kernels.coding.coder import Coder
 from deltamesh._order.reordering import Order, permuted_corners
 from deltamesh._shape.polygons import Polygons
 from deltamesh._streams.entropy import decode_with, encode_with
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.layout import (
     PLAN_ANCHOR,
     PLAN_NEWEST,
@@ -34,7 +34,6 @@ from deltamesh_formats.container.reader import read_varint, take
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
 
-_Ints = NDArray[np.int64]
 _Code = Callable[["_Rows", Order, int, int, int | None], bytes]
 
 # Plans are compared on at most so many vertices and polygons, which takes seconds for any mesh.
@@ -58,24 +57,24 @@ class _Rows(NamedTuple):
         The corner of the polygon at each corner of its triangle.
     """
 
-    faces: _Ints
-    corners: _Ints
-    offsets: _Ints
-    within: _Ints
+    faces: Ints
+    corners: Ints
+    offsets: Ints
+    within: Ints
 
 
-def _rows(faces: _Ints, polygons: Polygons) -> _Rows:
+def _rows(faces: Ints, polygons: Polygons) -> _Rows:
     """Return the polygons of triangles (m, 3)."""
     offsets, lowest = polygons.offsets, polygons.lowest
     within = polygons.of_corners.reshape(-1, 3)[lowest] - offsets[:-1, None]
     return _Rows(faces[lowest], faces.ravel()[polygons.corners], offsets, within)
 
 
-def _renamed(rows: _Rows, names: _Ints) -> _Rows:
+def _renamed(rows: _Rows, names: Ints) -> _Rows:
     return rows._replace(faces=names[rows.faces], corners=names[rows.corners])
 
 
-def encode_order(faces: _Ints, polygons: Polygons, order: Order) -> bytes:
+def encode_order(faces: Ints, polygons: Polygons, order: Order) -> bytes:
     """Return the payload of ORDR.
 
     Parameters
@@ -145,7 +144,7 @@ def _stream(count: int, stop: int | None, code: Callable[[Coder], int]) -> bytes
     return encode_with(steps.MODEL, count if stop is None else min(count, stop), run)
 
 
-def _by_use(rows: _Rows, order: Order) -> _Ints:
+def _by_use(rows: _Rows, order: Order) -> Ints:
     """Return the rank of each vertex (n,) by the first polygon that uses it."""
     rank = np.full(len(order.vertices), -1)
     used = rows.corners[permuted_corners(rows.offsets, order.polygons, order.rotations)[0]]
@@ -154,14 +153,14 @@ def _by_use(rows: _Rows, order: Order) -> _Ints:
     return _with_isolated(rank)
 
 
-def _with_isolated(rank: _Ints) -> _Ints:
+def _with_isolated(rank: Ints) -> Ints:
     """Return ranks (n,) with the last ones given to the vertices without a rank, ascending."""
     isolated = np.flatnonzero(rank < 0)
     rank[isolated] = len(rank) - len(isolated) + np.arange(len(isolated))
     return rank
 
 
-def decode_order(payload: memoryview, faces: _Ints, polygons: Polygons, vertex_count: int) -> Order:
+def decode_order(payload: memoryview, faces: Ints, polygons: Polygons, vertex_count: int) -> Order:
     """Return the order: the mirror of `encode_order`.
 
     Parameters
@@ -198,7 +197,7 @@ def decode_order(payload: memoryview, faces: _Ints, polygons: Polygons, vertex_c
     return order
 
 
-def _read_vertices(stream: memoryview, at: int, rows: _Rows, plan: int, vertices: _Ints) -> None:
+def _read_vertices(stream: memoryview, at: int, rows: _Rows, plan: int, vertices: Ints) -> None:
     def run(coder: Coder) -> None:
         if _code_vertices(coder, rows, plan, vertices) != steps.OK:
             raise FormatError("the vertex order is corrupt", at)
@@ -207,7 +206,7 @@ def _read_vertices(stream: memoryview, at: int, rows: _Rows, plan: int, vertices
 
 
 def _read_polygons(
-    stream: memoryview, at: int, rows: _Rows, plan: int, rank: _Ints, order: Order
+    stream: memoryview, at: int, rows: _Rows, plan: int, rank: Ints, order: Order
 ) -> None:
     def run(coder: Coder) -> None:
         if _code_polygons(coder, rows, plan, rank, order) != steps.OK:
@@ -220,7 +219,7 @@ def _code_vertices(
     coder: Coder,
     rows: _Rows,
     plan: int,
-    vertices: _Ints,
+    vertices: Ints,
     margin: int = 0,
     stop: int | None = None,
 ) -> int:
@@ -244,7 +243,7 @@ def _code_polygons(
     coder: Coder,
     rows: _Rows,
     plan: int,
-    rank: _Ints,
+    rank: Ints,
     order: Order,
     margin: int = 0,
     stop: int | None = None,

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.permutations import inverse
 from deltamesh._shape.polygons import Polygons
 from deltamesh._shape.provenance import Provenance
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
-
-_Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -29,17 +27,17 @@ class Order:
         The corner at which that polygon begins in the other order.
     """
 
-    vertices: _Ints
-    polygons: _Ints
-    rotations: _Ints
+    vertices: Ints
+    polygons: Ints
+    rotations: Ints
 
 
-def order_arrays(order: Order | None) -> tuple[_Ints, ...]:
+def order_arrays(order: Order | None) -> tuple[Ints, ...]:
     """Return the arrays of an order that the digest of a file covers."""
     return () if order is None else (order.vertices, order.polygons, order.rotations)
 
 
-def order_of(polygons: Polygons, provenance: Provenance, starts: _Ints) -> Order:
+def order_of(polygons: Polygons, provenance: Provenance, starts: Ints) -> Order:
     """Return the order of the input, as another order of a file.
 
     Parameters
@@ -64,7 +62,7 @@ def reordered(mesh: PolyMesh, order: Order) -> PolyMesh:
     return permuted(mesh, order.vertices, order.polygons, corners, offsets)
 
 
-def permuted_corners(offsets: _Ints, polygons: _Ints, rotations: _Ints) -> tuple[_Ints, _Ints]:
+def permuted_corners(offsets: Ints, polygons: Ints, rotations: Ints) -> tuple[Ints, Ints]:
     """Return the corners of polygons in another order, and the offsets of the polygons.
 
     Parameters
@@ -81,7 +79,7 @@ def permuted_corners(offsets: _Ints, polygons: _Ints, rotations: _Ints) -> tuple
 
 
 def permuted(
-    mesh: PolyMesh, vertices: _Ints, polygons: _Ints, corners: _Ints, offsets: _Ints
+    mesh: PolyMesh, vertices: Ints, polygons: Ints, corners: Ints, offsets: Ints
 ) -> PolyMesh:
     """Return a mesh with its vertices, polygons and corners permuted.
 
@@ -104,7 +102,7 @@ def permuted(
     )
 
 
-def permuted_attribute(attribute: Attribute, elements: _Ints) -> Attribute:
+def permuted_attribute(attribute: Attribute, elements: Ints) -> Attribute:
     """Return an attribute with the values of these elements, in this order."""
     if attribute.index is None:
         return replace(attribute, values=attribute.values[elements])

@@ -5,9 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-from numpy.typing import NDArray
-
 from deltamesh._content import NOTHING, Content
 from deltamesh._geometry.search import Trial
 from deltamesh._options import Options
@@ -15,6 +12,7 @@ from deltamesh._parts import Annotations, annotations_of
 from deltamesh._progress import Progress
 from deltamesh._shape.diagonals import cut_polygons
 from deltamesh._shape.draft import ShapeDraft, first_draft
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.dropping import without
 from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -44,7 +42,7 @@ class Draft:
     mesh: PolyMesh
     options: Options
     progress: Progress
-    around: NDArray[np.int64]
+    around: Ints
     shape: ShapeDraft
     trial: Trial | None = None
     content: Content = NOTHING
@@ -56,7 +54,7 @@ class Draft:
         return self.trial
 
     @property
-    def positions(self) -> NDArray[np.float64]:
+    def positions(self) -> Floats:
         """The input's position of each point, float64 (p, 3)."""
         return self.mesh.vertices[self.shape.triangle_provenance.points]
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._content import Content
 from deltamesh._geometry.bounds import bounds_of
@@ -19,6 +18,7 @@ from deltamesh._mesh import LARGEST
 from deltamesh._options import Settings
 from deltamesh._sections.draft import Draft
 from deltamesh._shape.complexes import distinct_faces
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Container, Parameters
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.triangles import fans
@@ -65,7 +65,7 @@ def has_scale(p: Parameters, i: Integers) -> bool:
     return bool(values * steps + origin <= 100 * LARGEST)
 
 
-def _measured(draft: Draft) -> NDArray[np.int64]:
+def _measured(draft: Draft) -> Ints:
     """Return the triangles over points on which errors are measured: those of any reader."""
     mesh, structure = draft.mesh, draft.shape.structure
     if not len(structure.merged):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.permutations import inverse
 from deltamesh._shape.complexes import Cut
@@ -13,8 +12,7 @@ from deltamesh._shape.draft import ShapeDraft
 from deltamesh._shape.manifold import REVERSED, CodedManifold, Stitches, trivial
 from deltamesh._shape.provenance import TriangleProvenance
 from deltamesh._shape.structure import Complex, structure_of
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 
 def in_coding_order(draft: ShapeDraft, coded: CodedManifold) -> ShapeDraft:
@@ -49,7 +47,7 @@ def in_coding_order(draft: ShapeDraft, coded: CodedManifold) -> ShapeDraft:
     )
 
 
-def _first_appearances(points: _Ints, n: int) -> tuple[_Ints, _Ints]:
+def _first_appearances(points: Ints, n: int) -> tuple[Ints, Ints]:
     """Return points renumbered in the order of their first appearance, and the points so."""
     at = np.arange(len(points))
     first = np.empty(n, dtype=np.int64)
@@ -59,8 +57,8 @@ def _first_appearances(points: _Ints, n: int) -> tuple[_Ints, _Ints]:
 
 
 def _stitches(
-    faces: _Ints, cut: Cut, coded: CodedManifold, points: _Ints, rank: _Ints
-) -> tuple[Stitches, _Ints]:
+    faces: Ints, cut: Cut, coded: CodedManifold, points: Ints, rank: Ints
+) -> tuple[Stitches, Ints]:
     """Return the stitches, and the input corner of each corner of the complex.
 
     faces : int64 (m, 3), of the input, over points; points : int64 (n,), in coding order, of the

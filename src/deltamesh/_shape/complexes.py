@@ -13,13 +13,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.halfedges import by_edge, edges_of_two, ends
 from deltamesh._kernels.mesh import cutting
-
-_Ints = NDArray[np.int64]
-_Bools = NDArray[np.bool_]
+from deltamesh_formats.array_types import Bools, Ints
 
 
 @dataclass(frozen=True)
@@ -45,18 +42,18 @@ class Cut:
         Faces of the complex that repeat a vertex.
     """
 
-    faces: _Ints
-    opposite: _Ints
-    points: _Ints
-    triangles: _Ints
-    reversed: _Bools
-    repeats: _Ints
-    repeated: _Ints
-    against: _Bools
-    degenerate: _Ints
+    faces: Ints
+    opposite: Ints
+    points: Ints
+    triangles: Ints
+    reversed: Bools
+    repeats: Ints
+    repeated: Ints
+    against: Bools
+    degenerate: Ints
 
 
-def cut(faces: _Ints, n: int) -> Cut:
+def cut(faces: Ints, n: int) -> Cut:
     """Cut a complex of triangles into an oriented manifold.
 
     Parameters
@@ -102,7 +99,7 @@ def cut(faces: _Ints, n: int) -> Cut:
     )
 
 
-def distinct_faces(faces: _Ints) -> _Ints:
+def distinct_faces(faces: Ints) -> Ints:
     """Return the faces (k, 3) that repeat no vertex; of equal ones, in any winding, the first."""
     collapsed = _collapsed(faces)
     faces = faces[~collapsed] if collapsed.any() else faces
@@ -110,20 +107,20 @@ def distinct_faces(faces: _Ints) -> _Ints:
     return faces[first] if len(first) < len(faces) else faces
 
 
-def _collapsed(faces: _Ints) -> _Bools:
+def _collapsed(faces: Ints) -> Bools:
     """Return which faces repeat a vertex."""
     a, b, c = faces.T
     return np.asarray((a == b) | (b == c) | (c == a))
 
 
-def _is_clean(faces: _Ints, order: _Ints, bounds: _Ints) -> bool:
+def _is_clean(faces: Ints, order: Ints, bounds: Ints) -> bool:
     """Return whether all edges have one face, or two that agree in winding."""
     first, second = edges_of_two(order, bounds)
     start = faces.ravel()
     return np.diff(bounds).max(initial=0) <= 2 and bool((start[first] != start[second]).all())
 
 
-def _repeats(faces: _Ints) -> tuple[_Ints, _Ints, _Ints, _Bools]:
+def _repeats(faces: Ints) -> tuple[Ints, Ints, Ints, Bools]:
     """Return the first face of each set of vertices; the others, which each repeats, and how.
 
     The second array are indices of faces, the third indices of the first array.
@@ -143,7 +140,7 @@ def _repeats(faces: _Ints) -> tuple[_Ints, _Ints, _Ints, _Bools]:
     return np.flatnonzero(is_first), others, rank[base[others]], even[others] != even[base[others]]
 
 
-def _pair(faces: _Ints, order: _Ints, bounds: _Ints, opposite: _Ints) -> tuple[_Ints, _Bools]:
+def _pair(faces: Ints, order: Ints, bounds: Ints, opposite: Ints) -> tuple[Ints, Bools]:
     """Fill in the opposites of half-edges; return the oriented faces, and which are reversed."""
     size = np.diff(bounds)
     first, second = edges_of_two(order, bounds)

@@ -28,6 +28,7 @@ from deltamesh._shape.manifold import CodedManifold, Manifold, trivial
 from deltamesh._shape.structure import Complex, Structure, structure_of
 from deltamesh._shape.topology import Topology, build_topology
 from deltamesh._streams import entropy
+from deltamesh_formats.array_types import Bools, Ints
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.layout import ATTRIBUTES, COPIES, POLYGONS, STITCHES
 from deltamesh_formats.container.reader import read_varint
@@ -91,7 +92,7 @@ def encode_connectivity(topology: Topology) -> tuple[bytes, CodedManifold]:
     return payload, CodedManifold(manifold, order, starts)
 
 
-def _reordered(opposite: NDArray[np.int64], starts: NDArray[np.int64]) -> NDArray[np.int64]:
+def _reordered(opposite: Ints, starts: Ints) -> Ints:
     """Return the opposites of the half-edges of the faces that begin with half-edges `starts`."""
     face, corner = np.divmod(starts, 3)
     old = (3 * face[:, None] + (corner[:, None] + np.arange(3)) % 3).ravel()
@@ -100,9 +101,7 @@ def _reordered(opposite: NDArray[np.int64], starts: NDArray[np.int64]) -> NDArra
     return new[opposite[old]]
 
 
-def decode_connectivity(
-    payload: memoryview, vertex_count: int, face_count: int
-) -> NDArray[np.int64]:
+def decode_connectivity(payload: memoryview, vertex_count: int, face_count: int) -> Ints:
     """Return the faces, int64 (face_count, 3); `vertex_count` is without isolated vertices.
 
     Raises
@@ -146,7 +145,7 @@ def _region(
     )
 
 
-def _open(region: Region) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+def _open(region: Region) -> tuple[Ints, Bools]:
     """Return the faces without those that close boundary loops, and which of all faces they are."""
     real = ~region.vertices["is_loop"]
     index = np.cumsum(real) - 1

@@ -8,17 +8,15 @@ of two quads that share an edge, the diagonals should end at different ends of i
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.halfedges import by_edge, edges_of_two, ends, weld
 from deltamesh._kernels.mesh import diagonals as kernels
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.polymesh.triangles import Triangles, fans, folds
 
-_Ints = NDArray[np.int64]
 
-
-def cut_polygons(mesh: PolyMesh, around: _Ints) -> Triangles:
+def cut_polygons(mesh: PolyMesh, around: Ints) -> Triangles:
     """Cut polygons into fans.
 
     Parameters
@@ -35,7 +33,7 @@ def cut_polygons(mesh: PolyMesh, around: _Ints) -> Triangles:
     return fans(mesh.corners, mesh.offsets, around)
 
 
-def _parallel(mesh: PolyMesh, quads: _Ints, around: _Ints) -> _Ints:
+def _parallel(mesh: PolyMesh, quads: Ints, around: Ints) -> Ints:
     """Return the corner, 0 or 1, at which the diagonal of each quad ends.
 
     `around` (q,) are the corners to take where one of the two diagonals folds the quad.
@@ -54,7 +52,7 @@ def _parallel(mesh: PolyMesh, quads: _Ints, around: _Ints) -> _Ints:
     return given
 
 
-def _shared_edges(quads: _Ints) -> tuple[_Ints, _Ints, _Ints]:
+def _shared_edges(quads: Ints) -> tuple[Ints, Ints, Ints]:
     """Return the edges of just two quads, (q, 4), as two half-edges, 4 * quad + corner.
 
     The third array is 1 where these run the same way, else 0.

@@ -7,17 +7,15 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.halfedges import weld
 from deltamesh._shape.complexes import Cut, cut
 from deltamesh._shape.manifold import Stitches
 from deltamesh._shape.provenance import Provenance, TriangleProvenance, provenance_of
 from deltamesh._shape.structure import EMPTY, Structure
+from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.polymesh.triangles import Triangles
 
-_Ints = NDArray[np.int64]
-_Bools = NDArray[np.bool_]
 _NONE: Final = np.zeros(0, dtype=np.int64)
 _NOTHING: Final = TriangleProvenance(_NONE, _NONE, _NONE.reshape(0, 3))
 
@@ -42,12 +40,12 @@ class Input:
         Of the triangles over points.
     """
 
-    vertices: NDArray[np.float64]
+    vertices: Floats
     triangles: Triangles
-    first_vertices: _Ints
-    points: _Ints
-    in_face: _Bools
-    kept: _Bools
+    first_vertices: Ints
+    points: Ints
+    in_face: Bools
+    kept: Bools
     cut: Cut
 
 
@@ -72,7 +70,7 @@ class ShapeDraft:
     triangle_provenance: TriangleProvenance = _NOTHING
 
     @property
-    def points(self) -> _Ints:
+    def points(self) -> Ints:
         """The point in coding order of each input vertex, (n,), -1 for those that are left out."""
         coded = np.full(len(self.input.first_vertices), -1, dtype=np.int64)
         at = self.triangle_provenance.points
@@ -87,7 +85,7 @@ class ShapeDraft:
 
 
 def first_draft(
-    vertices: NDArray[np.float64], triangles: Triangles, *, drop_isolated: bool, exact: bool
+    vertices: Floats, triangles: Triangles, *, drop_isolated: bool, exact: bool
 ) -> ShapeDraft:
     """Weld the vertices of triangles and cut these into a manifold.
 

@@ -7,13 +7,10 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.halfedges import ends, pair_halfedges
 from deltamesh._kernels.mesh import cutting
-
-_Ints = NDArray[np.int64]
-_Bools = NDArray[np.bool_]
+from deltamesh_formats.array_types import Bools, Ints
 
 # The corners of a triangle whose winding is reversed.
 REVERSED: Final = np.array([0, 2, 1])
@@ -32,12 +29,12 @@ class Manifold:
         `opposite`, where it is known; else the half-edges are sorted, once they are needed.
     """
 
-    faces: _Ints
+    faces: Ints
     vertex_count: int
-    known_opposite: _Ints | None = None
+    known_opposite: Ints | None = None
 
     @cached_property
-    def opposite(self) -> _Ints:
+    def opposite(self) -> Ints:
         """The opposite of each half-edge, int64 (3 m,), -1 on the boundary."""
         return pair_halfedges(self.faces) if self.known_opposite is None else self.known_opposite
 
@@ -67,8 +64,8 @@ class CodedManifold:
     """
 
     manifold: Manifold
-    order: _Ints
-    starts: _Ints
+    order: Ints
+    starts: Ints
 
 
 @dataclass(frozen=True)
@@ -90,11 +87,11 @@ class Stitches:
         The points a and b of faces (a, a, b), in ascending order.
     """
 
-    points: _Ints
-    reversed: _Bools
-    repeated: _Ints
-    against: _Bools
-    degenerate: _Ints
+    points: Ints
+    reversed: Bools
+    repeated: Ints
+    against: Bools
+    degenerate: Ints
 
     @cached_property
     def is_trivial(self) -> bool:
@@ -111,7 +108,7 @@ def trivial(vertex_count: int, face_count: int) -> Stitches:
     return Stitches(np.arange(vertex_count), reversed_, none, reversed_[:0], none.reshape(0, 2))
 
 
-def complex_faces(faces: _Ints, stitches: Stitches) -> _Ints:
+def complex_faces(faces: Ints, stitches: Stitches) -> Ints:
     """Return the faces of the complex over points: those of the manifold, repeats, degenerates.
 
     Parameters

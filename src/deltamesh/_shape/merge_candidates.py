@@ -6,16 +6,13 @@ A polygon of k corners is k - 2 triangles, merged across k - 3 edges, which are 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.halfedges import ends
+from deltamesh_formats.array_types import Bools, Ints
 from deltamesh_formats.polymesh.triangles import Triangles
 
-_Ints = NDArray[np.int64]
-_Bools = NDArray[np.bool_]
 
-
-def merged_halfedges(triangles: Triangles, corners: _Ints) -> _Ints:
+def merged_halfedges(triangles: Triangles, corners: Ints) -> Ints:
     """Return the half-edge that each half-edge is merged with, int64 (3 m,), -1 for none.
 
     Parameters
@@ -35,7 +32,7 @@ def merged_halfedges(triangles: Triangles, corners: _Ints) -> _Ints:
     return merged
 
 
-def merge_candidates(faces: _Ints, opposite: _Ints, reversed_: _Bools) -> _Ints:
+def merge_candidates(faces: Ints, opposite: Ints, reversed_: Bools) -> Ints:
     """Return the half-edge that each half-edge may be merged with, int64 (3 m,), -1 for none.
 
     That is its opposite in the manifold, where it runs between the same two vertices, the other
@@ -76,14 +73,14 @@ def merge_candidates(faces: _Ints, opposite: _Ints, reversed_: _Bools) -> _Ints:
     return candidate
 
 
-def hidden_halfedges(merged: _Ints, opposite: _Ints, reversed_: _Bools) -> _Bools:
+def hidden_halfedges(merged: Ints, opposite: Ints, reversed_: Bools) -> Bools:
     """Return which half-edges of the manifold are merged with their opposites, bool (3 k,)."""
     h = np.arange(len(opposite))
     other = np.where(opposite >= 0, _of_mesh(opposite, reversed_), -2)
     return np.asarray(merged[_of_mesh(h, reversed_)] == other)
 
 
-def _of_mesh(halfedges: _Ints, reversed_: _Bools) -> _Ints:
+def _of_mesh(halfedges: Ints, reversed_: Bools) -> Ints:
     """Return half-edges of the manifold as half-edges of the mesh, or the other way round."""
     face, side = np.divmod(halfedges, 3)
     return 3 * face + np.where(reversed_[face], 2 - side, side)

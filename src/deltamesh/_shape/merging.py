@@ -12,7 +12,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.halfedges import ends
 from deltamesh._kernels.coding import hidden_edges as kernels
@@ -22,12 +21,11 @@ from deltamesh._shape.draft import ShapeDraft
 from deltamesh._shape.merge_candidates import merged_halfedges
 from deltamesh._shape.structure import Structure
 from deltamesh._streams import entropy
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_varint
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
-
-_Ints = NDArray[np.int64]
 
 
 def applies(draft: ShapeDraft) -> bool:
@@ -57,7 +55,7 @@ def decode(payload: memoryview, container: Container, structure: Structure) -> S
     return replace(structure, merged=merged)
 
 
-def encode_merged(faces: _Ints, candidate: _Ints, merged: _Ints, sizes: _Ints) -> bytes:
+def encode_merged(faces: Ints, candidate: Ints, merged: Ints, sizes: Ints) -> bytes:
     """Return the payload of POLY.
 
     Parameters
@@ -79,7 +77,7 @@ def encode_merged(faces: _Ints, candidate: _Ints, merged: _Ints, sizes: _Ints) -
     return header + entropy.finish(coder)
 
 
-def decode_merged(payload: memoryview, faces: _Ints, candidate: _Ints) -> _Ints:
+def decode_merged(payload: memoryview, faces: Ints, candidate: Ints) -> Ints:
     """Return the merged half-edges, int64 (3 m,): the mirror of `encode_merged`.
 
     Raises
@@ -108,14 +106,14 @@ def decode_merged(payload: memoryview, faces: _Ints, candidate: _Ints) -> _Ints:
 
 def _code(
     coder: Coder,
-    faces: _Ints,
-    candidate: _Ints,
-    merged: _Ints,
-    pairs: _Ints,
+    faces: Ints,
+    candidate: Ints,
+    merged: Ints,
+    pairs: Ints,
     least: int,
     most: int,
     total: int,
-) -> _Ints | None:
+) -> Ints | None:
     """Code the merged half-edges, filled in when decoding; return the sizes of the polygons.
 
     None for a corrupt stream. pairs : int64 (3 m,), the explicit ones; empty when decoding.
@@ -129,11 +127,11 @@ def _code(
         coder, candidate, pairs, merged, parent, size, most, total, *halfedge_groups(faces)
     ):
         return None
-    sizes: _Ints = size[parent == np.arange(m)]
+    sizes: Ints = size[parent == np.arange(m)]
     return sizes
 
 
-def halfedge_groups(faces: _Ints) -> tuple[_Ints, _Ints, _Ints, _Ints]:
+def halfedge_groups(faces: Ints) -> tuple[Ints, Ints, Ints, Ints]:
     """Return half-edges grouped by their two ends; see `merged_pairs.code_explicit_pairs`."""
     start, end = ends(faces)
     n = int(faces.max()) + 1

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.mesh.outlines import walk
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.polymesh.mesh import PolyMesh
-
-_Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -30,12 +28,12 @@ class Polygons:
         The index into `corners` of the polygon's corner at which each triangle's corner is.
     """
 
-    corners: _Ints
-    offsets: _Ints
-    of_corners: _Ints
+    corners: Ints
+    offsets: Ints
+    of_corners: Ints
 
     @cached_property
-    def lowest(self) -> _Ints:
+    def lowest(self) -> Ints:
         """The lowest triangle of each polygon, int64 (p,)."""
         polygon = np.searchsorted(self.offsets, self.of_corners[::3], side="right") - 1
         return np.unique(polygon, return_index=True)[1]
@@ -47,7 +45,7 @@ def plain(count: int) -> Polygons:
     return Polygons(every, np.arange(0, 3 * count + 1, 3), every)
 
 
-def merged_polygons(merged: _Ints) -> Polygons:
+def merged_polygons(merged: Ints) -> Polygons:
     """Return the polygons of merged triangles.
 
     Parameters
@@ -65,6 +63,6 @@ def merged_polygons(merged: _Ints) -> Polygons:
     return Polygons(corners, offsets, of_corners)
 
 
-def assembled(vertices: NDArray[np.float64], faces: _Ints, polygons: Polygons) -> PolyMesh:
+def assembled(vertices: Floats, faces: Ints, polygons: Polygons) -> PolyMesh:
     """Return the mesh of polygons of triangles (m, 3)."""
     return PolyMesh(vertices, faces.ravel()[polygons.corners], polygons.offsets)

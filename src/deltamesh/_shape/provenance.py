@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from deltamesh._shape.polygons import Polygons
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.polymesh.triangles import Triangles
-
-_Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -27,9 +23,9 @@ class TriangleProvenance:
         The corner of the input's triangles, 3 * triangle + 0, 1 or 2, at each corner.
     """
 
-    points: _Ints
-    vertices: _Ints
-    corners: _Ints
+    points: Ints
+    vertices: Ints
+    corners: Ints
 
 
 @dataclass(frozen=True)
@@ -46,9 +42,9 @@ class Provenance:
         The input polygon of each polygon.
     """
 
-    vertices: _Ints
-    corners: _Ints
-    polygons: _Ints
+    vertices: Ints
+    corners: Ints
+    polygons: Ints
 
 
 def provenance_of(

@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding import wedges as kernels
 from deltamesh._shape.draft import ShapeDraft
@@ -18,12 +17,11 @@ from deltamesh._shape.provenance import TriangleProvenance
 from deltamesh._shape.structure import Structure
 from deltamesh._shape.wedges import Corners, code_wedges
 from deltamesh._streams import entropy
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_varint
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
-
-_Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -38,8 +36,8 @@ class SplitVertices:
         Of the vertices, ascending. At a point come first those in faces, then the others.
     """
 
-    faces: _Ints
-    points: _Ints
+    faces: Ints
+    points: Ints
 
 
 def applies(draft: ShapeDraft) -> bool:
@@ -69,7 +67,7 @@ def encode(draft: ShapeDraft) -> tuple[bytes, ShapeDraft]:
     )
 
 
-def _encode(corners: Corners, wedges: _Ints, further: _Ints) -> tuple[bytes, _Ints]:
+def _encode(corners: Corners, wedges: Ints, further: Ints) -> tuple[bytes, Ints]:
     """Return the payload, and the wedges as they are decoded.
 
     wedges : int64 (3 f,), the vertex of each corner, in any numbering.
@@ -123,7 +121,7 @@ def decode(payload: memoryview, container: Container, structure: Structure) -> S
     return replace(structure, faces=split.faces, points=split.points)
 
 
-def split_vertices(corners: Corners, wedges: _Ints, further: _Ints) -> SplitVertices:
+def split_vertices(corners: Corners, wedges: Ints, further: Ints) -> SplitVertices:
     """Return the vertices at each point.
 
     Parameters

@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.adjacency import adjacency
 from deltamesh._graph.halfedges import ends
@@ -19,12 +18,11 @@ from deltamesh._shape.draft import ShapeDraft
 from deltamesh._shape.manifold import Manifold, Stitches
 from deltamesh._shape.structure import Structure, structure_of
 from deltamesh._streams import entropy
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_varint
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
-
-_Ints = NDArray[np.int64]
 
 
 def applies(draft: ShapeDraft) -> bool:
@@ -127,7 +125,7 @@ def _decode(
     return stitches
 
 
-def _code_points(coder: Coder, manifold: Manifold, points: _Ints) -> int:
+def _code_points(coder: Coder, manifold: Manifold, points: Ints) -> int:
     """Code the points of the vertices, filled in when decoding; return how many, -1: corrupt."""
     boundary = np.zeros(len(points), dtype=bool)
     border = manifold.opposite < 0

@@ -11,7 +11,6 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.elements import Elements, of_vertices
 from deltamesh._shape.manifold import Manifold, Stitches, complex_faces, trivial
@@ -19,8 +18,8 @@ from deltamesh._shape.merge_candidates import hidden_halfedges, merge_candidates
 from deltamesh._shape.polygons import Polygons, merged_polygons, plain
 from deltamesh._shape.surface import NO_EDGES, Surface, surface_of
 from deltamesh._shape.wedges import Corners, corners_of
+from deltamesh_formats.array_types import Ints
 
-_Ints = NDArray[np.int64]
 _NONE: Final = np.zeros(0, dtype=np.int64)
 
 
@@ -49,12 +48,12 @@ class Complex:
         return self.used + self.isolated
 
     @cached_property
-    def faces(self) -> _Ints:
+    def faces(self) -> Ints:
         """All triangles over points, (m, 3)."""
         return complex_faces(self.manifold.faces, self.stitches)
 
     @cached_property
-    def manifold_faces(self) -> _Ints:
+    def manifold_faces(self) -> Ints:
         """The faces of the manifold over points, (k, 3)."""
         s, faces = self.stitches, self.manifold.faces
         return faces if s.is_trivial else s.points[faces]
@@ -83,9 +82,9 @@ class Structure:
     """
 
     complex: Complex
-    faces: _Ints
-    points: _Ints
-    merged: _Ints
+    faces: Ints
+    points: Ints
+    merged: Ints
 
     @property
     def corners(self) -> Corners:
@@ -98,12 +97,12 @@ class Structure:
         return len(self.points) != self.complex.point_count
 
     @property
-    def split_points(self) -> _Ints:
+    def split_points(self) -> Ints:
         """The points of the vertices if some are split, else nothing: a part of the digest."""
         return self.points if self.has_split_vertices else _NONE
 
     @cached_property
-    def merge_candidates(self) -> _Ints:
+    def merge_candidates(self) -> Ints:
         """The half-edge that each may be merged with, (3 m,), -1 for none."""
         c = self.complex
         return merge_candidates(self.faces, c.manifold.opposite, c.stitches.reversed)
@@ -132,11 +131,11 @@ class Structure:
         opposite = self.complex.manifold.opposite if trivial_everywhere else None
         return of_vertices(self.faces, len(self.points), opposite)
 
-    def _quads(self) -> _Ints:
+    def _quads(self) -> Ints:
         """Return the polygons of four corners, (q, 4), over points."""
         corners, offsets = self.polygons.corners, self.polygons.offsets
         first = offsets[:-1][np.diff(offsets) == 4]
-        quads: _Ints = corners[first[:, None] + np.arange(4)]
+        quads: Ints = corners[first[:, None] + np.arange(4)]
         return np.asarray(self.points[self.faces.ravel()[quads]])
 
 

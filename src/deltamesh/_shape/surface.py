@@ -8,7 +8,6 @@ from typing import Final
 
 import numpy as np
 import scipy.sparse as sparse
-from numpy.typing import NDArray
 
 from deltamesh._graph.adjacency import adjacency, adjacency_of_edges, components, edges_between
 from deltamesh._graph.elements import Elements
@@ -16,6 +15,7 @@ from deltamesh._graph.halfedges import ends
 from deltamesh._graph.laplacian import laplacian
 from deltamesh._graph.parallelograms import NO_QUADS, parallelograms
 from deltamesh._shape.manifold import Manifold
+from deltamesh_formats.array_types import Bools, Ints
 
 NO_EDGES: Final = np.zeros(0, dtype=bool)
 
@@ -38,10 +38,10 @@ class Surface:
         The manifold that has these very faces, where one has.
     """
 
-    faces: NDArray[np.int64]
-    graph: tuple[NDArray[np.int64], NDArray[np.int64]]
+    faces: Ints
+    graph: tuple[Ints, Ints]
     isolated_count: int
-    quads: NDArray[np.int64] = field(default_factory=lambda: NO_QUADS)
+    quads: Ints = field(default_factory=lambda: NO_QUADS)
     manifold: Manifold | None = None
 
     @property
@@ -55,7 +55,7 @@ class Surface:
         return laplacian(*self.graph)
 
     @cached_property
-    def labels(self) -> NDArray[np.int64]:
+    def labels(self) -> Ints:
         """The component of each vertex of the faces."""
         return components(*self.graph)
 
@@ -71,11 +71,11 @@ class Surface:
 
 
 def surface_of(
-    faces: NDArray[np.int64],
+    faces: Ints,
     vertex_count: int,
     isolated_count: int,
-    hidden: NDArray[np.bool_] = NO_EDGES,
-    quads: NDArray[np.int64] = NO_QUADS,
+    hidden: Bools = NO_EDGES,
+    quads: Ints = NO_QUADS,
     manifold: Manifold | None = None,
 ) -> Surface:
     """Return a `Surface` with its graph.

@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.halfedges import ends
+from deltamesh_formats.array_types import Ints
 
 
 @dataclass(frozen=True)
@@ -31,9 +31,9 @@ class Topology:
         m and n.
     """
 
-    faces: NDArray[np.int64]
-    opposite: NDArray[np.int64]
-    valence: NDArray[np.int64]
+    faces: Ints
+    opposite: Ints
+    valence: Ints
     face_count: int
     vertex_count: int
 
@@ -48,7 +48,7 @@ class Topology:
         return len(self.faces) - self.face_count
 
 
-def build_topology(faces: NDArray[np.int64], opposite: NDArray[np.int64], n: int) -> Topology:
+def build_topology(faces: Ints, opposite: Ints, n: int) -> Topology:
     """Close the boundary loops of an oriented manifold.
 
     Parameters
@@ -82,7 +82,7 @@ def build_topology(faces: NDArray[np.int64], opposite: NDArray[np.int64], n: int
     return Topology(closed, opposite, valence, len(faces), n)
 
 
-def _loop_labels(successor: NDArray[np.int64], start: NDArray[np.int64]) -> NDArray[np.int64]:
+def _loop_labels(successor: Ints, start: Ints) -> Ints:
     """Return the loop of each boundary edge, found by doubling in log2(edges) rounds."""
     lowest = np.arange(len(successor))
     jump = successor.copy()

@@ -9,13 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding import wedges as kernels
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._shape.manifold import REVERSED, Stitches
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 
 @dataclass(frozen=True)
@@ -37,18 +35,18 @@ class Corners:
         See `kernels.wedges.code_wedges`.
     """
 
-    opposite: _Ints
-    rank: _Ints
-    points: _Ints
-    bounds: _Ints
-    ring: _Ints
-    spoke: _Ints
-    closing: _Ints
-    like: _Ints
-    kind: _Ints
+    opposite: Ints
+    rank: Ints
+    points: Ints
+    bounds: Ints
+    ring: Ints
+    spoke: Ints
+    closing: Ints
+    like: Ints
+    kind: Ints
 
 
-def corners_of(faces: _Ints, opposite: _Ints, stitches: Stitches, count: int) -> Corners:
+def corners_of(faces: Ints, opposite: Ints, stitches: Stitches, count: int) -> Corners:
     """Return the corners of a complex.
 
     Parameters
@@ -92,7 +90,7 @@ def corners_of(faces: _Ints, opposite: _Ints, stitches: Stitches, count: int) ->
     return Corners(opposite, rank, points, bounds, ring, spoke, closing, like, kind)
 
 
-def code_wedges(coder: Coder, corners: Corners, wedges: _Ints) -> _Ints:
+def code_wedges(coder: Coder, corners: Corners, wedges: Ints) -> Ints:
     """Code wedges.
 
     Parameters

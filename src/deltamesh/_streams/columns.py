@@ -5,25 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.elements import Elements
 from deltamesh._kernels.coding import parallelogram
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._streams.entropy import decode_with, encode_with
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import FormatError
 
-_Ints = NDArray[np.int64]
 
-
-def split_columns(columns: _Ints) -> list[_Ints]:
+def split_columns(columns: Ints) -> list[Ints]:
     """Return columns (n, k) three at a time; the last three are padded with zeros."""
     missing = -columns.shape[1] % 3
     padded = np.pad(columns, ((0, 0), (0, missing)))
     return [padded[:, a : a + 3].copy() for a in range(0, padded.shape[1], 3)]
 
 
-def join_columns(threes: Sequence[_Ints], at: int, count: int, width: int) -> _Ints:
+def join_columns(threes: Sequence[Ints], at: int, count: int, width: int) -> Ints:
     """Return the columns (count, width): the mirror of `split_columns`.
 
     Raises
@@ -37,14 +35,14 @@ def join_columns(threes: Sequence[_Ints], at: int, count: int, width: int) -> _I
     return columns[:, :width]
 
 
-def encode_columns(elements: Elements, columns: _Ints) -> list[bytes]:
+def encode_columns(elements: Elements, columns: Ints) -> list[bytes]:
     """Return a stream of every three columns (n, k) of integers in -2^30 .. 2^30."""
     return [encode_three(elements, three) for three in split_columns(columns)]
 
 
 def decode_columns(
     payload: memoryview, streams: Sequence[tuple[int, int]], elements: Elements, width: int
-) -> _Ints:
+) -> Ints:
     """Return the columns (n, width): the mirror of `encode_columns`.
 
     Parameters
@@ -63,7 +61,7 @@ def decode_columns(
     return join_columns(threes, streams[-1][0] if streams else 0, elements.count, width)
 
 
-def encode_three(elements: Elements, values: _Ints) -> bytes:
+def encode_three(elements: Elements, values: Ints) -> bytes:
     """Return the stream of three columns (n, 3)."""
     coded = values.copy()
     return encode_with(
@@ -71,7 +69,7 @@ def encode_three(elements: Elements, values: _Ints) -> bytes:
     )
 
 
-def decode_three(payload: bytes | memoryview, elements: Elements, offset: int = 0) -> _Ints:
+def decode_three(payload: bytes | memoryview, elements: Elements, offset: int = 0) -> Ints:
     """Return three columns (n, 3): the mirror of `encode_three`.
 
     Raises
@@ -86,7 +84,7 @@ def decode_three(payload: bytes | memoryview, elements: Elements, offset: int = 
     return values
 
 
-def code_three(coder: Coder, elements: Elements, values: _Ints) -> None:
+def code_three(coder: Coder, elements: Elements, values: Ints) -> None:
     """Code three columns (n, 3), filled in place when decoding."""
     e = elements
     parallelogram.code_positions(coder, e.indptr, e.indices, e.first, e.corners, e.within, values)

@@ -6,12 +6,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.exact import POWERS
-
-_Floats = NDArray[np.float64]
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Floats, Ints
 
 # Decimals are quotients of two exact doubles, rounded once: m * 10^e < 2^53, and 10^22.
 EXACT: Final = 1 << 53
@@ -38,13 +35,13 @@ class Decomposition:
     """
 
     base: int
-    mantissa: _Ints
-    places: _Ints
-    digits: _Ints
-    size: _Ints
+    mantissa: Ints
+    places: Ints
+    digits: Ints
+    size: Ints
 
 
-def decompose(values: _Floats, base: int, single: bool) -> Decomposition:
+def decompose(values: Floats, base: int, single: bool) -> Decomposition:
     """Return the shortest mantissa and exponent of each value.
 
     Parameters
@@ -57,7 +54,7 @@ def decompose(values: _Floats, base: int, single: bool) -> Decomposition:
     return _binary(values) if base == 2 else _decimal(values, single)
 
 
-def _binary(values: _Floats) -> Decomposition:
+def _binary(values: Floats) -> Decomposition:
     mantissa, exponent = np.frexp(values)
     size = exponent.astype(np.int64)
     m = np.ldexp(mantissa, BINARY_DIGITS).astype(np.int64)
@@ -69,7 +66,7 @@ def _binary(values: _Floats) -> Decomposition:
     )
 
 
-def _decimal(values: _Floats, single: bool) -> Decomposition:
+def _decimal(values: Floats, single: bool) -> Decomposition:
     """Return the shortest decimal of each value."""
     mantissa = np.zeros(len(values), dtype=np.int64)
     places = np.full(len(values), NEVER, dtype=np.int64)
@@ -95,6 +92,6 @@ def _decimal(values: _Floats, single: bool) -> Decomposition:
     return Decomposition(10, mantissa, places, digits, before)
 
 
-def rounded_to(x: _Floats, single: bool) -> _Floats:
+def rounded_to(x: Floats, single: bool) -> Floats:
     """Return values rounded to float32 if `single`."""
     return x.astype(np.float32).astype(np.float64) if single else x

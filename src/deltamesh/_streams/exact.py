@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.elements import Elements
 from deltamesh._kernels.coding import exact
@@ -18,10 +17,9 @@ from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.models import Model
 from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh._streams.number_formats import ColumnFormats, NumberFormat, fault_of
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container import layout
 from deltamesh_formats.errors import FormatError
-
-_Ints = NDArray[np.int64]
 
 SINGLE, DOUBLE = layout.RAW_WIDTHS["binary32"], layout.RAW_WIDTHS["binary64"]
 _WIDTH: Final = layout.STRUCT_CODES["u8"]
@@ -35,8 +33,8 @@ def encode_indices(
     elements: Elements,
     width: int,
     columns: Sequence[ColumnFormats],
-    choices: _Ints,
-    indices: _Ints,
+    choices: Ints,
+    indices: Ints,
 ) -> bytes:
     """Return the stream of numbers by their indices.
 
@@ -58,7 +56,7 @@ def encode_indices(
 
 def decode_indices(
     payload: memoryview, at: int, elements: Elements, width: int, columns: Sequence[ColumnFormats]
-) -> tuple[_Ints, _Ints]:
+) -> tuple[Ints, Ints]:
     """Return choices and indices, from the stream at `at`: the mirror of `encode_indices`.
 
     Raises
@@ -66,7 +64,7 @@ def decode_indices(
     FormatError
     """
 
-    def run(coder: Coder) -> tuple[_Ints, _Ints]:
+    def run(coder: Coder) -> tuple[Ints, Ints]:
         choices, indices = np.zeros((2, elements.count, 3), dtype=np.int64)
         _code(coder, elements, columns, width, choices, indices)
         return choices, indices
@@ -74,7 +72,7 @@ def decode_indices(
     return decode_with(_model(columns), payload[at:], run, at)
 
 
-def parallelogram_errors(V: NDArray[np.float64], elements: Elements) -> NDArray[np.float64]:
+def parallelogram_errors(V: Floats, elements: Elements) -> Floats:
     """Return the distance of each parallelogram from the vertex it predicts, float64 (p, 3)."""
     apex = np.repeat(np.arange(len(V)), np.diff(elements.first))
     a, b, o = elements.corners.T
@@ -92,8 +90,8 @@ def _code(
     elements: Elements,
     columns: Sequence[ColumnFormats],
     width: int,
-    choices: _Ints,
-    indices: _Ints,
+    choices: Ints,
+    indices: Ints,
 ) -> None:
     e = elements
     table: list[tuple[int, ...]] = []

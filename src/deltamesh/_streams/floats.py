@@ -27,20 +27,18 @@ from deltamesh._streams.exact import (
 )
 from deltamesh._streams.format_choice import choose_formats
 from deltamesh._streams.number_formats import RAW_ONLY, ColumnFormats, from_indices, to_indices
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.errors import FormatError, located
 
-_Ints = NDArray[np.int64]
-_Floats = NDArray[np.float64]
 
-
-def bits_of(values: NDArray[Any]) -> _Ints:
+def bits_of(values: NDArray[Any]) -> Ints:
     """Return the bit patterns of floats (n, k), or of the parts of complex numbers (n, 2 k)."""
     values = np.ascontiguousarray(values)
     real = values.view(values.real.dtype) if values.dtype.kind == "c" else values
     return real.view(f"i{real.itemsize}").astype(np.int64) & _mask(real.itemsize)
 
 
-def from_bits(bits: _Ints, dtype: np.dtype[Any]) -> NDArray[Any]:
+def from_bits(bits: Ints, dtype: np.dtype[Any]) -> NDArray[Any]:
     """Return the floats: the mirror of `bits_of`."""
     size = dtype.itemsize // (2 if dtype.kind == "c" else 1)
     return np.ascontiguousarray(bits.astype(f"i{size}")).view(dtype)
@@ -50,12 +48,12 @@ def _mask(size: int) -> int:
     return -1 if size == 8 else (1 << 8 * size) - 1
 
 
-def encode_floats(elements: Elements, bits: _Ints, size: int) -> list[bytes]:
+def encode_floats(elements: Elements, bits: Ints, size: int) -> list[bytes]:
     """Return a stream of every three columns of bit patterns (n, k) of floats of `size` bytes."""
     return [_encoded(elements, three, size) for three in split_columns(bits)]
 
 
-def _encoded(elements: Elements, bits: _Ints, size: int) -> bytes:
+def _encoded(elements: Elements, bits: Ints, size: int) -> bytes:
     V = from_bits(bits, np.dtype(f"f{size}")).astype(np.float64)
     short = V.astype(np.float32)
     single = size < 8 or bool((short.astype(np.float64).view(np.int64) == bits).all())
@@ -75,7 +73,7 @@ def _encoded(elements: Elements, bits: _Ints, size: int) -> bytes:
     return pack_formats(width, columns) + stream
 
 
-def _formats(values: _Floats, errors: _Floats, single: bool, raw: bool) -> ColumnFormats:
+def _formats(values: Floats, errors: Floats, single: bool, raw: bool) -> ColumnFormats:
     """Return the formats of the values that may be in one; `raw` if there are others."""
     if not len(values):
         return RAW_ONLY
@@ -89,7 +87,7 @@ def decode_floats(
     elements: Elements,
     width: int,
     size: int,
-) -> _Ints:
+) -> Ints:
     """Return the bit patterns (n, width): the mirror of `encode_floats`.
 
     Raises
@@ -103,7 +101,7 @@ def decode_floats(
     return join_columns(found, streams[-1][0] if streams else 0, elements.count, width)
 
 
-def _decoded(payload: memoryview, elements: Elements, size: int) -> _Ints:
+def _decoded(payload: memoryview, elements: Elements, size: int) -> Ints:
     width, columns, at = unpack_formats(payload)
     single = width == SINGLE
     if size < 8 and not single:

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._streams.decomposition import BINARY_DIGITS, NEVER, Decomposition, decompose
 from deltamesh._streams.number_formats import (
@@ -19,9 +18,8 @@ from deltamesh._streams.number_formats import (
     holds,
     representable,
 )
+from deltamesh_formats.array_types import Floats, Ints
 
-_Floats = NDArray[np.float64]
-_Ints = NDArray[np.int64]
 _Formats = tuple[NumberFormat, ...]
 
 SINGLE_DIGITS: Final = 24
@@ -36,7 +34,7 @@ _ERRORS: Final = 32
 _MOST_LATTICES: Final = 64
 
 
-def choose_formats(values: _Floats, errors: _Floats, single: bool) -> ColumnFormats:
+def choose_formats(values: Floats, errors: Floats, single: bool) -> ColumnFormats:
     """Choose the formats of a column that take the fewest bits, by an estimate.
 
     Parameters
@@ -62,7 +60,7 @@ def choose_formats(values: _Floats, errors: _Floats, single: bool) -> ColumnForm
     return _column_formats(parts, formats, sample, zeros)
 
 
-def _best(parts: Decomposition, errors: _Floats, raw_bits: float) -> tuple[float, _Formats]:
+def _best(parts: Decomposition, errors: Floats, raw_bits: float) -> tuple[float, _Formats]:
     """Return the fewest bits that formats of the base take, and these formats."""
     distinct, counts = _distinct(parts)
     fit = representable(distinct)
@@ -85,7 +83,7 @@ def _best(parts: Decomposition, errors: _Floats, raw_bits: float) -> tuple[float
     return best
 
 
-def _distinct(parts: Decomposition) -> tuple[Decomposition, _Ints]:
+def _distinct(parts: Decomposition) -> tuple[Decomposition, Ints]:
     """Return the distinct decompositions but those of zeros, and how many values have each."""
     span = 2 * NEVER + 1
     keys = ((parts.places + NEVER) * span + parts.digits) * span + parts.size + NEVER
@@ -94,7 +92,7 @@ def _distinct(parts: Decomposition) -> tuple[Decomposition, _Ints]:
     return Decomposition(parts.base, np.ones_like(keys), places, digits, size), counts
 
 
-def _first_formats(base: int, places: _Ints, digits: _Ints) -> Iterator[NumberFormat]:
+def _first_formats(base: int, places: Ints, digits: Ints) -> Iterator[NumberFormat]:
     """Yield the candidates for the first format, by the places and digits of the values."""
     lattices = np.unique(places) if len(places) else np.zeros(1, dtype=np.int64)
     if base == 10:
@@ -112,12 +110,12 @@ def _first_formats(base: int, places: _Ints, digits: _Ints) -> Iterator[NumberFo
 class _Lengths:
     """Estimate of the bits of a distance: the mean of log2(1 + error / unit) over a sample."""
 
-    def __init__(self, base: int, errors: _Floats) -> None:
+    def __init__(self, base: int, errors: Floats) -> None:
         self.base = float(np.log2(base))
         with np.errstate(divide="ignore"):
             self.errors = np.log2(errors)
 
-    def __call__(self, f: NumberFormat, size: _Ints) -> _Floats:
+    def __call__(self, f: NumberFormat, size: Ints) -> Floats:
         """Return the estimates for values of these sizes."""
         units = np.maximum(-f.places, size - f.digits) * self.base
         return np.asarray(np.logaddexp2(0.0, self.errors - units[:, None]).mean(axis=1))
@@ -129,7 +127,7 @@ def _entropy(shares: list[int]) -> float:
 
 
 def _column_formats(
-    parts: Decomposition, formats: _Formats, errors: _Floats, zeros: bool
+    parts: Decomposition, formats: _Formats, errors: Floats, zeros: bool
 ) -> ColumnFormats:
     """Return the formats with the usual lengths of distances, and the grid of predictions."""
     grid = max(f.places for f in formats)

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._graph.elements import Elements
 from deltamesh._kernels.coding import labels as kernels
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._streams.entropy import decode_with, encode_with
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import FormatError
 
-_Ints = NDArray[np.int64]
 
-
-def encode_labels(elements: Elements, labels: _Ints) -> bytes:
+def encode_labels(elements: Elements, labels: Ints) -> bytes:
     """Return the stream of labels that are `numbered`; it is empty if there is one label only.
 
     Parameters
@@ -37,7 +35,7 @@ def encode_labels(elements: Elements, labels: _Ints) -> bytes:
     return encode_with(kernels.MODEL, elements.count, run)
 
 
-def decode_labels(payload: bytes | memoryview, elements: Elements) -> _Ints:
+def decode_labels(payload: bytes | memoryview, elements: Elements) -> Ints:
     """Return the labels, int64 (elements.count,): the mirror of `encode_labels`.
 
     Raises
@@ -46,7 +44,7 @@ def decode_labels(payload: bytes | memoryview, elements: Elements) -> _Ints:
         If no encoder has written the stream; the offset counts from its beginning.
     """
 
-    def run(coder: Coder) -> _Ints:
+    def run(coder: Coder) -> Ints:
         labels = np.zeros(elements.count, dtype=np.int64)
         if kernels.code_labels(coder, elements.indptr, elements.indices, labels) < 0:
             raise FormatError("non-canonical label: a candidate was skipped", 0)

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.exact import BOUND, NEGATIVE_ZERO, POWERS, RAW
 from deltamesh._streams.decomposition import (
@@ -31,9 +30,7 @@ from deltamesh._streams.decomposition import (
     decompose,
     rounded_to,
 )
-
-_Floats = NDArray[np.float64]
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Bools, Floats, Ints
 
 DECIMAL_DIGITS: Final = 17
 # The most places that the grid has beyond those of a decimal format.
@@ -100,7 +97,7 @@ def largest_offset(digits: int) -> int:
     return (1 << (INDEX_BITS - digits)) - GRID_BITS - 2
 
 
-def to_indices(values: _Floats, how: ColumnFormats, single: bool) -> tuple[_Ints, _Ints]:
+def to_indices(values: Floats, how: ColumnFormats, single: bool) -> tuple[Ints, Ints]:
     """Return the format of each value, and its index there.
 
     Parameters
@@ -132,7 +129,7 @@ def to_indices(values: _Floats, how: ColumnFormats, single: bool) -> tuple[_Ints
     return choices, indices
 
 
-def from_indices(choices: _Ints, indices: _Ints, how: ColumnFormats, single: bool) -> _Floats:
+def from_indices(choices: Ints, indices: Ints, how: ColumnFormats, single: bool) -> Floats:
     """Return the values: the mirror of `to_indices`; a number beyond its type is infinite."""
     values = np.zeros(len(choices))
     values[choices == RAW] = _from_bits(indices[choices == RAW], single)
@@ -160,26 +157,26 @@ def fault_of(how: ColumnFormats) -> str:
     return ""
 
 
-def _to_bits(values: _Floats, single: bool) -> _Ints:
+def _to_bits(values: Floats, single: bool) -> Ints:
     if single:
         return values.astype(np.float32).view(np.uint32).astype(np.int64)
     return values.copy().view(np.int64)
 
 
-def _from_bits(integers: _Ints, single: bool) -> _Floats:
+def _from_bits(integers: Ints, single: bool) -> Floats:
     if single:
         return (integers & 0xFFFFFFFF).astype(np.uint32).view(np.float32).astype(np.float64)
     return integers.copy().view(np.float64)
 
 
-def holds(f: NumberFormat, parts: Decomposition) -> NDArray[np.bool_]:
+def holds(f: NumberFormat, parts: Decomposition) -> Bools:
     """Return which values are numbers of a format, bool (n,)."""
     reach = parts.size + f.places
     near = reach <= (1 << (INDEX_BITS - f.digits)) - 2 if f.base == 2 else reach <= _QUOTIENT
     return np.asarray((parts.places <= f.places) & (parts.digits <= f.digits) & near)
 
 
-def representable(parts: Decomposition) -> NDArray[np.bool_]:
+def representable(parts: Decomposition) -> Bools:
     """Return which values may be in a format: those that do not reach too far below the others."""
     largest = int(parts.size.max(initial=-NEVER))
     if parts.base == 2:
@@ -191,7 +188,7 @@ def representable(parts: Decomposition) -> NDArray[np.bool_]:
     return np.asarray(fit | (parts.digits == 0))
 
 
-def _index(f: NumberFormat, parts: Decomposition) -> _Ints:
+def _index(f: NumberFormat, parts: Decomposition) -> Ints:
     """Return the indices of the values that the format holds; of others, anything."""
     unit = np.maximum(-f.places, parts.size - f.digits)  # the power of the base
     e = np.where(parts.mantissa == 0, 0, unit + f.places)
@@ -205,7 +202,7 @@ def _index(f: NumberFormat, parts: Decomposition) -> _Ints:
     return np.asarray(np.where(parts.mantissa < 0, -index, index))
 
 
-def _number(f: NumberFormat, index: _Ints, single: bool) -> _Floats:
+def _number(f: NumberFormat, index: Ints, single: bool) -> Floats:
     """Return the numbers at these indices."""
     top = f.base ** (f.digits - 1)
     size = np.abs(index)

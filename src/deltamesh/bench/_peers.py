@@ -14,10 +14,10 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._mesh import TriangleMesh
 from deltamesh.bench._peer_names import DRACO, MESHOPT, ZSTD
+from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError, OptionError
 
 # What each is at its smallest with.
@@ -101,7 +101,7 @@ def draco_file(mesh: TriangleMesh, bits: int, keep_order: bool = False) -> bytes
     return data
 
 
-def draco_positions(vertices: NDArray[np.float64], bits: int) -> NDArray[np.float64]:
+def draco_positions(vertices: Floats, bits: int) -> Floats:
     """Return where Draco puts vertices: its `AttributeQuantizationTransform`, in float32.
 
     floor((x - min) * (2^bits - 1) / range + 0.5) steps of range / (2^bits - 1), the range that of

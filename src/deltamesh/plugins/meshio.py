@@ -31,6 +31,7 @@ from deltamesh.plugins._fields import (
     parts_of,
     warn_of_losses,
 )
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.descriptions import describe_attribute
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh
@@ -149,7 +150,7 @@ def _block(mesh: PolyMesh, run: slice) -> meshio.CellBlock:
     return meshio.CellBlock(_TYPES.get(size, "polygon"), corners.reshape(-1, size))
 
 
-def _table(block: meshio.CellBlock) -> NDArray[np.int64]:
+def _table(block: meshio.CellBlock) -> Ints:
     table = np.asarray(block.data)
     if table.ndim != 2 or table.dtype.kind not in "iu":
         what = f"{table.dtype} {table.shape}"
@@ -157,7 +158,7 @@ def _table(block: meshio.CellBlock) -> NDArray[np.int64]:
     return table.astype(np.int64)
 
 
-def _names(mesh: PolyMesh) -> dict[str, NDArray[np.int64]]:
+def _names(mesh: PolyMesh) -> dict[str, Ints]:
     """Return the names of all parts with their numbers and their dimension."""
     names = [f"{parts.kind}:{name}" for parts in mesh.parts for name in parts.names]
     numbers = [number for parts in mesh.parts for number in range(len(parts.names))]

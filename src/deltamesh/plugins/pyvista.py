@@ -30,6 +30,7 @@ from deltamesh.plugins._fields import (
     parts_of,
     warn_of_losses,
 )
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.descriptions import describe_attribute
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, Role
@@ -197,5 +198,5 @@ def _known(values: NDArray[Any]) -> NDArray[Any]:
     return values.astype(np.float32) if values.dtype == np.float16 else values
 
 
-def _integers(array: Any) -> NDArray[np.int64]:
+def _integers(array: Any) -> Ints:
     return np.array(pyvista.convert_array(array), dtype=np.int64)

@@ -17,6 +17,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
 
 MAGIC: Final = b"glTF"
@@ -138,7 +139,7 @@ def whole(tree: Tree, name: str, default: int | None = None) -> int:
     return value
 
 
-def reals(tree: Tree, name: str, count: int) -> NDArray[np.float64] | None:
+def reals(tree: Tree, name: str, count: int) -> Floats | None:
     """Return a list of `count` finite numbers in an object, None if it is not there."""
     if name not in tree:
         return None

@@ -10,21 +10,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Matrix = NDArray[np.float64]
+from deltamesh_formats.array_types import Floats
 
 
-def is_identity(matrix: Matrix) -> bool:
+def is_identity(matrix: Floats) -> bool:
     """Tell whether a transform, or its linear part, is the identity."""
     return bool((matrix == np.eye(len(matrix))).all())
 
 
-def is_mirror(matrix: Matrix) -> bool:
+def is_mirror(matrix: Floats) -> bool:
     """Tell whether a transform reverses the winding of faces."""
     with np.errstate(all="ignore"):
         return bool(np.linalg.det(matrix[:3, :3]) < 0)
 
 
-def moved(points: NDArray[np.float64], matrix: Matrix) -> NDArray[np.float64]:
+def moved(points: Floats, matrix: Floats) -> Floats:
     """Return positions, (n, 3), moved by a transform."""
     if is_identity(matrix):
         return points
@@ -32,7 +32,7 @@ def moved(points: NDArray[np.float64], matrix: Matrix) -> NDArray[np.float64]:
     return turned + matrix[:3, 3]
 
 
-def moved_back(points: NDArray[np.float64], matrix: Matrix) -> NDArray[np.float64]:
+def moved_back(points: Floats, matrix: Floats) -> Floats:
     """Return positions, (n, 3), before they were moved by a transform that has an inverse."""
     if is_identity(matrix):
         return points
@@ -42,7 +42,7 @@ def moved_back(points: NDArray[np.float64], matrix: Matrix) -> NDArray[np.float6
     return np.linalg.solve(matrix[:3, :3], shifted.T).T.astype(np.float64)
 
 
-def turned(name: str, values: NDArray[Any], matrix: Matrix) -> NDArray[Any]:
+def turned(name: str, values: NDArray[Any], matrix: Floats) -> NDArray[Any]:
     """Return normals or tangents under a transform, other attributes as they are.
 
     Normals are multiplied by the transpose of the inverse, tangents (three of their four numbers)

@@ -14,6 +14,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles.glb import placement
 from deltamesh_formats.meshfiles.glb.chunks import Gltf, Tree, items, read_chunks
@@ -41,7 +42,7 @@ class _Block:
 @dataclass
 class _Primitive:
     block: _Block
-    faces: NDArray[np.int64]
+    faces: Ints
     material: int
 
 
@@ -49,10 +50,10 @@ class _Primitive:
 class _Scene:
     """Mesh of the scene as it grows."""
 
-    vertices: list[NDArray[np.float64]] = field(default_factory=list)
+    vertices: list[Floats] = field(default_factory=list)
     # By name, type and so on: where the values of each block begin, and the values.
     attributes: dict[tuple[Any, ...], list[tuple[int, NDArray[Any]]]] = field(default_factory=dict)
-    faces: list[NDArray[np.int64]] = field(default_factory=list)
+    faces: list[Ints] = field(default_factory=list)
     objects: list[int] = field(default_factory=list)
     materials: list[int] = field(default_factory=list)
     count: int = 0
@@ -129,7 +130,7 @@ def _primitives(
         yield _Primitive(block, faces, material)
 
 
-def _faces(gltf: Gltf, primitive: Tree, mode: int) -> NDArray[np.int64]:
+def _faces(gltf: Gltf, primitive: Tree, mode: int) -> Ints:
     """Return the triangles of a primitive, int64 (t, 3), over the vertices of its block."""
     if "indices" in primitive:
         values = gltf.accessor(primitive["indices"])
@@ -169,7 +170,7 @@ def _place(
         scene.materials.append(primitive.material)
 
 
-def _place_vertices(gltf: Gltf, scene: _Scene, block: _Block, matrix: NDArray[np.float64]) -> None:
+def _place_vertices(gltf: Gltf, scene: _Scene, block: _Block, matrix: Floats) -> None:
     points = _fractions(gltf, block.accessors["POSITION"])
     if points.shape[1] != 3:
         raise MeshError("positions of a mesh do not have three coordinates")
@@ -192,7 +193,7 @@ def _place_vertices(gltf: Gltf, scene: _Scene, block: _Block, matrix: NDArray[np
         scene.attributes.setdefault(key, []).append((block.start, values))
 
 
-def _fractions(gltf: Gltf, accessor: int) -> NDArray[np.float64]:
+def _fractions(gltf: Gltf, accessor: int) -> Floats:
     """Return positions as float64, those of normalized integers as fractions."""
     values = gltf.accessor(accessor)
     found = values.astype(np.float64)
@@ -213,9 +214,7 @@ def _attributes(scene: _Scene) -> Iterator[Attribute]:
         yield Attribute(name, "vertex", native, role, index, normalized)
 
 
-def _parts(
-    gltf: Gltf, placed: list[Placed], objects: NDArray[np.int64], materials: NDArray[np.int64]
-) -> Iterator[Parts]:
+def _parts(gltf: Gltf, placed: list[Placed], objects: Ints, materials: Ints) -> Iterator[Parts]:
     used, of_face = np.unique(objects, return_inverse=True)
     kept = [placed[i] for i in used.astype(np.int64).tolist()]
     meshes = [str(gltf.item("meshes", one.mesh).get("name", "")) for one in kept]

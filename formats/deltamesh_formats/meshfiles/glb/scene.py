@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles.glb.chunks import Gltf, Tree, items, reals
 
@@ -17,7 +17,7 @@ class Placed(NamedTuple):
 
     mesh: int
     name: str
-    matrix: NDArray[np.float64]
+    matrix: Floats
     depth: int
 
 
@@ -91,7 +91,7 @@ def _roots(gltf: Gltf) -> list[int]:
     return [i for i in range(len(nodes)) if i not in children]
 
 
-def _matrix(node: Tree) -> NDArray[np.float64]:
+def _matrix(node: Tree) -> Floats:
     """Return the transform of a node: its matrix, or translation after rotation after scale."""
     given = reals(node, "matrix", 16)
     if given is not None:
@@ -108,12 +108,12 @@ def _matrix(node: Tree) -> NDArray[np.float64]:
     return matrix
 
 
-def _rotation(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
+def _rotation(quaternion: Floats) -> Floats:
     """Return the rotation of a quaternion (x, y, z, w)."""
     norm = float(quaternion @ quaternion)
     if not norm:
         return np.eye(3)
     u, w = quaternion[:3], quaternion[3]
     cross = np.array([[0, -u[2], u[1]], [u[2], 0, -u[0]], [-u[1], u[0], 0]])
-    doubled: NDArray[np.float64] = 2 * (np.outer(u, u) - u @ u * np.eye(3) + w * cross)
+    doubled: Floats = 2 * (np.outer(u, u) - u @ u * np.eye(3) + w * cross)
     return np.eye(3) + doubled / norm

@@ -9,12 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Bools, Ints
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 from deltamesh_formats.polymesh.permutations import rank_of
-
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -39,16 +37,16 @@ class Groups:
         Descriptions of attributes that some elements have and their group has not.
     """
 
-    vertex: Indices
-    rows: list[Indices]
-    starts: Indices
-    objects: Indices
-    faces: Indices
-    polygon: Indices
+    vertex: Ints
+    rows: list[Ints]
+    starts: Ints
+    objects: Ints
+    faces: Ints
+    polygon: Ints
     lost: tuple[str, ...] = ()
 
 
-def grouped(mesh: PolyMesh, attributes: list[Attribute], objects: Indices) -> Groups:
+def grouped(mesh: PolyMesh, attributes: list[Attribute], objects: Ints) -> Groups:
     """Divide the vertices of a mesh into groups.
 
     Parameters
@@ -106,11 +104,11 @@ def grouped(mesh: PolyMesh, attributes: list[Attribute], objects: Indices) -> Gr
 
 
 def _beside(
-    corners: Indices,
-    common: list[NDArray[np.bool_]],
-    isolated: Indices,
-    own: list[NDArray[np.bool_]],
-) -> tuple[Indices, bool]:
+    corners: Ints,
+    common: list[Bools],
+    isolated: Ints,
+    own: list[Bools],
+) -> tuple[Ints, bool]:
     """Return a corner for each isolated vertex, whose group it joins, and whether some do not fit.
 
     It is a corner at the last vertex before that has a face and the same attributes.
@@ -139,7 +137,7 @@ def _beside(
     return found, strays
 
 
-def _in_order(group: Indices, object_of: Indices, vertex: Indices) -> Indices:
+def _in_order(group: Ints, object_of: Ints, vertex: Ints) -> Ints:
     """Renumber groups by their objects, and those of an object by their first vertices.
 
     So a mesh that has been read from a GLB, block after block, is written in the same order.
@@ -150,11 +148,11 @@ def _in_order(group: Indices, object_of: Indices, vertex: Indices) -> Indices:
     return rank_of(np.lexsort([first, objects]))[group]
 
 
-def _numbered(major: Indices, minor: NDArray[np.int64] | NDArray[np.bool_]) -> Indices:
+def _numbered(major: Ints, minor: Ints | Bools) -> Ints:
     """Return the rank of each pair among the distinct pairs."""
     least = int(minor.min(initial=0))
     spread = int(minor.max(initial=0)) - least + 1
     low = int(major.min(initial=0))
     pairs = (major - low) * spread + (minor.astype(np.int64) - least)
-    found: Indices = np.unique(pairs, return_inverse=True)[1].astype(np.int64)
+    found: Ints = np.unique(pairs, return_inverse=True)[1].astype(np.int64)
     return found

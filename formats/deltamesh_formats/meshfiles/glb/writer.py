@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.meshfiles.file_format import Written
 from deltamesh_formats.meshfiles.float32 import bounding_diagonal, rounded_positions
 from deltamesh_formats.meshfiles.glb import GLB, placement
@@ -50,7 +51,7 @@ def _kept(mesh: PolyMesh) -> list[_Kept]:
     Two of one name are kept when no vertex has both.
     """
     found: list[_Kept] = []
-    taken: dict[str, NDArray[np.bool_]] = {}
+    taken: dict[str, Bools] = {}
     for attribute in mesh.attributes:
         values = _single(attribute.values)
         if attribute.domain == "face" or attribute.width > 4 or values is None:
@@ -101,7 +102,7 @@ class _Writer:
         self.order = np.lexsort([of_face[groups.polygon], group])
         self.sorted = np.stack([group, of_face[groups.polygon]], axis=1)[self.order]
 
-    def add_object(self, number: int, mine: NDArray[np.int64]) -> None:
+    def add_object(self, number: int, mine: Ints) -> None:
         """Add a node, and its mesh of these groups."""
         vertices = np.concatenate([self._vertices(group) for group in mine.tolist()])
         matrix, node = self._transform(number, self.mesh.vertices[vertices])
@@ -114,7 +115,7 @@ class _Writer:
         self.nodes.append(node)
         self.meshes.append({"primitives": primitives} | named)
 
-    def _vertices(self, group: int) -> NDArray[np.int64]:
+    def _vertices(self, group: int) -> Ints:
         return self.groups.vertex[self._slice(group)]
 
     def _slice(self, group: int) -> slice:
@@ -130,9 +131,7 @@ class _Writer:
             return name, _valid(meshes.names[self.mesh_of_object[number]])
         return name, name
 
-    def _transform(
-        self, number: int, points: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], dict[str, Any]]:
+    def _transform(self, number: int, points: Floats) -> tuple[Floats, dict[str, Any]]:
         """Return the transform of an object, and its node."""
         objects = self.mesh.parts_of("object")
         matrix = np.eye(4)
@@ -153,7 +152,7 @@ class _Writer:
             return matrix, {"translation": matrix[:3, 3].tolist()}
         return matrix, {"matrix": matrix.T.ravel().tolist()}
 
-    def _group(self, group: int, matrix: NDArray[np.float64]) -> list[dict[str, Any]]:
+    def _group(self, group: int, matrix: Floats) -> list[dict[str, Any]]:
         """Add the vertices of a group; return its primitives, one for each material."""
         some = self._slice(group)
         points = placement.moved_back(self.mesh.vertices[self._vertices(group)], matrix)
@@ -230,7 +229,7 @@ class _Writer:
         return MAGIC + (2).to_bytes(4, "little") + (12 + len(body)).to_bytes(4, "little") + body
 
 
-def _meshes_of_objects(mesh: PolyMesh) -> NDArray[np.int64]:
+def _meshes_of_objects(mesh: PolyMesh) -> Ints:
     """Return the "mesh" part that all faces of each object are in, -1 if there is not just one."""
     objects, meshes = mesh.parts_of("object"), mesh.parts_of("mesh")
     if objects is None or meshes is None:

@@ -15,9 +15,10 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.meshfiles import text
 from deltamesh_formats.meshfiles.obj.statements import KEPT, OFF, OTHERS, PARTS
-from deltamesh_formats.meshfiles.text import Indices, Lines
+from deltamesh_formats.meshfiles.text import Lines
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, Role
 
 _CONTINUATION: Final = re.compile(rb"\\\r?\n")
@@ -65,29 +66,25 @@ def read(data: bytes) -> PolyMesh:
 class _Faces(NamedTuple):
     """Faces: an array of indices for each field of a corner, from 0, -1 for none; offsets."""
 
-    indices: list[Indices]
-    offsets: Indices
+    indices: list[Ints]
+    offsets: Ints
 
 
-def _rows(lines: Lines, chosen: NDArray[np.bool_]) -> tuple[NDArray[np.float64], Indices, Indices]:
+def _rows(lines: Lines, chosen: Bools) -> tuple[Floats, Ints, Ints]:
     """Return the numbers of some lines, and of each line the place of the first and the count."""
     cut, tokens = text.without_first_tokens(lines, chosen)
     counts = lines.counts[chosen] - 1
     return text.read_numbers(cut, lines, tokens), np.cumsum(counts) - counts, counts
 
 
-def _check_counts(
-    lines: Lines, chosen: NDArray[np.bool_], fits: NDArray[np.bool_], what: str
-) -> None:
+def _check_counts(lines: Lines, chosen: Bools, fits: Bools, what: str) -> None:
     if not fits.all():
         line = np.flatnonzero(chosen)[np.argmin(fits)]
         found = lines.counts[line] - 1
         raise lines.error(int(lines.first[line]), f"{what} of {found} numbers")
 
 
-def _vertices(
-    lines: Lines, chosen: NDArray[np.bool_]
-) -> tuple[NDArray[np.float64], list[Attribute], bool]:
+def _vertices(lines: Lines, chosen: Bools) -> tuple[Floats, list[Attribute], bool]:
     """Return positions, colours, and whether there are weights: x y z, x y z w, x y z r g b (a)."""
     flat, starts, counts = _rows(lines, chosen)
     _check_counts(lines, chosen, np.isin(counts, (3, 4, 6, 7)), "a vertex")
@@ -104,9 +101,7 @@ def _vertices(
     return flat[starts[:, None] + np.arange(3)].reshape(-1, 3), colours, weighted
 
 
-def _table(
-    lines: Lines, chosen: NDArray[np.bool_], what: str, least: int, most: int
-) -> NDArray[np.float64]:
+def _table(lines: Lines, chosen: Bools, what: str, least: int, most: int) -> Floats:
     """Return the rows of `vt` or `vn`; numbers that a line leaves out are 0, as specified."""
     flat, starts, counts = _rows(lines, chosen)
     _check_counts(lines, chosen, (counts >= least) & (counts <= most), what)
@@ -117,7 +112,7 @@ def _table(
     return found
 
 
-def _faces(lines: Lines, where: Mapping[bytes, NDArray[np.bool_]], sizes: list[int]) -> _Faces:
+def _faces(lines: Lines, where: Mapping[bytes, Bools], sizes: list[int]) -> _Faces:
     """Return the faces: corners v, v/vt, v//vn or v/vt/vn, which count from 1, or back from -1."""
     chosen = where[b"f"]
     cut, tokens = text.without_first_tokens(lines, chosen)
@@ -159,7 +154,7 @@ def _bad_index(what: str, index: int, count: int) -> str:
     return f"a face refers to {what} {index}, of {count}"
 
 
-def _check_fields(lines: Lines, tokens: Indices, corner: Indices, fields: Indices) -> None:
+def _check_fields(lines: Lines, tokens: Ints, corner: Ints, fields: Ints) -> None:
     """Refuse corners without a vertex or with more than v/vt/vn."""
     bad = fields > 2
     if bad.any():
@@ -173,7 +168,7 @@ def _check_fields(lines: Lines, tokens: Indices, corner: Indices, fields: Indice
 
 
 def _attributes(
-    tables: Mapping[str, NDArray[np.float64]], faces: _Faces, n: int
+    tables: Mapping[str, Floats], faces: _Faces, n: int
 ) -> tuple[list[Attribute], list[str]]:
     """Return texture coordinates and normals, and descriptions of tables that no face refers to."""
     names: tuple[tuple[str, Role], ...] = (("uv", "uv"), ("normal", "normal"))
@@ -190,7 +185,7 @@ def _attributes(
     return found, unused
 
 
-def _parts(lines: Lines, data: bytes, where: Mapping[bytes, NDArray[np.bool_]]) -> list[Parts]:
+def _parts(lines: Lines, data: bytes, where: Mapping[bytes, Bools]) -> list[Parts]:
     """Return the parts that o, g, usemtl and s begin; without a name, or off, they begin none."""
     face_lines, found = np.flatnonzero(where[b"f"]), []
     for kind, key in PARTS.items():
@@ -217,9 +212,7 @@ def _rest(lines: Lines, data: bytes, line: int) -> str:
     return text.as_text(data[start : end if end >= 0 else None].strip())
 
 
-def _metadata(
-    lines: Lines, data: bytes, libraries: NDArray[np.bool_]
-) -> dict[str, tuple[str, ...]]:
+def _metadata(lines: Lines, data: bytes, libraries: Bools) -> dict[str, tuple[str, ...]]:
     head = _HEADER.match(data)
     above = [line.strip() for line in (head[0] if head else b"").split(b"\n")]
     comments = tuple(text.as_text(line[1:]) for line in above if line)

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.meshfiles import text
 from deltamesh_formats.meshfiles.file_format import Written
 from deltamesh_formats.meshfiles.float32 import source_positions
@@ -56,7 +56,7 @@ def _vertex_rows(mesh: PolyMesh, colour: Attribute | None) -> list[str]:
     return [row + colours[i] for row, i in zip(rows, colour.rows().tolist(), strict=True)]
 
 
-def _of_corners(mesh: PolyMesh, attribute: Attribute | None) -> NDArray[np.int64]:
+def _of_corners(mesh: PolyMesh, attribute: Attribute | None) -> Ints:
     """Return the row of the attribute's table for each corner, int64 (c,), -1 for none."""
     if attribute is None:
         return np.full(len(mesh.corners), -1, dtype=np.int64)
@@ -64,7 +64,7 @@ def _of_corners(mesh: PolyMesh, attribute: Attribute | None) -> NDArray[np.int64
     return rows if attribute.domain == "corner" else rows[mesh.corners]
 
 
-def _faces(mesh: PolyMesh, tables: list[NDArray[np.int64]], parts: list[Parts]) -> Iterator[str]:
+def _faces(mesh: PolyMesh, tables: list[Ints], parts: list[Parts]) -> Iterator[str]:
     """Yield the lines of the faces, and the statements of parts where these change."""
     fields = np.stack([mesh.corners, *tables], axis=1) + 1
     has = fields > 0

@@ -14,10 +14,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import text
 from deltamesh_formats.meshfiles.off.binary import read_binary
-from deltamesh_formats.meshfiles.text import Indices, Lines
+from deltamesh_formats.meshfiles.text import Lines
 from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh, Role
 
 _COMMENT: Final = re.compile(rb"#[^\n]*")
@@ -100,10 +101,10 @@ class _Body:
     """The numbers after the counts; `at` is the token of the first."""
 
     lines: Lines
-    values: NDArray[np.float64]
+    values: Floats
     at: int
 
-    def whole(self, at: Indices) -> NDArray[np.bool_]:
+    def whole(self, at: Ints) -> Bools:
         """Return which of the numbers at some places are written as whole ones, bool."""
         marks = np.isin(self.lines.buffer, np.frombuffer(b".eEnN", dtype=np.uint8))
         before = np.concatenate(([0], np.cumsum(marks)))
@@ -111,7 +112,7 @@ class _Body:
         fraction = before[self.lines.token_ends[tokens]] > before[self.lines.token_starts[tokens]]
         return ~fraction
 
-    def indices(self, at: Indices) -> Indices:
+    def indices(self, at: Ints) -> Ints:
         """Return the numbers at some places as vertex indices; others are refused."""
         found = self.values[at]
         with np.errstate(invalid="ignore"):
@@ -124,7 +125,7 @@ class _Body:
         return indices
 
 
-_Found = tuple[NDArray[np.float64], Indices, Indices, tuple[Attribute, ...], tuple[str, ...]]
+_Found = tuple[Floats, Ints, Ints, tuple[Attribute, ...], tuple[str, ...]]
 
 
 def _by_lines(body: _Body, n: int, m: int, columns: _Columns) -> _Found | None:
@@ -178,8 +179,8 @@ def _as_one_row(body: _Body, n: int, m: int, columns: _Columns) -> _Found | None
 
 
 def _vertices(
-    body: _Body, starts: Indices, widths: list[tuple[Role, int]]
-) -> tuple[NDArray[np.float64], list[Attribute]]:
+    body: _Body, starts: Ints, widths: list[tuple[Role, int]]
+) -> tuple[Floats, list[Attribute]]:
     attributes, at = [], 3
     for role, width in widths:
         places = starts[:, None] + np.arange(at, at + width)
@@ -191,13 +192,13 @@ def _vertices(
     return body.values[starts[:, None] + np.arange(3)].reshape(-1, 3), attributes
 
 
-def _corners(body: _Body, faces: Indices, sizes: Indices) -> tuple[Indices, Indices]:
+def _corners(body: _Body, faces: Ints, sizes: Ints) -> tuple[Ints, Ints]:
     offsets = np.concatenate(([0], np.cumsum(sizes))).astype(np.int64)
     shift = np.repeat(faces + 1 - offsets[:-1], sizes)
     return body.indices(np.arange(offsets[-1]) + shift), offsets
 
 
-def _face_colours(body: _Body, starts: Indices, counts: Indices) -> tuple[list[Attribute], bool]:
+def _face_colours(body: _Body, starts: Ints, counts: Ints) -> tuple[list[Attribute], bool]:
     """Return colours, an attribute for each count of numbers, and whether others are left."""
     found = []
     for width in (1, 3, 4):
@@ -209,7 +210,7 @@ def _face_colours(body: _Body, starts: Indices, counts: Indices) -> tuple[list[A
     return found, not np.isin(counts, (0, 1, 3, 4)).all()
 
 
-def _colour(body: _Body, places: Indices, domain: Domain, index: Indices | None) -> Attribute:
+def _colour(body: _Body, places: Ints, domain: Domain, index: Ints | None) -> Attribute:
     """Return colours: whole numbers up to 255, or fractions; one number is an index in a map."""
     values: NDArray[Any] = body.values[places]
     whole = bool(body.whole(places.ravel()).all())

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import text
-
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -38,7 +37,7 @@ class Binary:
         order = "little" if self.order == "<" else "big"
         return int.from_bytes(raw, order, signed=kind[0] == "i")  # type: ignore[arg-type]
 
-    def typed(self, block: NDArray[Any], at: Indices, kind: str) -> NDArray[Any]:
+    def typed(self, block: NDArray[Any], at: Ints, kind: str) -> NDArray[Any]:
         """Return cells, (records, cells), as numbers, (records, numbers)."""
         raw = np.ascontiguousarray(block).view(self.order + kind)
         return raw.astype(kind)
@@ -56,10 +55,10 @@ class Ascii:
     unit: str = "numbers"
 
     @cached_property
-    def cells(self) -> NDArray[np.float64]:
+    def cells(self) -> Floats:
         """The numbers, float64."""
         tokens = np.arange(len(self.lines.token_starts))
-        found: NDArray[np.float64] = text.read_numbers(self.lines.buffer, self.lines, tokens)
+        found: Floats = text.read_numbers(self.lines.buffer, self.lines, tokens)
         return found
 
     def width(self, kind: str) -> int:
@@ -73,7 +72,7 @@ class Ascii:
             raise self.error(at, f"{value} is not a count")
         return int(value)
 
-    def typed(self, block: NDArray[Any], at: Indices, kind: str) -> NDArray[Any]:
+    def typed(self, block: NDArray[Any], at: Ints, kind: str) -> NDArray[Any]:
         """Return cells as numbers of a type; those that it cannot hold are refused."""
         if kind[0] == "f":
             with np.errstate(over="ignore"):

@@ -11,8 +11,8 @@ from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import text
 from deltamesh_formats.meshfiles.ply.body import Ascii, Binary
@@ -91,9 +91,7 @@ def _as_written(element: Element) -> Element:
     return replace(element, properties=properties)
 
 
-def _faces(
-    faces: dict[str, Column], strips: dict[str, Column]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _faces(faces: dict[str, Column], strips: dict[str, Column]) -> tuple[Ints, Ints]:
     """Return corners and offsets of the faces or, if there are none, of the strips."""
     indices = _indices(faces)
     if indices is not None and indices.counts is not None:
@@ -153,7 +151,7 @@ def _lists(columns: dict[str, Column]) -> list[str]:
 
 
 def _corner_attributes(
-    columns: dict[str, Column], sizes: NDArray[np.int64]
+    columns: dict[str, Column], sizes: Ints
 ) -> tuple[list[Attribute], list[str]]:
     """Return attributes of the lists with as many numbers for each corner, and names of others."""
     found, others = [], []

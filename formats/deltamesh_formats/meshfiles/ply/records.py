@@ -13,8 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles.ply.body import Ascii, Binary, Indices
+from deltamesh_formats.meshfiles.ply.body import Ascii, Binary
 from deltamesh_formats.meshfiles.ply.header import Element, Property
 
 
@@ -28,7 +29,7 @@ class Column(NamedTuple):
     """
 
     values: NDArray[Any]
-    counts: Indices | None
+    counts: Ints | None
 
 
 def read_rows(body: Binary | Ascii, at: int, element: Element) -> tuple[dict[str, Column], int]:
@@ -117,7 +118,7 @@ def _counts_of(body: Binary | Ascii, at: int, properties: list[Property]) -> lis
 
 
 def _are_alike(
-    body: Binary | Ascii, starts: Indices, properties: list[Property], counts: list[int], width: int
+    body: Binary | Ascii, starts: Ints, properties: list[Property], counts: list[int], width: int
 ) -> bool:
     """Tell whether the lists of all records are as long as those of the first."""
     offset, first = 0, int(starts[0])
@@ -133,7 +134,7 @@ def _are_alike(
 
 def _walk(
     body: Binary | Ascii, at: int, n: int, properties: list[Property]
-) -> tuple[Indices, Indices, int]:
+) -> tuple[Ints, Ints, int]:
     """Return the first cell and the lengths of lists of each record, and the end of the last."""
     starts, lengths = [], []
     for _ in range(n):
@@ -147,7 +148,7 @@ def _walk(
 def _columns(
     body: Binary | Ascii,
     matrix: NDArray[Any],
-    starts: Indices,
+    starts: Ints,
     properties: list[Property],
     counts: list[int],
 ) -> list[Column]:
@@ -167,7 +168,7 @@ def _columns(
 
 
 def _by_length(
-    body: Binary | Ascii, starts: Indices, lengths: Indices, properties: list[Property]
+    body: Binary | Ascii, starts: Ints, lengths: Ints, properties: list[Property]
 ) -> dict[str, Column]:
     """Return the columns of records whose lists differ in length."""
     kinds, which = np.unique(lengths, axis=0, return_inverse=True)

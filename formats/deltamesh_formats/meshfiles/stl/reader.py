@@ -14,6 +14,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import text
 from deltamesh_formats.meshfiles.text import Lines
@@ -114,7 +115,7 @@ def _other_normals(normals: NDArray[Any], triangles: NDArray[Any]) -> tuple[str,
     return ("normals that are not those of their facets",) if other.any() else ()
 
 
-def _objects(names: list[str], of_face: NDArray[np.int64]) -> tuple[Parts, ...]:
+def _objects(names: list[str], of_face: Ints) -> tuple[Parts, ...]:
     """Return the solids that have facets as objects, unless there is but one without a name."""
     used, of_face = np.unique(of_face, return_inverse=True)
     kept = tuple(names[i] for i in used.tolist())
@@ -147,7 +148,7 @@ def _check_facets(lines: Lines) -> int:
     return count // len(_FACET)
 
 
-def _welded(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def _welded(points: Floats) -> tuple[Floats, Ints]:
     """Return the distinct positions by first appearance, (n, 3), and the index of each point."""
     order = np.lexsort(points.T)  # stable, and -0.0 is 0.0
     new = np.ones(len(points), dtype=bool)

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Floats
 from deltamesh_formats.meshfiles import text
 from deltamesh_formats.meshfiles.file_format import Written
 from deltamesh_formats.meshfiles.float32 import (
@@ -50,7 +51,7 @@ def _named(mesh: PolyMesh) -> Parts | None:
     return objects
 
 
-def _normals(triangles: NDArray[np.float64]) -> NDArray[np.float32]:
+def _normals(triangles: Floats) -> NDArray[np.float32]:
     """Return the unit normals of triangles, (m, 3, 3); zeros for those without area."""
     with np.errstate(all="ignore"):
         sides = triangles[:, 1:] - triangles[:, :1]

@@ -29,6 +29,7 @@ from deltamesh._kernels.coding import delta, parallelogram, residual
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._streams.columns import code_three
 from deltamesh._streams.entropy import decode_with, encode_with
+from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.container.attribute_table import Entry
 from deltamesh_formats.container.layout import (
     MAX_NORMAL_BITS,
@@ -39,8 +40,6 @@ from deltamesh_formats.container.layout import (
 )
 from deltamesh_formats.errors import FormatError, located
 
-_Ints = NDArray[np.int64]
-_Floats = NDArray[np.float64]
 _Any = NDArray[Any]
 
 # No weights: normals are coded by themselves. Codes of neighbours are then alike, or equal.
@@ -66,12 +65,12 @@ class Normals:
         One of `surface.WEIGHTS`, the prediction; or NONE, and all are coded by themselves.
     """
 
-    codes: _Ints
+    codes: Ints
     bits: int
     weights: int
 
 
-def surroundings_of(entry: Entry, owner: _Ints, count: int, domains: Domains) -> Surroundings:
+def surroundings_of(entry: Entry, owner: Ints, count: int, domains: Domains) -> Surroundings:
     """Return the polygons around the owners of an attribute.
 
     Parameters
@@ -91,10 +90,10 @@ def surroundings_of(entry: Entry, owner: _Ints, count: int, domains: Domains) ->
 def encode_attribute_normals(
     entry: Entry,
     values: _Any,
-    has: NDArray[np.bool_],
+    has: Bools,
     elements: Elements,
     around: Surroundings,
-    V: _Floats,
+    V: Floats,
     tolerance: float,
 ) -> tuple[Entry, Normals, bytes]:
     """Return the entry with its largest error, the normals as they are coded, and their stream.
@@ -146,8 +145,8 @@ def _largest_angle(a: _Any, b: _Any) -> float:
 
 
 def choose_normals(
-    values: _Floats,
-    V: _Floats,
+    values: Floats,
+    V: Floats,
     around: Surroundings,
     elements: Elements,
     bits: int,
@@ -175,7 +174,7 @@ def choose_normals(
 
 
 def _normals_of(
-    values: _Floats, V: _Floats, around: Surroundings, weights: int, bits: int, tolerance: float
+    values: Floats, V: Floats, around: Surroundings, weights: int, bits: int, tolerance: float
 ) -> Normals:
     if weights == NONE:
         predicted, doubt = np.zeros_like(values), np.full(len(values), np.inf)
@@ -184,7 +183,7 @@ def _normals_of(
     return Normals(quantize_normals(values, predicted, doubt, bits), bits, weights)
 
 
-def vectors_of(normals: Normals, V: _Floats, around: Surroundings) -> _Floats:
+def vectors_of(normals: Normals, V: Floats, around: Surroundings) -> Floats:
     """Return the vectors of normals, float64 (k, 3), of length 1 or 0."""
     if normals.weights == NONE:
         predicted = np.zeros((len(normals.codes), 3))
@@ -240,7 +239,7 @@ def decode_normals(payload: bytes | memoryview, elements: Elements) -> Normals:
     return Normals(codes, bits, weights)
 
 
-def _code(coder: Coder, coding: int, elements: Elements, codes: _Ints) -> None:
+def _code(coder: Coder, coding: int, elements: Elements, codes: Ints) -> None:
     if coding == DELTAS:
         delta.code_deltas(coder, elements.indptr, elements.indices, codes)
     else:

@@ -15,10 +15,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.layout import NORMAL_STATES
-
-_Ints = NDArray[np.int64]
-_Floats = NDArray[np.float64]
 
 # States of a normal: relative to the prediction; by itself; the vector (0, 0, 0).
 RELATIVE: Final = NORMAL_STATES["relative"]
@@ -55,14 +53,14 @@ def is_unit(values: NDArray[np.generic]) -> bool:
     return bool((unit | (v == 0).all(axis=1)).all())
 
 
-def to_octahedral(directions: _Floats, bits: int) -> _Ints:
+def to_octahedral(directions: Floats, bits: int) -> Ints:
     """Return the nearest grid points, int64 (k, 2), of unit vectors, float64 (k, 3)."""
     h = half(bits)
     x = directions[:, :2] * (h / np.abs(directions).sum(axis=1))[:, None]
     folded = (h - np.abs(x[:, ::-1])) * _signs(x)
     low = np.floor(np.where(directions[:, 2:] < 0, folded, x)).astype(np.int64)
     # The corner of the cell that is nearest on the square need not be so on the sphere.
-    best: _Ints = low
+    best: Ints = low
     least = np.full(len(x), np.inf)
     for corner in ((0, 0), (1, 0), (0, 1), (1, 1)):
         point = np.clip(low + np.array(corner), -h, h)
@@ -72,7 +70,7 @@ def to_octahedral(directions: _Floats, bits: int) -> _Ints:
     return best
 
 
-def from_octahedral(points: _Ints, bits: int) -> _Floats:
+def from_octahedral(points: Ints, bits: int) -> Floats:
     """Return the unit vectors, float64 (k, 3), of grid points, int64 (k, 2)."""
     h = half(bits)
     z = h - np.abs(points).sum(axis=1, keepdims=True)
@@ -81,7 +79,7 @@ def from_octahedral(points: _Ints, bits: int) -> _Floats:
     return _normalized(np.concatenate((x, z), axis=1).astype(np.float64))
 
 
-def quantize_normals(normals: _Floats, predicted: _Floats, doubt: _Floats, bits: int) -> _Ints:
+def quantize_normals(normals: Floats, predicted: Floats, doubt: Floats, bits: int) -> Ints:
     """Return the codes of normals; the mirror is `restore_normals`.
 
     Parameters
@@ -111,7 +109,7 @@ def quantize_normals(normals: _Floats, predicted: _Floats, doubt: _Floats, bits:
     return np.concatenate((state[:, None], grid), axis=1)
 
 
-def restore_normals(codes: _Ints, predicted: _Floats, bits: int) -> _Floats:
+def restore_normals(codes: Ints, predicted: Floats, bits: int) -> Floats:
     """Return unit normals, float64 (k, 3), or zeros, whatever the codes and predictions are."""
     h, state = half(bits), codes[:, 0]
     grid = from_octahedral(np.clip(codes[:, 1:], -h, h), bits)
@@ -121,23 +119,23 @@ def restore_normals(codes: _Ints, predicted: _Floats, bits: int) -> _Floats:
     return normals
 
 
-def _predictions(sums: _Floats) -> _Floats:
+def _predictions(sums: Floats) -> Floats:
     """Return the directions of sums, POLE for those without one."""
     p = _normalized(sums)
     p[~p.any(axis=1)] = POLE
     return p
 
 
-def _turned(v: _Floats, p: _Floats) -> _Floats:
+def _turned(v: Floats, p: Floats) -> Floats:
     """Turn vectors about the bisector of POLE and p by 180 degrees: an involution, POLE to p."""
     axis = _normalized(p + POLE)
-    along: _Floats = (axis * v).sum(axis=1, keepdims=True)
+    along: Floats = (axis * v).sum(axis=1, keepdims=True)
     return 2 * along * axis - v
 
 
-def _normalized(v: _Floats) -> _Floats:
+def _normalized(v: Floats) -> Floats:
     """Return the directions of vectors, zero for those that are zero or not finite."""
-    finite: _Floats = np.where(np.isfinite(v).all(axis=1, keepdims=True), v, 0.0)
+    finite: Floats = np.where(np.isfinite(v).all(axis=1, keepdims=True), v, 0.0)
     largest = np.abs(finite).max(axis=1)
     # Scaled, so that no square overflows or vanishes.
     scaled = finite / np.where(largest > 0, largest, 1.0)[:, None]
@@ -145,6 +143,6 @@ def _normalized(v: _Floats) -> _Floats:
     return np.asarray(scaled / np.where(length > 0, length, 1.0)[:, None], dtype=np.float64)
 
 
-def _signs(x: _Ints | _Floats) -> _Ints:
+def _signs(x: Ints | Floats) -> Ints:
     """Return -1 for negative numbers, 1 for others."""
     return np.asarray(1 - 2 * (x < 0), dtype=np.int64)

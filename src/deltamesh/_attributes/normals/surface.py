@@ -12,12 +12,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.layout import NORMAL_WEIGHTS
-
-_Ints = NDArray[np.int64]
-_Floats = NDArray[np.float64]
 
 # Weights of a polygon: its area, its angle at the element, or one for all.
 AREA: Final = NORMAL_WEIGHTS["area"]
@@ -46,15 +43,15 @@ class Surroundings:
     count : int
     """
 
-    corners: _Ints
-    offsets: _Ints
-    elements: _Ints
+    corners: Ints
+    offsets: Ints
+    elements: Ints
     count: int
 
 
 def surface_normals(
-    V: _Floats, around: Surroundings, weights: int, tolerance: float
-) -> tuple[_Floats, _Floats]:
+    V: Floats, around: Surroundings, weights: int, tolerance: float
+) -> tuple[Floats, Floats]:
     """Return the normals of the elements, and bounds of their errors on another machine.
 
     The normal of an element is the sum over its corners of the area vector of the polygon (EQUAL:
@@ -104,7 +101,7 @@ def surface_normals(
     return sums, _angle_bound(sums, _gathered(around.elements, errors, around.count))
 
 
-def _angle_bound(vectors: _Floats, errors: _Floats) -> _Floats:
+def _angle_bound(vectors: Floats, errors: Floats) -> Floats:
     """Return the largest angle by which vectors may differ that have errors of these lengths."""
     length = np.linalg.norm(vectors, axis=1)
     certain = errors < length
@@ -112,23 +109,23 @@ def _angle_bound(vectors: _Floats, errors: _Floats) -> _Floats:
     return np.where(certain, np.arcsin(share), np.inf)
 
 
-def _unit(vectors: _Floats, errors: _Floats) -> tuple[_Floats, _Floats]:
+def _unit(vectors: Floats, errors: Floats) -> tuple[Floats, Floats]:
     """Return the directions of vectors, zero for zero, and bounds of their errors."""
     length = np.linalg.norm(vectors, axis=1)
     chord = 2 * np.sin(np.minimum(_angle_bound(vectors, errors), np.pi) / 2)
     return vectors / np.where(length > 0, length, 1.0)[:, None], chord
 
 
-def _angles(a: _Floats, b: _Floats, small: float) -> tuple[_Floats, _Floats]:
+def _angles(a: Floats, b: Floats, small: float) -> tuple[Floats, Floats]:
     """Return the angles between vectors, and bounds of their errors."""
     angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(axis=1))
     error = np.full(len(a), 2 * small)  # both ends move
     return angle, np.minimum(_angle_bound(a, error) + _angle_bound(b, error), np.pi)
 
 
-def _sums(groups: _Ints, vectors: _Floats, count: int) -> _Floats:
+def _sums(groups: Ints, vectors: Floats, count: int) -> Floats:
     return np.stack([_gathered(groups, vectors[:, axis], count) for axis in range(3)], axis=1)
 
 
-def _gathered(groups: _Ints, values: _Floats, count: int) -> _Floats:
+def _gathered(groups: Ints, values: Floats, count: int) -> Floats:
     return np.bincount(groups, values, count).astype(np.float64)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit
 from deltamesh._kernels.coding.models import Model
 from deltamesh._kernels.coding.remaining import all_of, count_below, next_left, remove, select
 from deltamesh._kernels.coding.valence import code_below
 from deltamesh._kernels.jit import Flag, Int, kernel
+from deltamesh_formats.array_types import Ints
 
 SLOTS = 8
 MIXERS = ((1, 255),)
@@ -17,7 +17,7 @@ MODEL = Model(SLOTS, MIXERS)
 
 
 @kernel
-def code_choices(c: Coder, numbers: NDArray[np.int64], count: Int) -> Flag:
+def code_choices(c: Coder, numbers: Ints, count: Int) -> Flag:
     """Code different numbers below `count`, filled in when decoding; at most so many.
 
     Return whether each that was the next one left was coded so.

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
+from deltamesh_formats.array_types import Ints
 
 # Indices into Coder.state: the registers; the slots of the bit at hand, set by the caller; what
 # the mixer was given for each.
@@ -76,8 +77,8 @@ class Coder(NamedTuple):
         Written while encoding; read, with zeros beyond its end, while decoding.
     """
 
-    state: NDArray[np.int64]
-    memory: NDArray[np.int64]
+    state: Ints
+    memory: Ints
     data: NDArray[np.uint8]
 
 

@@ -15,7 +15,6 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import DECODING, Coder
 from deltamesh._kernels.coding.front import (
@@ -44,6 +43,7 @@ from deltamesh._kernels.coding.valence import (
 )
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
 from deltamesh._kernels.mesh.halfedges import next_halfedge, previous_halfedge
+from deltamesh_formats.array_types import Ints
 
 OK, CORRUPT = 0, 1
 DONE = -2
@@ -74,10 +74,10 @@ class Region(NamedTuple):
 
     halfedges: Any
     old: Any
-    faces: NDArray[np.int64]
+    faces: Ints
     vertices: Any
-    model: NDArray[np.int64]
-    starts: NDArray[np.int64]
+    model: Ints
+    starts: Ints
 
 
 @kernel

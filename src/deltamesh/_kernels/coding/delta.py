@@ -8,7 +8,6 @@ The contexts are the magnitudes and signs around.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.residual import (
@@ -24,13 +23,11 @@ from deltamesh._kernels.coding.residual import (
     code_vector,
 )
 from deltamesh._kernels.jit import Int, inlined, kernel
-
-_Ints = NDArray[np.int64]
-_Floats = NDArray[np.float64]
+from deltamesh_formats.array_types import Floats, Ints
 
 
 @kernel
-def code_deltas(c: Coder, indptr: _Ints, indices: _Ints, values: _Ints) -> None:
+def code_deltas(c: Coder, indptr: Ints, indices: Ints, values: Ints) -> None:
     """Code `values` (n, 3), filled in place when decoding; neighbours as of `adjacency`."""
     known = np.zeros(KNOWN, np.int64)
     for i in range(len(values)):
@@ -53,7 +50,7 @@ def code_deltas(c: Coder, indptr: _Ints, indices: _Ints, values: _Ints) -> None:
 
 
 @kernel
-def code_refinements(c: Coder, indptr: _Ints, indices: _Ints, deltas: _Ints, values: _Ints) -> None:
+def code_refinements(c: Coder, indptr: Ints, indices: Ints, deltas: Ints, values: Ints) -> None:
     """Code `values` (n, 1), filled in place when decoding, where the `deltas` (n, 3) are known."""
     known = np.zeros(KNOWN, np.int64)
     for i in range(len(values)):
@@ -79,15 +76,15 @@ def code_refinements(c: Coder, indptr: _Ints, indices: _Ints, deltas: _Ints, val
 
 @kernel
 def diffuse(
-    indptr: _Ints,
-    indices: _Ints,
-    delta: _Floats,
-    normals: _Floats,
+    indptr: Ints,
+    indices: Ints,
+    delta: Floats,
+    normals: Floats,
     step: float,
     zone: float,
     tangential: float,
     normal: float,
-    out: _Ints,
+    out: Ints,
 ) -> None:
     """Round delta / step into `out` (n, 3), or its component along `normals` into `out` (n, 1).
 

@@ -13,14 +13,12 @@ dense then makes no difference.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit, code_raw
 from deltamesh._kernels.coding.models import layout
 from deltamesh._kernels.coding.signed_integers import LEVELS, level
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 # Places on the grid stay within 2^56, and sums of MOST of them within 64 bits: at most so many of
 # the parallelograms and of the neighbours of a vertex are looked at.
@@ -67,15 +65,15 @@ POWERS = np.array([10**i for i in range(19)], dtype=np.int64)
 @kernel
 def code_exact(
     c: Coder,
-    indptr: _Ints,
-    indices: _Ints,
-    first: _Ints,
-    corners: _Ints,
-    axes: _Ints,
-    formats: _Ints,
+    indptr: Ints,
+    indices: Ints,
+    first: Ints,
+    corners: Ints,
+    axes: Ints,
+    formats: Ints,
     width: Int,
-    choices: _Ints,
-    values: _Ints,
+    choices: Ints,
+    values: Ints,
 ) -> None:
     """Code `choices` and `values` (n, 3), filled in place when decoding.
 
@@ -117,7 +115,7 @@ def code_exact(
 
 @inlined
 def _predict(
-    indptr: _Ints, indices: _Ints, first: _Ints, corners: _Ints, grid: _Ints, i: Int, axis: Int
+    indptr: Ints, indices: Ints, first: Ints, corners: Ints, grid: Ints, i: Int, axis: Int
 ) -> tuple[Int, Int]:
     """Return the mean of the parallelograms, else of the known neighbours, and their spread."""
     total, low, high = np.int64(0), np.int64(4 * BOUND), np.int64(-4 * BOUND)
@@ -142,7 +140,7 @@ def _predict(
 
 @inlined
 def _around(
-    indptr: _Ints, indices: _Ints, errors: _Ints, choices: _Ints, i: Int, axis: Int
+    indptr: Ints, indices: Ints, errors: Ints, choices: Ints, i: Int, axis: Int
 ) -> tuple[Int, Int, Int, Int]:
     """Return four numbers about the known neighbours.
 
@@ -165,8 +163,8 @@ def _around(
 @inlined
 def _code_choice(
     c: Coder,
-    axes: _Ints,
-    choices: _Ints,
+    axes: Ints,
+    choices: Ints,
     i: Int,
     axis: Int,
     around: tuple[Int, Int, Int, Int],
@@ -210,7 +208,7 @@ def _code_bits(c: Coder, value: Int, width: Int) -> Int:
 
 
 @inlined
-def _code_zero(c: Coder, indptr: _Ints, indices: _Ints, choices: _Ints, i: Int, axis: Int) -> Int:
+def _code_zero(c: Coder, indptr: Ints, indices: Ints, choices: Ints, i: Int, axis: Int) -> Int:
     """Code whether a zero is negative."""
     alike = np.int64(0)
     for at in range(indptr[i], min(indptr[i + 1], indptr[i] + MOST)):
@@ -224,7 +222,7 @@ def _code_zero(c: Coder, indptr: _Ints, indices: _Ints, choices: _Ints, i: Int, 
 
 
 @inlined
-def _index_at(formats: _Ints, f: Int, place: Int) -> tuple[Int, Int]:
+def _index_at(formats: Ints, f: Int, place: Int) -> tuple[Int, Int]:
     """Return the index of the number next to a place, and its unit as a power on the grid."""
     offset, digits = formats[f, OFFSET], formats[f, DIGITS]
     size, length = abs(place), np.int64(0)
@@ -249,7 +247,7 @@ def _index_at(formats: _Ints, f: Int, place: Int) -> tuple[Int, Int]:
 
 
 @inlined
-def _place_of(formats: _Ints, f: Int, index: Int) -> Int:
+def _place_of(formats: Ints, f: Int, index: Int) -> Int:
     """Return the place of a number on the grid, rounded towards 0, within the bound."""
     offset, digits = formats[f, OFFSET], formats[f, DIGITS]
     size: Int = abs(index)
@@ -271,7 +269,7 @@ def _place_of(formats: _Ints, f: Int, index: Int) -> Int:
 
 
 @inlined
-def _in_units(formats: _Ints, f: Int, unit: Int, size: Int) -> Int:
+def _in_units(formats: Ints, f: Int, unit: Int, size: Int) -> Int:
     """Return a size on the grid in units of base^unit, or as many of them as fit."""
     if formats[f, BASE] == 10:
         return size // POWERS[unit]
@@ -282,8 +280,8 @@ def _in_units(formats: _Ints, f: Int, unit: Int, size: Int) -> Int:
 
 @inlined
 def _set_contexts(
-    slots: _Ints,
-    formats: _Ints,
+    slots: Ints,
+    formats: Ints,
     f: Int,
     unit: Int,
     around: tuple[Int, Int, Int, Int],
@@ -318,7 +316,7 @@ def _set_contexts(
 
 
 @kernel
-def _code_distance(c: Coder, value: Int, slots: _Ints, mixer: Int, usual: Int) -> Int:
+def _code_distance(c: Coder, value: Int, slots: Ints, mixer: Int, usual: Int) -> Int:
     """Code the length of |value|, asked from the usual one up or down, its other bits, its sign."""
     magnitude, length = abs(value), np.int64(0)
     while magnitude >> length > 0:
@@ -341,14 +339,14 @@ def _code_distance(c: Coder, value: Int, slots: _Ints, mixer: Int, usual: Int) -
 
 
 @inlined
-def _is_longer(c: Coder, length: Int, k: Int, slots: _Ints, mixer: Int) -> Flag:
+def _is_longer(c: Coder, length: Int, k: Int, slots: Ints, mixer: Int) -> Flag:
     for j in range(MAGNITUDES):
         c.state[CONTEXT + j] = slots[j] + k
     return code_bit(c, np.int64(length > k), mixer + k) == 1
 
 
 @inlined
-def _code_mantissa(c: Coder, magnitude: Int, length: Int, slots: _Ints, mixer: Int) -> Int:
+def _code_mantissa(c: Coder, magnitude: Int, length: Int, slots: Ints, mixer: Int) -> Int:
     """Code the bits of a magnitude below its highest, the first three in their contexts."""
     result = np.int64(1)
     modelled = min(length - 1, 3)

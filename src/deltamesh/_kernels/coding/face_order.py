@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, DECODING, Coder, code_bit
 from deltamesh._kernels.coding.remaining import (
@@ -42,22 +41,21 @@ from deltamesh._kernels.coding.steps import (
     trail_of,
 )
 from deltamesh._kernels.jit import Int, inlined, kernel
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 
 @kernel
 def code_faces(
     c: Coder,
-    faces: _Ints,
-    corners: _Ints,
-    offsets: _Ints,
-    within: _Ints,
-    rank: _Ints,
+    faces: Ints,
+    corners: Ints,
+    offsets: Ints,
+    within: Ints,
+    rank: Ints,
     ranked: Int,
     mode: Int,
-    order: _Ints,
-    rotations: _Ints,
+    order: Ints,
+    rotations: Ints,
     margin: Int,
     stop: Int,
 ) -> Int:
@@ -149,7 +147,7 @@ def code_faces(
 
 
 @inlined
-def _split(within: _Ints, face: Int, size: Int, begin: Int) -> tuple[Int, Int]:
+def _split(within: Ints, face: Int, size: Int, begin: Int) -> tuple[Int, Int]:
     """Return the last corner of a triangle up to a corner of its polygon, and how far that is."""
     rotation, least = np.int64(0), size
     for j in range(3):
@@ -160,7 +158,7 @@ def _split(within: _Ints, face: Int, size: Int, begin: Int) -> tuple[Int, Int]:
 
 
 @kernel
-def _at_anchor(rings: Rings, faces: _Ints, rank: _Ints, mode: Int, hub: Int, found: _Ints) -> Int:
+def _at_anchor(rings: Rings, faces: Ints, rank: Ints, mode: Int, hub: Int, found: Ints) -> Int:
     """Find the corners at `hub` of faces that are left and have it for an anchor."""
     count, e = 0, rings.start[hub]
     for _ in range(SCANNED):
@@ -176,7 +174,7 @@ def _at_anchor(rings: Rings, faces: _Ints, rank: _Ints, mode: Int, hub: Int, fou
 
 
 @inlined
-def _shared(faces: _Ints, face: Int, others: _Ints) -> Int:
+def _shared(faces: Ints, face: Int, others: Ints) -> Int:
     """Return how many corners of a face are among three vertices."""
     count = 0
     for j in range(3):
@@ -188,12 +186,12 @@ def _shared(faces: _Ints, face: Int, others: _Ints) -> Int:
 @kernel
 def _choose_face(
     c: Coder,
-    memory: _Ints,
-    faces: _Ints,
-    rank: _Ints,
+    memory: Ints,
+    faces: Ints,
+    rank: Ints,
     mode: Int,
-    recent: _Ints,
-    found: _Ints,
+    recent: Ints,
+    found: Ints,
     count: Int,
     corner: Int,
 ) -> Int:
@@ -224,7 +222,7 @@ def _choose_face(
 
 
 @inlined
-def _like(rank: _Ints, others: _Ints, a: Int, b: Int, d: Int) -> Int:
+def _like(rank: Ints, others: Ints, a: Int, b: Int, d: Int) -> Int:
     """Return 1 if ranks differ as those of an earlier face do, from some corner of it; else 0."""
     result = 0
     for j in range(3):

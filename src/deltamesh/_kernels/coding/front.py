@@ -14,9 +14,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.jit import Int, inlined
+from deltamesh_formats.array_types import Ints
 
 BUCKETS = 64  # nodes with more free edges share the last one; they are rarely the lowest
 
@@ -52,8 +52,8 @@ class Front(NamedTuple):
     """
 
     nodes: Any
-    live: NDArray[np.int64]
-    counts: NDArray[np.int64]
+    live: Ints
+    counts: Ints
 
 
 def new_front(capacity: Int) -> Front:

@@ -9,13 +9,11 @@ and hidden edges of neighbours run in parallel.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
 from deltamesh._kernels.mesh.halfedges import next_halfedge, previous_halfedge
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 # The status of an edge.
 OPEN, SEEN, HIDDEN = 0, 1, 2
@@ -37,7 +35,7 @@ SLOTS = CHOOSE_BY_SIZE + 64
 
 
 @inlined
-def root_of(parent: _Ints, t: Int) -> Int:
+def root_of(parent: Ints, t: Int) -> Int:
     """Return the triangle at the root of the polygon of one, halving the path to it."""
     while parent[t] != t:
         parent[t] = parent[parent[t]]
@@ -46,7 +44,7 @@ def root_of(parent: _Ints, t: Int) -> Int:
 
 
 @inlined
-def join(merged: _Ints, parent: _Ints, size: _Ints, h: Int, g: Int, r: Int, s: Int) -> None:
+def join(merged: Ints, parent: Ints, size: Ints, h: Int, g: Int, r: Int, s: Int) -> None:
     """Merge polygons r and s across their half-edges h and g."""
     merged[h], merged[g] = g, h
     parent[s] = r
@@ -61,7 +59,7 @@ def corners_class(size: Int) -> Int:
 
 
 @inlined
-def _spare(seen: _Ints, left: _Ints, border: _Ints, v: Int, own: Int) -> Int:
+def _spare(seen: Ints, left: Ints, border: Ints, v: Int, own: Int) -> Int:
     """Return two counts at a vertex of a quad mesh as one: edges to be hidden, edges not coded.
 
     The former is -1 to 3, plus 1; the latter, without the `own` one, at most 3.
@@ -71,7 +69,7 @@ def _spare(seen: _Ints, left: _Ints, border: _Ints, v: Int, own: Int) -> Int:
 
 
 @inlined
-def _behind(edges: _Ints, candidate: _Ints, e: Int, forward: Flag) -> Int:
+def _behind(edges: Ints, candidate: Ints, e: Int, forward: Flag) -> Int:
     """Return the status beyond an edge: 0 unknown, 4 if it is hidden itself.
 
     Else that of the triangle there: 1 if its edge after the shared one is hidden (before it, unless
@@ -91,7 +89,7 @@ def _behind(edges: _Ints, candidate: _Ints, e: Int, forward: Flag) -> Int:
 
 
 @inlined
-def _around(edges: _Ints, candidate: _Ints, h: Int) -> Int:
+def _around(edges: Ints, candidate: Ints, h: Int) -> Int:
     """Return the status beyond the two other edges of a triangle, 0 to 24.
 
     Where triangles form a lattice, a half turn about the middle of an edge takes one to the other:
@@ -104,12 +102,12 @@ def _around(edges: _Ints, candidate: _Ints, h: Int) -> Int:
 @kernel
 def code_hidden(
     c: Coder,
-    corners: _Ints,
+    corners: Ints,
     count: Int,
-    candidate: _Ints,
-    merged: _Ints,
-    parent: _Ints,
-    size: _Ints,
+    candidate: Ints,
+    merged: Ints,
+    parent: Ints,
+    size: Ints,
     least: Int,
     most: Int,
     more: Flag,

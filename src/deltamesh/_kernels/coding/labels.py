@@ -12,14 +12,12 @@ stream can name a label that does not exist.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit
 from deltamesh._kernels.coding.models import Model
 from deltamesh._kernels.coding.signed_integers import hashed
 from deltamesh._kernels.jit import Int, inlined, kernel
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 NEIGHBOURS = 8  # that are looked at, the latest ones
 AHEAD = 16  # labels ahead that are looked at, the first ones
@@ -52,7 +50,7 @@ def _set(c: Coder, i: Int, number: Int, context: Int) -> None:
 
 
 @kernel
-def code_labels(c: Coder, indptr: _Ints, indices: _Ints, labels: _Ints) -> Int:
+def code_labels(c: Coder, indptr: Ints, indices: Ints, labels: Ints) -> Int:
     """Code `labels` (n,), filled in when decoding; return how many there are, -1: corrupt.
 
     They are numbered in the order of their first elements. Neighbours ascend.
@@ -97,9 +95,7 @@ def code_labels(c: Coder, indptr: _Ints, indices: _Ints, labels: _Ints) -> Int:
 
 
 @inlined
-def _vote(
-    indptr: _Ints, indices: _Ints, labels: _Ints, i: Int, candidates: _Ints, votes: _Ints
-) -> Int:
+def _vote(indptr: Ints, indices: Ints, labels: Ints, i: Int, candidates: Ints, votes: Ints) -> Int:
     """Order the labels of the latest known neighbours by votes; return how many have voted.
 
     The places that are left have no votes.
@@ -124,7 +120,7 @@ def _vote(
 
 
 @inlined
-def _look_ahead(indptr: _Ints, indices: _Ints, labels: _Ints, i: Int, ahead: _Ints) -> Int:
+def _look_ahead(indptr: Ints, indices: Ints, labels: Ints, i: Int, ahead: Ints) -> Int:
     """Find the labels of the known neighbours of unknown ones; return how many."""
     found = 0
     for at in range(indptr[i], indptr[i + 1]):
@@ -140,9 +136,7 @@ def _look_ahead(indptr: _Ints, indices: _Ints, labels: _Ints, i: Int, ahead: _In
 
 
 @inlined
-def _others(
-    labels: _Ints, i: Int, expected: Int, ahead: _Ints, candidates: _Ints, votes: _Ints
-) -> Int:
+def _others(labels: Ints, i: Int, expected: Int, ahead: Ints, candidates: Ints, votes: Ints) -> Int:
     """Add the label before, the expected one, those ahead; return how many candidates there are."""
     found = 0
     while votes[found] > 0:
@@ -164,13 +158,13 @@ def _others(
 @inlined
 def _code_candidate(
     c: Coder,
-    labels: _Ints,
+    labels: Ints,
     i: Int,
-    candidates: _Ints,
-    votes: _Ints,
+    candidates: Ints,
+    votes: Ints,
     found: Int,
     known: Int,
-    ahead: _Ints,
+    ahead: Ints,
     expected: Int,
     length: Int,
     fared: Int,
@@ -209,7 +203,7 @@ def _code_candidate(
 
 @inlined
 def _code_other(
-    c: Coder, labels: _Ints, i: Int, candidates: _Ints, found: Int, seen: Int, news: Int
+    c: Coder, labels: Ints, i: Int, candidates: Ints, found: Int, seen: Int, news: Int
 ) -> Int:
     """Code a label that no candidate is: `seen`, which is new, or one below."""
     if found == seen:  # all are candidates

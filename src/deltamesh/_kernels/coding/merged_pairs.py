@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit
 from deltamesh._kernels.coding.hidden_edges import (
@@ -20,8 +19,7 @@ from deltamesh._kernels.coding.hidden_edges import (
 )
 from deltamesh._kernels.coding.valence import code_below
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 # Bounds on the work at an edge with many triangles: half-edges that are looked at, and half-edges
 # that fit.
@@ -32,17 +30,17 @@ FITTING = 16
 @kernel
 def code_explicit_pairs(
     c: Coder,
-    candidate: _Ints,
-    pairs: _Ints,
-    merged: _Ints,
-    parent: _Ints,
-    size: _Ints,
+    candidate: Ints,
+    pairs: Ints,
+    merged: Ints,
+    parent: Ints,
+    size: Ints,
     most: Int,
     total: Int,
-    order: _Ints,
-    group: _Ints,
-    across: _Ints,
-    bounds: _Ints,
+    order: Ints,
+    group: Ints,
+    across: Ints,
+    bounds: Ints,
 ) -> Flag:
     """Code the explicit pairs; return whether their number is the total.
 
@@ -106,9 +104,7 @@ def code_explicit_pairs(
 
 
 @inlined
-def _fitting(
-    parent: _Ints, size: _Ints, g: Int, after: _Ints, r: Int, most: Int, found: _Ints
-) -> Int:
+def _fitting(parent: Ints, size: Ints, g: Int, after: Ints, r: Int, most: Int, found: Ints) -> Int:
     """Find the half-edges in a list from g on that polygon r may merge with; return how many."""
     number = 0
     for _ in range(SCANNED):
@@ -124,7 +120,7 @@ def _fitting(
 
 @inlined
 def _choose(
-    c: Coder, size: _Ints, parent: _Ints, h: Int, actual: Int, found: _Ints, number: Int
+    c: Coder, size: Ints, parent: Ints, h: Int, actual: Int, found: Ints, number: Int
 ) -> Int:
     """Code which of the half-edges found is meant, one bit for each; -1 for none."""
     for i in range(number):
@@ -138,7 +134,7 @@ def _choose(
 
 @inlined
 def _code_any(
-    c: Coder, pairs: _Ints, order: _Ints, first: Int, end: Int, h: Int, encoding: Flag
+    c: Coder, pairs: Ints, order: Ints, first: Int, end: Int, h: Int, encoding: Flag
 ) -> Int:
     """Code a half-edge of a group by its rank."""
     rank: Int = np.int64(0)
@@ -148,7 +144,7 @@ def _code_any(
 
 
 @inlined
-def _unlink(first: _Ints, after: _Ints, before: _Ints, group: _Ints, h: Int) -> None:
+def _unlink(first: Ints, after: Ints, before: Ints, group: Ints, h: Int) -> None:
     """Take a half-edge out of its list, unless the list begins beyond it already."""
     if first[group[h]] == h:
         first[group[h]] = after[h]

@@ -15,7 +15,6 @@ machine parts most coordinates are those of a neighbour.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding import signed_integers
 from deltamesh._kernels.coding.coder import Coder
@@ -36,8 +35,7 @@ from deltamesh._kernels.coding.residual import (
 )
 from deltamesh._kernels.coding.signed_integers import code_signed, level
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 # Positions of a file that an encoder has written are below 2^31; extrapolation in a crafted one
 # must not leave the integers.
@@ -70,12 +68,12 @@ MODEL = Model(SLOTS, MIXERS)
 @kernel
 def code_positions(
     c: Coder,
-    indptr: _Ints,
-    indices: _Ints,
-    first: _Ints,
-    corners: _Ints,
-    within: _Ints,
-    values: _Ints,
+    indptr: Ints,
+    indices: Ints,
+    first: Ints,
+    corners: Ints,
+    within: Ints,
+    values: Ints,
 ) -> None:
     """Code `values` (n, 3), filled in place when decoding.
 
@@ -101,7 +99,7 @@ def code_positions(
 
 
 @inlined
-def _look_around(indptr: _Ints, indices: _Ints, residuals: _Ints, i: Int, known: _Ints) -> None:
+def _look_around(indptr: Ints, indices: Ints, residuals: Ints, i: Int, known: Ints) -> None:
     """Sum up the residuals of the known neighbours."""
     for at in range(indptr[i], indptr[i + 1]):
         j = indices[at]
@@ -117,16 +115,16 @@ def _look_around(indptr: _Ints, indices: _Ints, residuals: _Ints, i: Int, known:
 
 @kernel
 def _predict(
-    indptr: _Ints,
-    indices: _Ints,
-    first: _Ints,
-    corners: _Ints,
-    within: _Ints,
-    values: _Ints,
+    indptr: Ints,
+    indices: Ints,
+    first: Ints,
+    corners: Ints,
+    within: Ints,
+    values: Ints,
     i: Int,
-    predictions: _Ints,
-    positions: _Ints,
-    known: _Ints,
+    predictions: Ints,
+    positions: Ints,
+    known: Ints,
 ) -> Int:
     """Set the predictions, the candidates' positions and what is `known`; return the class."""
     count = first[i + 1] - first[i]
@@ -168,13 +166,13 @@ def _predict(
 
 @inlined
 def _predict_alone(
-    indptr: _Ints,
-    indices: _Ints,
-    values: _Ints,
+    indptr: Ints,
+    indices: Ints,
+    values: Ints,
     i: Int,
-    predictions: _Ints,
-    positions: _Ints,
-    known: _Ints,
+    predictions: Ints,
+    positions: Ints,
+    known: Ints,
 ) -> Int:
     """Set the same where there is no parallelogram; return the class."""
     before: Int = max(i - 1, 0)
@@ -198,7 +196,7 @@ def _predict_alone(
 
 
 @inlined
-def _gate(corners: _Ints, values: _Ints, first: Int, end: Int) -> tuple[Int, Int]:
+def _gate(corners: Ints, values: Ints, first: Int, end: Int) -> tuple[Int, Int]:
     """Return the parallelogram whose triangle has the most equal sides at its apex, and these."""
     gate: Int = first
     best: Int = np.int64(-1)
@@ -212,7 +210,7 @@ def _gate(corners: _Ints, values: _Ints, first: Int, end: Int) -> tuple[Int, Int
 
 
 @inlined
-def _distance(values: _Ints, i: Int, j: Int) -> Int:
+def _distance(values: Ints, i: Int, j: Int) -> Int:
     """Return the sum of the distances along the axes."""
     total = np.int64(0)
     for axis in range(3):
@@ -221,27 +219,27 @@ def _distance(values: _Ints, i: Int, j: Int) -> Int:
 
 
 @inlined
-def _neighbour_mean(indptr: _Ints, indices: _Ints, values: _Ints, i: Int, axis: Int) -> Int:
+def _neighbour_mean(indptr: Ints, indices: Ints, values: Ints, i: Int, axis: Int) -> Int:
     """Return the mean of the known neighbours; 0 without any, as within a polygon."""
     total, count = np.int64(0), np.int64(0)
     for at in range(indptr[i], indptr[i + 1]):
         if indices[at] < i:
             total += values[indices[at], axis]
             count += 1
-    return total // max(count, 1)
+    return total // count if count > 0 else np.int64(0)
 
 
 @kernel
 def _code_position(
     c: Coder,
     kind: Int,
-    predictions: _Ints,
-    positions: _Ints,
-    known: _Ints,
-    errors: _Ints,
-    fortunes: _Ints,
-    value: _Ints,
-    residual: _Ints,
+    predictions: Ints,
+    positions: Ints,
+    known: Ints,
+    errors: Ints,
+    fortunes: Ints,
+    value: Ints,
+    residual: Ints,
 ) -> None:
     """Code one position and learn from it."""
     magnitudes, signs = np.empty(MAGNITUDES + 1, np.int64), np.empty(SIGNS + 1, np.int64)
@@ -275,7 +273,7 @@ def _code_position(
 
 
 @inlined
-def _chosen(errors: _Ints, inside: Flag) -> Int:
+def _chosen(errors: Ints, inside: Flag) -> Int:
     """Return the prediction with the least error."""
     chosen = np.int64(0)
     for k in range(1, PREDICTIONS):

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import Coder, code_number, code_raw
 from deltamesh._kernels.coding.models import Model
 from deltamesh._kernels.jit import Int, kernel
+from deltamesh_formats.array_types import Ints
 
 LENGTHS = 64
 SLOTS = 2 * LENGTHS
@@ -23,7 +23,7 @@ def _code_count(c: Coder, value: Int, kind: Int) -> Int:
 
 
 @kernel
-def code_gaps(c: Coder, indices: NDArray[np.int64], n: Int) -> bool:
+def code_gaps(c: Coder, indices: Ints, n: Int) -> bool:
     """Code ascending indices below n, filled in when decoding; return whether they fit."""
     previous = np.int64(-1)
     for k in range(len(indices)):
@@ -35,7 +35,7 @@ def code_gaps(c: Coder, indices: NDArray[np.int64], n: Int) -> bool:
 
 
 @kernel
-def code_points(c: Coder, points: NDArray[np.int64], bits: NDArray[np.int64]) -> None:
+def code_points(c: Coder, points: Ints, bits: Ints) -> None:
     """Code `points` (k, 3), filled in when decoding, in `bits` (3,) bits a coordinate."""
     for k in range(len(points)):
         for axis in range(3):
@@ -43,7 +43,7 @@ def code_points(c: Coder, points: NDArray[np.int64], bits: NDArray[np.int64]) ->
 
 
 @kernel
-def code_sorted_points(c: Coder, points: NDArray[np.int64], bits: NDArray[np.int64]) -> bool:
+def code_sorted_points(c: Coder, points: Ints, bits: Ints) -> bool:
     """Code `points` (k, 3) in ascending order of x, as steps in x; return whether x fits."""
     x = np.int64(0)
     for k in range(len(points)):

@@ -10,9 +10,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.jit import Int, inlined, kernel
+from deltamesh_formats.array_types import Ints
 
 
 class Remaining(NamedTuple):
@@ -26,8 +26,8 @@ class Remaining(NamedTuple):
         An index not above the next that is left; itself if it is left, or n.
     """
 
-    sums: NDArray[np.int64]
-    onwards: NDArray[np.int64]
+    sums: Ints
+    onwards: Ints
 
 
 class Rings(NamedTuple):
@@ -41,9 +41,9 @@ class Rings(NamedTuple):
         An element of each group, -1 when none is left.
     """
 
-    after: NDArray[np.int64]
-    before: NDArray[np.int64]
-    start: NDArray[np.int64]
+    after: Ints
+    before: Ints
+    start: Ints
 
 
 @kernel
@@ -111,7 +111,7 @@ def select(r: Remaining, rank: Int) -> Int:
 
 
 @kernel
-def rings_of(groups: NDArray[np.int64], count: Int) -> Rings:
+def rings_of(groups: Ints, count: Int) -> Rings:
     """Return the rings of elements in ascending order; element e belongs to `groups[e]`."""
     after, before = np.empty(groups.size, np.int64), np.empty(groups.size, np.int64)
     start = np.full(count, -1, np.int64)

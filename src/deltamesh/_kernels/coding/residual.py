@@ -7,15 +7,13 @@ coordinates of the vertex, and of the vertex before.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding import signed_integers
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.models import Model
 from deltamesh._kernels.coding.signed_integers import LEVELS, code_signed, level
 from deltamesh._kernels.jit import Int, inlined, kernel
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 # Contexts of the length and of the sign.
 MAGNITUDES, SIGNS = 6, 3
@@ -34,7 +32,7 @@ KNOWN = 16
 
 
 @kernel
-def code_vector(c: Coder, value: _Ints, known: _Ints) -> None:
+def code_vector(c: Coder, value: Ints, known: Ints) -> None:
     """Code `value` (3,) or (1,), in place when decoding, where `known` (KNOWN,) is known."""
     magnitudes, signs = np.empty(MAGNITUDES, np.int64), np.empty(SIGNS, np.int64)
     none = np.empty(0, np.int64)
@@ -50,7 +48,7 @@ def code_vector(c: Coder, value: _Ints, known: _Ints) -> None:
 
 
 @inlined
-def set_magnitudes(contexts: _Ints, known: _Ints, axis: Int, total: Int, spent: Int) -> None:
+def set_magnitudes(contexts: Ints, known: Ints, axis: Int, total: Int, spent: Int) -> None:
     """Set the contexts of a length, `MAGNITUDES` of them."""
     count, kind = max(known[NEIGHBOURS], 1), known[KIND]
     here = level(4 * known[ABSOLUTE + axis] // count)
@@ -65,7 +63,7 @@ def set_magnitudes(contexts: _Ints, known: _Ints, axis: Int, total: Int, spent: 
 
 
 @inlined
-def set_signs(contexts: _Ints, known: _Ints, axis: Int, along: Int) -> None:
+def set_signs(contexts: Ints, known: Ints, axis: Int, along: Int) -> None:
     """Set the contexts of a sign, `SIGNS` of them."""
     mean, last = known[SUM + axis], known[LAST + axis]
     positive = 1 if mean > 0 else 0

@@ -7,7 +7,6 @@ its vertices single out, or some corners after that.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit
 from deltamesh._kernels.coding.steps import (
@@ -24,18 +23,17 @@ from deltamesh._kernels.coding.steps import (
     SKIP_SIZE,
 )
 from deltamesh._kernels.jit import Int, inlined, kernel
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 
 @inlined
-def rank_of(rank: _Ints, v: Int) -> Int:
+def rank_of(rank: Ints, v: Int) -> Int:
     """Return the rank of a vertex, `NO_RANK` without one."""
     return rank[v] if rank[v] >= 0 else np.int64(NO_RANK)
 
 
 @inlined
-def anchor_corner(faces: _Ints, rank: _Ints, mode: Int, face: Int, rotation: Int) -> Int:
+def anchor_corner(faces: Ints, rank: Ints, mode: Int, face: Int, rotation: Int) -> Int:
     """Return the corner of a face that is its anchor, the first of equals."""
     if mode == FIRST:
         return np.int64(rotation)
@@ -49,7 +47,7 @@ def anchor_corner(faces: _Ints, rank: _Ints, mode: Int, face: Int, rotation: Int
 
 
 @inlined
-def _among(recent: _Ints, v: Int) -> Int:
+def _among(recent: Ints, v: Int) -> Int:
     """Return the corner of the face before that has a vertex, 3 if none has."""
     for k in range(3):
         if recent[0, k] == v:
@@ -58,7 +56,7 @@ def _among(recent: _Ints, v: Int) -> Int:
 
 
 @inlined
-def _rising(rank: _Ints, v: Int, w: Int) -> Int:
+def _rising(rank: Ints, v: Int, w: Int) -> Int:
     """Return 0 if the rank of v is below that of w, 1 if above, 2 if they are equal."""
     b, d = rank_of(rank, v), rank_of(rank, w)
     return 0 if b < d else (1 if d < b else 2)
@@ -67,12 +65,12 @@ def _rising(rank: _Ints, v: Int, w: Int) -> Int:
 @kernel
 def code_skipped(
     c: Coder,
-    corners: _Ints,
+    corners: Ints,
     first: Int,
     size: Int,
-    rank: _Ints,
-    recent: _Ints,
-    skips: _Ints,
+    rank: Ints,
+    recent: Ints,
+    skips: Ints,
     at: Int,
     gap: Int,
     skipped: Int,
@@ -99,11 +97,11 @@ def code_skipped(
 @kernel
 def code_rotation(
     c: Coder,
-    faces: _Ints,
-    rank: _Ints,
+    faces: Ints,
+    rank: Ints,
     mode: Int,
-    recent: _Ints,
-    rotated: _Ints,
+    recent: Ints,
+    rotated: Ints,
     face: Int,
     rotation: Int,
 ) -> Int:

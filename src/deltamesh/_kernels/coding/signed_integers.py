@@ -17,12 +17,10 @@ Contexts are hashed into one table: a collision costs bits, nothing else.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, MAX_INPUTS, Coder, code_bit
 from deltamesh._kernels.jit import Int, inlined, kernel
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 LENGTHS = 32  # |v| < 2^31: checked before a value reaches the coder
 LEVELS = 32
@@ -81,10 +79,10 @@ def code_signed(
     c: Coder,
     value: Int,
     axis: Int,
-    lengths: _Ints,
-    signs: _Ints,
-    candidates: _Ints,
-    histories: _Ints,
+    lengths: Ints,
+    signs: Ints,
+    candidates: Ints,
+    histories: Ints,
 ) -> Int:
     """Code a number, or return the one that was read.
 
@@ -122,9 +120,9 @@ def _code_length(
     c: Coder,
     length: Int,
     axis: Int,
-    contexts: _Ints,
-    candidates: _Ints,
-    histories: _Ints,
+    contexts: Ints,
+    candidates: Ints,
+    histories: Ints,
     mixer: Int,
 ) -> Int:
     """Code the length in unary; a candidate tells whether it is shorter, as long or longer."""
@@ -153,9 +151,9 @@ def _code_sign(
     negative: Int,
     length: Int,
     axis: Int,
-    contexts: _Ints,
-    candidates: _Ints,
-    histories: _Ints,
+    contexts: Ints,
+    candidates: Ints,
+    histories: Ints,
     mixer: Int,
 ) -> Int:
     many = len(contexts)
@@ -177,8 +175,8 @@ def _code_mantissa(
     negative: Int,
     axis: Int,
     context: Int,
-    candidates: _Ints,
-    histories: _Ints,
+    candidates: Ints,
+    histories: Ints,
     mixer: Int,
 ) -> Int:
     """Code the bits of a magnitude below its highest, the high ones first."""

@@ -10,7 +10,6 @@ step takes one element, so that any stream ends.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit
 from deltamesh._kernels.coding.models import Model, layout
@@ -29,8 +28,7 @@ from deltamesh._kernels.coding.residual import SLOTS as VECTOR_SLOTS
 from deltamesh._kernels.coding.signed_integers import AXIS_MIXERS, level
 from deltamesh._kernels.coding.valence import code_below
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 OK, CORRUPT = 0, 1
 
@@ -100,7 +98,7 @@ def _bits(x: Int) -> Int:
 
 
 @kernel
-def trail_of(trails: _Ints, anchor: Int, left: Int, margin: Int) -> Int:
+def trail_of(trails: Ints, anchor: Int, left: Int, margin: Int) -> Int:
     """Return the best trail to code an anchor from, -1 where a number below `left` takes less."""
     best, least = -1, _bits(left) - margin
     for k in range(TRAILS):
@@ -111,7 +109,7 @@ def trail_of(trails: _Ints, anchor: Int, left: Int, margin: Int) -> Int:
 
 
 @kernel
-def follow(trails: _Ints, anchor: Int) -> None:
+def follow(trails: Ints, anchor: Int) -> None:
     """Bring the trail that comes by an anchor to the front; without one, the last begins anew."""
     k = 0
     while k < TRAILS - 1 and abs(anchor - trails[k, ANCHOR]) > REACH:
@@ -127,7 +125,7 @@ def follow(trails: _Ints, anchor: Int) -> None:
 
 @kernel
 def code_step(
-    c: Coder, step: Int, memory: _Ints, trails: _Ints, follows: Int, has_anchor: Flag
+    c: Coder, step: Int, memory: Ints, trails: Ints, follows: Int, has_anchor: Flag
 ) -> Int:
     """Code the kind of a step; `follows`, below 4, relates the next element left to the last."""
     state, history = c.state, memory[HISTORY]
@@ -148,7 +146,7 @@ def code_step(
 
 @kernel
 def code_anchor(
-    c: Coder, anchor: Int, trail: Int, memory: _Ints, trails: _Ints, known: _Ints, value: _Ints
+    c: Coder, anchor: Int, trail: Int, memory: Ints, trails: Ints, known: Ints, value: Ints
 ) -> Int:
     """Code the rank of an anchor: a trail, and the distance from there."""
     state = c.state
@@ -180,7 +178,7 @@ def code_any(c: Coder, left: Remaining, element: Int, count: Int) -> Int:
 
 
 @inlined
-def index_of(found: _Ints, count: Int, element: Int) -> Int:
+def index_of(found: Ints, count: Int, element: Int) -> Int:
     """Return where an element is among the first `count` of those found, -1 if it is not."""
     for k in range(count):
         if found[k] == element:

@@ -9,14 +9,11 @@ neighbours suggest them.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit, code_number
 from deltamesh._kernels.coding.valence import MAX_BITS, code_below
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
-
-_Ints = NDArray[np.int64]
-_Bools = NDArray[np.bool_]
+from deltamesh_formats.array_types import Bools, Ints
 
 # Candidates that are kept, and neighbours of neighbours that are looked at: a bound on the work.
 CANDIDATES, LOOKS = 16, 256
@@ -40,7 +37,7 @@ SLOTS = ADJACENT_AT + 1
 
 
 @kernel
-def code_stitches(c: Coder, indptr: _Ints, indices: _Ints, boundary: _Bools, points: _Ints) -> Int:
+def code_stitches(c: Coder, indptr: Ints, indices: Ints, boundary: Bools, points: Ints) -> Int:
     """Code `points` (n,), filled in when decoding; return how many there are, -1: corrupt.
 
     Points are numbered in the order of their first vertices. `boundary` (n,) is whether vertices
@@ -87,16 +84,16 @@ def code_stitches(c: Coder, indptr: _Ints, indices: _Ints, boundary: _Bools, poi
 
 @inlined
 def _find_candidates(
-    indptr: _Ints,
-    indices: _Ints,
-    boundary: _Bools,
-    points: _Ints,
-    latest: _Ints,
-    earlier: _Ints,
-    beside: _Ints,
+    indptr: Ints,
+    indices: Ints,
+    boundary: Bools,
+    points: Ints,
+    latest: Ints,
+    earlier: Ints,
+    beside: Ints,
     v: Int,
-    candidates: _Ints,
-    votes: _Ints,
+    candidates: Ints,
+    votes: Ints,
 ) -> Int:
     """Find the points that a vertex may be at, in the order of their votes; return how many."""
     found, looks = 0, 0
@@ -134,9 +131,7 @@ def _find_candidates(
 
 
 @inlined
-def _code_match(
-    c: Coder, point: Int, count: Int, candidates: _Ints, votes: _Ints, found: Int
-) -> Int:
+def _code_match(c: Coder, point: Int, count: Int, candidates: Ints, votes: Ints, found: Int) -> Int:
     """Code the point of a vertex, one of those so far; -1: a candidate that was skipped before."""
     for k in range(found):
         rank, vote = min(k, 7), min(votes[k], 15)
@@ -153,7 +148,7 @@ def _code_match(
 
 
 @kernel
-def code_reversed(c: Coder, opposite: _Ints, reversed_: _Bools) -> None:
+def code_reversed(c: Coder, opposite: Ints, reversed_: Bools) -> None:
     """Code which faces (m,) are reversed, filled in when decoding."""
     state = c.state
     for f in range(len(reversed_)):
@@ -172,7 +167,7 @@ def code_reversed(c: Coder, opposite: _Ints, reversed_: _Bools) -> None:
 
 
 @kernel
-def code_repeats(c: Coder, opposite: _Ints, repeats: _Ints, total: Int) -> Flag:
+def code_repeats(c: Coder, opposite: Ints, repeats: Ints, total: Int) -> Flag:
     """Code how often each face is repeated, `repeats` (m, 2): in its winding, in the opposite one.
 
     Filled in when decoding; return whether the sum is the total.
@@ -201,7 +196,7 @@ def code_repeats(c: Coder, opposite: _Ints, repeats: _Ints, total: Int) -> Flag:
 
 
 @kernel
-def code_degenerate(c: Coder, indptr: _Ints, indices: _Ints, pairs: _Ints, n: Int) -> Flag:
+def code_degenerate(c: Coder, indptr: Ints, indices: Ints, pairs: Ints, n: Int) -> Flag:
     """Code faces (a, a, b) as `pairs` (d, 2) of a and b, in ascending order of a.
 
     Filled in when decoding; return whether they ascend below n, the number of points, of which
@@ -237,7 +232,7 @@ def code_degenerate(c: Coder, indptr: _Ints, indices: _Ints, pairs: _Ints, n: In
 
 
 @inlined
-def _find(indices: _Ints, first: Int, valence: Int, vertex: Int) -> Int:
+def _find(indices: Ints, first: Int, valence: Int, vertex: Int) -> Int:
     """Return the place of a vertex among the neighbours from `first` on, -1 if it is none."""
     low, high = np.int64(0), np.int64(valence)
     while low < high:

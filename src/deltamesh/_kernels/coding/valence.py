@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import (
     CONTEXT,
@@ -23,6 +22,7 @@ from deltamesh._kernels.coding.coder import (
 )
 from deltamesh._kernels.coding.front import LIVE, Front
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
+from deltamesh_formats.array_types import Ints
 
 # A valence is spelled along a tree: is it 6; is it less; is it 5, 4, 3; is it 7, 8, ... 18.
 # Above that come the bits of v - 18. Part of the format, as is all below.
@@ -109,14 +109,14 @@ def code_below(c: Coder, value: Int, bound: Int) -> Int:
 
 
 @kernel
-def _ask(c: Coder, model: NDArray[np.int64], node: Int, mixer: Int, answer: Flag) -> Flag:
+def _ask(c: Coder, model: Ints, node: Int, mixer: Int, answer: Flag) -> Flag:
     for i in range(VALENCE_INPUTS):
         c.state[CONTEXT + i] = model[TREES + i] + node
     return code_bit(c, 1 if answer else 0, mixer + node) == 1
 
 
 @kernel
-def code_valence(c: Coder, valence: Int, model: NDArray[np.int64], mixer: Int) -> Int:
+def code_valence(c: Coder, valence: Int, model: Ints, mixer: Int) -> Int:
     """Code a valence >= 2 with one tree for each context."""
     node = np.int64(NODE_SIX)
     if _ask(c, model, node, mixer, valence == 6):
@@ -134,7 +134,7 @@ def code_valence(c: Coder, valence: Int, model: NDArray[np.int64], mixer: Int) -
 
 
 @inlined
-def seed_contexts(model: NDArray[np.int64]) -> Int:
+def seed_contexts(model: Ints) -> Int:
     """Set the contexts of the vertices of a first face: none is known; return the mixer."""
     for i in range(VALENCE_INPUTS):
         model[TREES + i] = 0
@@ -142,7 +142,7 @@ def seed_contexts(model: NDArray[np.int64]) -> Int:
 
 
 @inlined
-def gate_contexts(front: Front, pivot: Int, vertices: Any, model: NDArray[np.int64]) -> Int:
+def gate_contexts(front: Front, pivot: Int, vertices: Any, model: Ints) -> Int:
     """Set the contexts of a vertex that is new at the gate of a pivot; return the mixer."""
     nodes = front.nodes
     after, before = nodes[pivot].successor, nodes[pivot].predecessor

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, DECODING, Coder, code_bit
 from deltamesh._kernels.coding.remaining import (
@@ -39,18 +38,17 @@ from deltamesh._kernels.coding.steps import (
     trail_of,
 )
 from deltamesh._kernels.jit import Int, inlined, kernel
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 
 @kernel
 def code_vertices(
     c: Coder,
-    indptr: _Ints,
-    indices: _Ints,
-    mirror: _Ints,
+    indptr: Ints,
+    indices: Ints,
+    mirror: Ints,
     newest: Int,
-    order: _Ints,
+    order: Ints,
     margin: Int,
     stop: Int,
 ) -> Int:
@@ -110,7 +108,7 @@ def code_vertices(
 
 @kernel
 def _around_anchor(
-    rings: Rings, indices: _Ints, around: _Ints, key: Int, hub: Int, anchor: Int, found: _Ints
+    rings: Rings, indices: Ints, around: Ints, key: Int, hub: Int, anchor: Int, found: Ints
 ) -> Int:
     """Find the neighbours of `hub`, of rank `anchor`, that are left and have it for an anchor."""
     count, e = 0, rings.start[hub]
@@ -129,10 +127,10 @@ def _around_anchor(
 @kernel
 def _choose_vertex(
     c: Coder,
-    memory: _Ints,
-    around: _Ints,
-    last: _Ints,
-    found: _Ints,
+    memory: Ints,
+    around: Ints,
+    last: Ints,
+    found: Ints,
     count: Int,
     rank: Int,
     vertex: Int,
@@ -160,10 +158,10 @@ def _choose_vertex(
 def _rank_vertex(
     left: Remaining,
     rings: Rings,
-    indptr: _Ints,
-    indices: _Ints,
-    mirror: _Ints,
-    around: _Ints,
+    indptr: Ints,
+    indices: Ints,
+    mirror: Ints,
+    around: Ints,
     vertex: Int,
     rank: Int,
 ) -> None:

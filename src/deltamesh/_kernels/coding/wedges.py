@@ -8,14 +8,12 @@ an edge mostly goes on at the other.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit
 from deltamesh._kernels.coding.valence import code_below
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
 from deltamesh._kernels.mesh.halfedges import next_halfedge, previous_halfedge
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 # The kind of a corner, by its relation to the one that it is expected to be like: across an edge,
 # the first of a further fan, in a repeat of a face, in a degenerate face.
@@ -40,12 +38,12 @@ SLOTS = MORE_BY_NUMBER + 16
 
 @kernel
 def fill_rings(
-    opposite: _Ints,
-    corners: _Ints,
-    by_point: _Ints,
-    ring: _Ints,
-    spoke: _Ints,
-    closing: _Ints,
+    opposite: Ints,
+    corners: Ints,
+    by_point: Ints,
+    ring: Ints,
+    spoke: Ints,
+    closing: Ints,
 ) -> None:
     """Put the corners of each point into rotational order, fan by fan.
 
@@ -76,20 +74,20 @@ def fill_rings(
 
 
 @inlined
-def _status(seams: _Ints, opposite: _Ints, h: Int) -> Int:
+def _status(seams: Ints, opposite: Ints, h: Int) -> Int:
     return seams[opposite[h]] if h >= 0 and opposite[h] >= 0 else np.int64(OPEN)
 
 
 @inlined
 def _look_ahead(
-    seams: _Ints,
-    opposite: _Ints,
+    seams: Ints,
+    opposite: Ints,
     first: Int,
     end: Int,
-    spoke: _Ints,
-    closing: _Ints,
-    ahead: _Ints,
-    left: _Ints,
+    spoke: Ints,
+    closing: Ints,
+    ahead: Ints,
+    left: Ints,
 ) -> Int:
     """Return how many seams are known that run into a point.
 
@@ -114,14 +112,14 @@ def _look_ahead(
 @kernel
 def code_wedges(
     c: Coder,
-    opposite: _Ints,
-    bounds: _Ints,
-    ring: _Ints,
-    spoke: _Ints,
-    closing: _Ints,
-    like: _Ints,
-    kind: _Ints,
-    wedges: _Ints,
+    opposite: Ints,
+    bounds: Ints,
+    ring: Ints,
+    spoke: Ints,
+    closing: Ints,
+    like: Ints,
+    kind: Ints,
+    wedges: Ints,
     labels: Int,
 ) -> Int:
     """Code the wedges of corners; return how many there are, over all points.
@@ -199,7 +197,7 @@ def _code_other(c: Coder, actual: Int, expected: Int, count: Int, known: Int, fa
 
 
 @kernel
-def code_isolated(c: Coder, isolated: _Ints, total: Int) -> Flag:
+def code_isolated(c: Coder, isolated: Ints, total: Int) -> Flag:
     """Code the number of isolated vertices at each point; return whether the sum is the total.
 
     isolated : int64 (p,), filled in when decoding.

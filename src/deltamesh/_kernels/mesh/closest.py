@@ -9,12 +9,9 @@ so that triangles without area need no division.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.jit import kernel
-
-_Ints = NDArray[np.int64]
-_Floats = NDArray[np.float64]
+from deltamesh_formats.array_types import Floats
 
 LEAF = 4
 # A path from the root leaves one sibling a level on the stack: 64 is more than any tree has.
@@ -22,7 +19,7 @@ _STACK = 64
 
 
 @kernel
-def squared_to_segment(p: _Floats, a: _Floats, b: _Floats) -> float:
+def squared_to_segment(p: Floats, a: Floats, b: Floats) -> float:
     """Return the squared distance from point p to the segment ab."""
     length, along = 0.0, 0.0
     for c in range(3):
@@ -37,7 +34,7 @@ def squared_to_segment(p: _Floats, a: _Floats, b: _Floats) -> float:
 
 
 @kernel
-def cross(o: _Floats, a: _Floats, b: _Floats) -> tuple[float, float, float]:
+def cross(o: Floats, a: Floats, b: Floats) -> tuple[float, float, float]:
     """Return (a - o) x (b - o)."""
     ax, ay, az = a[0] - o[0], a[1] - o[1], a[2] - o[2]
     bx, by, bz = b[0] - o[0], b[1] - o[1], b[2] - o[2]
@@ -51,7 +48,7 @@ def dot(a: tuple[float, float, float], b: tuple[float, float, float]) -> float:
 
 
 @kernel
-def squared_to_triangle(p: _Floats, a: _Floats, b: _Floats, c: _Floats) -> float:
+def squared_to_triangle(p: Floats, a: Floats, b: Floats, c: Floats) -> float:
     """Return the squared distance from point p to the triangle abc.
 
     To its plane where p projects into the triangle, else to the nearest edge.
@@ -71,7 +68,7 @@ def squared_to_triangle(p: _Floats, a: _Floats, b: _Floats, c: _Floats) -> float
 
 
 @kernel
-def squared_to_box(p: _Floats, low: _Floats, high: _Floats) -> float:
+def squared_to_box(p: Floats, low: Floats, high: Floats) -> float:
     """Return the squared distance from point p to the box; infinite when the box is empty."""
     total = 0.0
     for c in range(3):
@@ -81,7 +78,7 @@ def squared_to_box(p: _Floats, low: _Floats, high: _Floats) -> float:
 
 
 @kernel
-def fill_boxes(triangles: _Floats, low: _Floats, high: _Floats) -> None:
+def fill_boxes(triangles: Floats, low: Floats, high: Floats) -> None:
     """Fill the boxes (nodes, 3) of the tree over triangles (m, 3, 3) in the order of the leaves."""
     nodes = len(low)
     leaves = (nodes + 1) // 2
@@ -99,7 +96,7 @@ def fill_boxes(triangles: _Floats, low: _Floats, high: _Floats) -> None:
 
 @kernel
 def squared_to_mesh(
-    p: _Floats, triangles: _Floats, low: _Floats, high: _Floats, bound: float, enough: float
+    p: Floats, triangles: Floats, low: Floats, high: Floats, bound: float, enough: float
 ) -> float:
     """Return the squared distance from p to the nearest triangle.
 
@@ -134,11 +131,11 @@ def squared_to_mesh(
 
 @kernel
 def largest_squared_distance(
-    points: _Floats,
-    bounds: _Floats,
-    triangles: _Floats,
-    low: _Floats,
-    high: _Floats,
+    points: Floats,
+    bounds: Floats,
+    triangles: Floats,
+    low: Floats,
+    high: Floats,
     largest: float,
 ) -> float:
     """Return the largest squared distance from the points to the mesh; at least `largest`.

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from deltamesh._kernels.jit import kernel
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 
 @kernel
-def assign(source: int, target: int, mapping: _Ints, inverse: _Ints, log: _Ints, count: int) -> int:
+def assign(source: int, target: int, mapping: Ints, inverse: Ints, log: Ints, count: int) -> int:
     """Map source to target, one to one, and log a new pair; return the new count or -1."""
     if mapping[source] == target:
         return count
@@ -25,20 +21,20 @@ def assign(source: int, target: int, mapping: _Ints, inverse: _Ints, log: _Ints,
 
 @kernel
 def propagate(
-    corners: _Ints,
-    opposite: _Ints,
-    colours: _Ints,
-    other_corners: _Ints,
-    other_opposite: _Ints,
-    other_colours: _Ints,
+    corners: Ints,
+    opposite: Ints,
+    colours: Ints,
+    other_corners: Ints,
+    other_opposite: Ints,
+    other_colours: Ints,
     half_edge: int,
     other_half_edge: int,
-    vertices: _Ints,
-    inverse_vertices: _Ints,
-    half_edges: _Ints,
-    inverse_half_edges: _Ints,
-    vertex_log: _Ints,
-    face_log: _Ints,
+    vertices: Ints,
+    inverse_vertices: Ints,
+    half_edges: Ints,
+    inverse_half_edges: Ints,
+    vertex_log: Ints,
+    face_log: Ints,
 ) -> bool:
     """Map the patch around a half-edge of one mesh onto that around a half-edge of another.
 

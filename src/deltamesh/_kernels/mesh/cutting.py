@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
 from deltamesh._kernels.mesh.halfedges import next_halfedge, previous_halfedge
-
-_Ints = NDArray[np.int64]
-_Bools = NDArray[np.bool_]
+from deltamesh_formats.array_types import Bools, Ints
 
 
 @inlined
-def _find(parent: _Ints, reversed_: _Bools, f: Int) -> tuple[Int, Flag]:
+def _find(parent: Ints, reversed_: Bools, f: Int) -> tuple[Int, Flag]:
     """Return the root of a face and whether it is reversed against it, halving paths on the way."""
     odd: Flag = False
     while parent[f] != f:
@@ -26,7 +23,7 @@ def _find(parent: _Ints, reversed_: _Bools, f: Int) -> tuple[Int, Flag]:
 
 
 @kernel
-def orient(first: _Ints, second: _Ints, twisted: _Bools, parent: _Ints, reversed_: _Bools) -> None:
+def orient(first: Ints, second: Ints, twisted: Bools, parent: Ints, reversed_: Bools) -> None:
     """Reverse faces so that as many pairs as possible agree: union-find with parities.
 
     first, second : int64 (k,), half-edges on one edge; `twisted` where they run the same way.
@@ -54,9 +51,7 @@ def orient(first: _Ints, second: _Ints, twisted: _Bools, parent: _Ints, reversed
 
 
 @kernel
-def pair_up(
-    order: _Ints, bounds: _Ints, forward: _Bools, component: _Ints, opposite: _Ints
-) -> None:
+def pair_up(order: Ints, bounds: Ints, forward: Bools, component: Ints, opposite: Ints) -> None:
     """Pair half-edges of edges with many faces: those of one component, then across components.
 
     order : int64, half-edges by edge and by component; edge i has those from bounds[i] on.
@@ -86,7 +81,7 @@ def pair_up(
 
 
 @kernel
-def label_fans(opposite: _Ints, label: _Ints) -> Int:
+def label_fans(opposite: Ints, label: Ints) -> Int:
     """Label the fans of corners in the order of first corners; return how many there are."""
     count = 0
     label[:] = -1
@@ -106,7 +101,7 @@ def label_fans(opposite: _Ints, label: _Ints) -> Int:
 
 
 @inlined
-def _first_of_fan(opposite: _Ints, h: Int) -> Int:
+def _first_of_fan(opposite: Ints, h: Int) -> Int:
     """Return the corner at which the fan of a corner begins, itself if the fan is closed."""
     g = h
     while opposite[previous_halfedge(g)] >= 0:
@@ -117,7 +112,7 @@ def _first_of_fan(opposite: _Ints, h: Int) -> Int:
 
 
 @kernel
-def break_slits(opposite: _Ints, label: _Ints, count: Int) -> None:
+def break_slits(opposite: Ints, label: Ints, count: Int) -> None:
     """Cut fans that meet a neighbour twice, as at both sides of a slit, into runs that do not.
 
     A manifold of triangles may have one edge only between two of its vertices.

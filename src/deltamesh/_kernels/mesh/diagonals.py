@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.jit import kernel
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 
 @kernel
-def choose(start: _Ints, near: _Ints, unlike: _Ints, cut: _Ints) -> None:
+def choose(start: Ints, near: Ints, unlike: Ints, cut: Ints) -> None:
     """Choose one of two diagonals for each quad, breadth first, by a vote of its neighbours.
 
     start : int64 (q + 1,), near : int64 (e,), the neighbours of each quad.

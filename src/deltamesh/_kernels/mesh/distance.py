@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from deltamesh._kernels.jit import kernel
-
-_Ints = NDArray[np.int64]
-_Floats = NDArray[np.float64]
+from deltamesh_formats.array_types import Bools, Floats, Ints
 
 
 @kernel
-def relax(indptr: _Ints, indices: _Ints, source: int, distance: _Ints, queue: _Ints) -> None:
+def relax(indptr: Ints, indices: Ints, source: int, distance: Ints, queue: Ints) -> None:
     """Lower `distance` (n,) in place to the distance from a new source, where that is less.
 
     A breadth-first search that goes on from the vertices it lowers only: where the new source is
@@ -34,7 +31,7 @@ def relax(indptr: _Ints, indices: _Ints, source: int, distance: _Ints, queue: _I
 
 
 @kernel
-def farthest_points(indptr: _Ints, indices: _Ints, first: _Ints, anchors: _Ints) -> None:
+def farthest_points(indptr: Ints, indices: Ints, first: Ints, anchors: Ints) -> None:
     """Fill `anchors` (k,): the c points of `first`, then always the vertex farthest from them all.
 
     Every component has a point in `first`; c <= k <= n. Ties go to the lowest index. Distances only
@@ -61,9 +58,7 @@ def farthest_points(indptr: _Ints, indices: _Ints, first: _Ints, anchors: _Ints)
 
 
 @kernel
-def local_maxima(
-    indptr: _Ints, indices: _Ints, value: _Floats, is_maximum: NDArray[np.bool_]
-) -> None:
+def local_maxima(indptr: Ints, indices: Ints, value: Floats, is_maximum: Bools) -> None:
     """Mark the vertices whose value no neighbour exceeds; of equal neighbours the lowest index."""
     for v in range(len(indptr) - 1):
         is_maximum[v] = True
@@ -74,7 +69,7 @@ def local_maxima(
 
 
 @kernel
-def subtract_product(block: _Floats, W: _Floats, count: int, rows: _Ints) -> None:
+def subtract_product(block: Floats, W: Floats, count: int, rows: Ints) -> None:
     """Do block -= W[:, :count] @ W[rows, :count].columns in place.
 
     In a fixed order of operations: a BLAS gives other last bits for another number of threads, and

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from deltamesh._kernels.jit import Int, kernel
 from deltamesh._kernels.mesh.halfedges import next_halfedge, previous_halfedge
-
-_Ints = NDArray[np.int64]
+from deltamesh_formats.array_types import Ints
 
 
 @kernel
-def walk(merged: _Ints, corners: _Ints, offsets: _Ints, of_corners: _Ints) -> None:
+def walk(merged: Ints, corners: Ints, offsets: Ints, of_corners: Ints) -> None:
     """List the corners of the polygons, ascending by their lowest triangles.
 
     merged : int64 (3 m,), the half-edge that each is merged with, -1 for none; no triangles form a
