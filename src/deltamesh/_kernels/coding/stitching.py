@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit, code_number
+from deltamesh._kernels.coding.models import Model, layout
 from deltamesh._kernels.coding.valence import MAX_BITS, code_below
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
 from deltamesh_formats.array_types import Bools, Ints
@@ -18,22 +19,38 @@ from deltamesh_formats.array_types import Bools, Ints
 # Candidates that are kept, and neighbours of neighbours that are looked at: a bound on the work.
 CANDIDATES, LOOKS = 16, 256
 
-# Mixers, and the first slot of each of their inputs: sums of the numbers of their contexts.
+# Mixers, and the first slot of each of their inputs: its range is indexed by its contexts.
 STITCHED, MATCHES, REVERSED, REPEATED, NUMBER, ADJACENT = range(6)
 MIXERS = ((3, 255), (2, 255), (3, 255), (2, 255), (1, 255), (1, 255))
-STITCHED_BY_LOWER = 0
-STITCHED_BY_BEFORE = STITCHED_BY_LOWER + 2 * 4 * 4
-STITCHED_BY_VOTES = STITCHED_BY_BEFORE + 2 * 4 * 2
-MATCHES_BY_RANK = STITCHED_BY_VOTES + 2 * 8 * 2
-MATCHES_BY_RIVAL = MATCHES_BY_RANK + 8 * 16
-REVERSED_BY_BEFORE = MATCHES_BY_RIVAL + 8 * 8
-REVERSED_BY_AROUND = REVERSED_BY_BEFORE + 2 * 2
-REVERSED_BY_BOTH = REVERSED_BY_AROUND + 4 * 4
-REPEATED_BY_LAST = REVERSED_BY_BOTH + 4 * 4 * 4
-REPEATED_BY_AROUND = REPEATED_BY_LAST + 2 * 4 * 4
-NUMBER_AT = REPEATED_BY_AROUND + 2 * 4 * 4
-ADJACENT_AT = NUMBER_AT + MAX_BITS
-SLOTS = ADJACENT_AT + 1
+(
+    STITCHED_BY_LOWER,
+    STITCHED_BY_BEFORE,
+    STITCHED_BY_VOTES,
+    MATCHES_BY_RANK,
+    MATCHES_BY_RIVAL,
+    REVERSED_BY_BEFORE,
+    REVERSED_BY_AROUND,
+    REVERSED_BY_BOTH,
+    REPEATED_BY_LAST,
+    REPEATED_BY_AROUND,
+    NUMBER_AT,
+    ADJACENT_AT,
+    SLOTS,
+) = layout(
+    (2, 4, 4),
+    (2, 4, 2),
+    (2, 8, 2),
+    (8, 16),
+    (8, 8),
+    (2, 2),
+    (4, 4),
+    (4, 4, 4),
+    (2, 4, 4),
+    (2, 4, 4),
+    (MAX_BITS,),
+    (1,),
+)
+MODEL = Model(SLOTS, MIXERS)
 
 
 @kernel
