@@ -27,7 +27,7 @@ from deltamesh.options import Options
 from deltamesh.order import decode_order, encode_order
 from deltamesh.reordering import Order, rows_of
 from deltamesh.shape.decoding import announced, decode_structure
-from deltamesh.shape.diagonals import cut_polygons
+from deltamesh.shape.diagonals import cut_polygons, middles
 from deltamesh.shape.encoding import encode_structure
 from deltamesh.shape.gluing import decode_polygons, encode_polygons, glued_halfedges, partners, ways
 from deltamesh.shape.polygons import joined
@@ -35,6 +35,7 @@ from deltamesh_formats.errors import FormatError
 from deltamesh_formats.meshfile import read_mesh
 from deltamesh_formats.polymesh import PolyMesh
 from deltamesh_formats.reader import read_container
+from deltamesh_formats.triangles import fans
 from deltamesh_formats.writer import write_varint
 
 METHODS = ("highpass", "refined", "cartesian", "lossless")
@@ -261,7 +262,8 @@ def test_a_grid_of_quads_costs_next_to_nothing() -> None:
     mesh = quads(60, 50)
     sections = read_container(encode(mesh, method="cartesian")).sections
     assert len(sections["CONN"].payload) + len(sections["POLY"].payload) < 60
-    V, F = mesh.vertices, mesh.faces
+    first = np.zeros(len(mesh.sizes), dtype=np.int64)
+    V, F = mesh.vertices, fans(mesh.corners, mesh.offsets, first).faces
     assert len(read_container(encode(V, F, method="cartesian")).sections["CONN"].payload) > 300
 
 
@@ -426,6 +428,42 @@ def test_diagonals_are_those_of_the_oracle(pairs: list[tuple[int, int, int]]) ->
     cut = np.array(given_)
     diagonals.choose(start, flat[:, 0].copy(), flat[:, 1].copy(), cut)
     assert cut.tolist() == polygon_oracle.choose(rows, given_)
+
+
+def fan(corners: list[int], middle: int) -> list[tuple[int, int, int]]:
+    turned = corners[middle:] + corners[:middle]
+    return [(turned[0], turned[i], turned[i + 1]) for i in range(1, len(corners) - 1)]
+
+
+def slow_fans(mesh: PolyMesh) -> list[tuple[int, int, int]]:
+    """Polygon by polygon, the fans of all its corners one after the other."""
+    found = []
+    for begin, end in zip(mesh.offsets[:-1], mesh.offsets[1:], strict=True):
+        corners = mesh.corners[begin:end].tolist()
+
+        def score(middle: int, corners: list[int] = corners) -> float:
+            V = mesh.vertices
+            faces = fan(corners, middle)
+            normals = [np.cross(V[b] - V[a], V[c] - V[a]) for a, b, c in faces]
+            return min(float(n @ np.sum(normals, axis=0)) for n in normals)
+
+        scores = [score(i) for i in range(len(corners))]
+        middle = 0 if scores[0] > 0 or len(corners) > 16 else int(np.argmax(scores))
+        found += fan(corners, middle)
+    return found
+
+
+@given(st.data(), st.integers(0, 10**6))
+def test_fans_are_the_slow_ones(data: st.DataObject, seed: int) -> None:
+    """On a grid of whole numbers, where sums are exact and ties are ties."""
+    rng = np.random.default_rng(seed)
+    sizes = data.draw(st.lists(st.integers(3, 20), min_size=1, max_size=6))
+    vertices = rng.integers(-4, 5, size=(12, 3)).astype(float)
+    offsets = np.concatenate(([0], np.cumsum(sizes)))
+    mesh = PolyMesh(vertices, rng.integers(0, 12, size=sum(sizes)), offsets)
+    around = middles(mesh.vertices, mesh.corners, mesh.offsets)
+    cut = fans(mesh.corners, mesh.offsets, around)
+    assert list(map(tuple, cut.faces.tolist())) == slow_fans(mesh)
 
 
 def test_diagonals_of_a_grid_run_in_parallel() -> None:
