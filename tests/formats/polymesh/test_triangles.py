@@ -63,13 +63,13 @@ def one_polygon(points) -> PolyMesh:
 
 
 def areas(mesh: PolyMesh, normal) -> np.ndarray:
-    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+    a, b, c = mesh.vertices[mesh.triangles].transpose(1, 0, 2)
     return np.cross(b - a, c - a) @ normal / 2
 
 
 def at_positions(mesh: PolyMesh) -> list[bytes]:
     """The triangles by where their corners are, wherever they begin."""
-    faces = mesh.vertices[mesh.faces]
+    faces = mesh.vertices[mesh.triangles]
     turns = [[np.roll(face, -i, axis=0).tobytes() for i in range(3)] for face in faces]
     return sorted(map(min, turns))
 
@@ -102,7 +102,7 @@ def assert_fills(points: np.ndarray, mesh: PolyMesh, normal: np.ndarray) -> None
     rounding = 1e-12 * np.abs(points).max() ** 2
     assert np.abs(found).sum() == pytest.approx(exact, rel=1e-9, abs=rounding * len(points))
     assert found.min() > -rounding
-    assert_cut(mesh, mesh.triangles())
+    assert_cut(mesh, mesh.triangulation())
 
 
 @settings(max_examples=OUTLINES)
@@ -156,7 +156,7 @@ def test_files_of_triangles_have_the_area_of_the_polygons(tmp_path):
     mesh = PolyMesh(np.concatenate([bottom, top]), np.concatenate(rows), offsets)
     for name in ("mesh.stl", "mesh.glb"):
         write_mesh(tmp_path / name, mesh)
-        a, b, c = (read := read_mesh(tmp_path / name)).vertices[read.faces].transpose(1, 0, 2)
+        a, b, c = (read := read_mesh(tmp_path / name)).vertices[read.triangles].transpose(1, 0, 2)
         normals = np.cross(b - a, c - a) / 2
         assert np.linalg.norm(normals, axis=1).sum() == pytest.approx(2 * 7 + 16)
         assert np.einsum("ij,ij", a, normals) / 3 == pytest.approx(7)
@@ -182,7 +182,7 @@ def test_any_polygons_are_cut_alike_from_any_corner_on(seed, corners, span, nois
     rng = np.random.default_rng(seed)
     points = rng.integers(-span, span + 1, size=(corners, rng.integers(2, 4))).astype(float)
     mesh = one_polygon(points + noisy * 1e-3 * rng.normal(size=points.shape))
-    assert_cut(mesh, mesh.triangles())
+    assert_cut(mesh, mesh.triangulation())
     expected = at_positions(mesh)
     for turn in range(corners):
         assert at_positions(renumbered(rng, mesh, turn)) == expected
@@ -191,11 +191,11 @@ def test_any_polygons_are_cut_alike_from_any_corner_on(seed, corners, span, nois
 @pytest.mark.parametrize("name", DEGENERATE)
 def test_polygons_that_are_not_simple_are_cut_all_the_same(name):
     mesh, rng = one_polygon(DEGENERATE[name]), np.random.default_rng(5)
-    assert_cut(mesh, mesh.triangles())
+    assert_cut(mesh, mesh.triangulation())
     expected = at_positions(mesh)
     for turn in range(len(mesh.corners)):
         turned = renumbered(rng, mesh, turn)
-        assert_cut(turned, turned.triangles())
+        assert_cut(turned, turned.triangulation())
         assert at_positions(turned) == expected
     signed = areas(mesh, [0.0, 0.0, 1.0]).sum()
     assert signed == pytest.approx(outlines.area(DEGENERATE[name]), abs=1e-12)
@@ -216,11 +216,11 @@ def test_a_mesh_is_cut_like_its_polygons_alone():
     found = [outlines.in_space(rng, polygons[i])[0] for i in order]
     offsets = np.concatenate(([0], np.cumsum([len(points) for points in found])))
     mesh = PolyMesh(np.concatenate(found), np.arange(offsets[-1]), offsets)
-    assert_cut(mesh, mesh.triangles())
+    assert_cut(mesh, mesh.triangulation())
     alone = [
-        one_polygon(points).faces + first for points, first in zip(found, offsets, strict=False)
+        one_polygon(points).triangles + first for points, first in zip(found, offsets, strict=False)
     ]
-    np.testing.assert_array_equal(mesh.faces, np.concatenate(alone))
+    np.testing.assert_array_equal(mesh.triangles, np.concatenate(alone))
 
 
 def board(height) -> PolyMesh:
@@ -236,7 +236,7 @@ def test_regular_quads_are_cut_in_parallel(noise):
     rng = np.random.default_rng(2)
     mesh = board(lambda x, y: 0 * x)
     mesh.vertices[:] += noise * rng.normal(size=mesh.vertices.shape)
-    faces = mesh.faces.reshape(-1, 2, 3)
+    faces = mesh.triangles.reshape(-1, 2, 3)
     shared = [tuple(sorted(set(a) & set(b))) for a, b in faces.tolist()]
     assert {b - a for a, b in shared} == {14}
 
@@ -245,7 +245,7 @@ def test_quads_are_cut_along_the_shorter_diagonal():
     long = [(0, 0, 0), (2, 0, 0.5), (2.5, 2, 0), (0, 2, 0.5)]
     for turn in range(4):
         mesh = one_polygon(np.roll(long, turn, axis=0))
-        kept = [set(map(tuple, mesh.vertices[face].tolist())) for face in mesh.faces]
+        kept = [set(map(tuple, mesh.vertices[face].tolist())) for face in mesh.triangles]
         assert kept[0] & kept[1] == {long[1], long[3]}
 
 
@@ -277,7 +277,7 @@ def test_size_does_not_matter(name, exponent):
     points = np.round(np.array(FLAT[name][0]) * 64) / 64
     mesh = one_polygon(points)
     scaled = one_polygon(np.ldexp(points, exponent))
-    np.testing.assert_array_equal(scaled.faces, mesh.faces)
+    np.testing.assert_array_equal(scaled.triangles, mesh.triangles)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1.7e308])
@@ -288,7 +288,7 @@ def test_any_numbers_make_triangles(value, corners):
         mesh = one_polygon(points)
         mesh.vertices[at, 1] = value
         mesh.vertices[at - 1, 1] = -value
-        assert_cut(mesh, mesh.triangles())
+        assert_cut(mesh, mesh.triangulation())
 
 
 def test_far_from_the_origin():
@@ -300,16 +300,16 @@ def test_ears_are_looked_at_in_parts(monkeypatch):
     """Any number of pairs at a time makes the same triangles."""
     rng = np.random.default_rng(8)
     mesh = one_polygon(outlines.with_holes(rng, 4))
-    expected = mesh.faces
+    expected = mesh.triangles
     for pairs in (1, 7, 100):
         monkeypatch.setattr(ears, "_PAIRS", pairs)
-        np.testing.assert_array_equal(mesh.faces, expected)
+        np.testing.assert_array_equal(mesh.triangles, expected)
 
 
 def test_polygons_too_large_for_ears_are_fans(monkeypatch):
     monkeypatch.setattr("deltamesh_formats.polymesh.triangles._LARGEST", 7)
     mesh = one_polygon(outlines.U)
-    assert len(np.unique(mesh.faces[:, 0])) == 1
-    assert_cut(mesh, mesh.triangles())
+    assert len(np.unique(mesh.triangles[:, 0])) == 1
+    assert_cut(mesh, mesh.triangulation())
     monkeypatch.setattr("deltamesh_formats.polymesh.triangles._LARGEST", 8)
     assert areas(mesh, [0.0, 0.0, 1.0]).min() > 0
