@@ -169,7 +169,7 @@ SHUFFLED = """
 import random, sys, typing
 
 from deltamesh_formats.container import layout
-from deltamesh_formats.polymesh import kinds, mesh
+from deltamesh_formats.polymesh.mesh import kinds, mesh
 
 def shuffled(names):
     names = list(names)
