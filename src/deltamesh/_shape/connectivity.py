@@ -31,13 +31,13 @@ from deltamesh._shape.topology import Topology, build_topology
 from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.array_types import Bools, Ints
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.layout import ATTRIBUTES, COPIES, POLYGONS, STITCHES
+from deltamesh_formats.container.layout import ATTRIBUTES, POLYGONS, SPLIT_VERTICES, STITCHES
 from deltamesh_formats.container.reader import read_varint
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
 
 # The sections whose decoders walk from half-edge to half-edge.
-_NEED_MANIFOLD: Final = frozenset({STITCHES, COPIES, POLYGONS, ATTRIBUTES})
+_NEED_MANIFOLD: Final = frozenset({STITCHES, SPLIT_VERTICES, POLYGONS, ATTRIBUTES})
 
 
 def applies(draft: ShapeDraft) -> bool:
@@ -75,7 +75,7 @@ def encode_connectivity(topology: Topology) -> tuple[bytes, CodedManifold]:
     """Code the faces of a topology; return the payload and the manifold in coding order."""
     face_count, degree = len(topology.faces), topology.valence
     halfedges = np.empty(3 * face_count, dtype=HALFEDGE)
-    halfedges["origin"], halfedges["opposite"] = topology.faces.ravel(), topology.opposite
+    halfedges["start"], halfedges["opposite"] = topology.faces.ravel(), topology.opposite
     halfedges["node"] = -1
     old = np.empty(len(degree), dtype=OLD_VERTEX)
     old["degree"], old["new"] = degree, -1

@@ -1,4 +1,4 @@
-"""Section STCH: what was cut, reversed and set aside to make a manifold of a complex.
+"""Section STCH: the cuts, reversed and repeated faces that make a manifold of a complex.
 
 The payload is the numbers of vertices and faces of the manifold, whether faces are reversed, and
 the number of repeated faces, then a range coded stream (`deltamesh._kernels.coding.stitching`).

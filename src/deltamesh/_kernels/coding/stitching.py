@@ -229,14 +229,14 @@ def code_degenerate(c: Coder, indptr: Ints, indices: Ints, pairs: Ints, n: Int) 
             return False
         first = indptr[min(a, len(indptr) - 1)]
         valence = indptr[a + 1] - first if a + 1 < len(indptr) else 0
-        place = _find(indices, first, valence, pairs[k, 1])
+        index = _find(indices, first, valence, pairs[k, 1])
         b = pairs[k, 1]
         adjacent = np.int64(0)
         if valence > 0:
             c.state[CONTEXT] = ADJACENT_AT
-            adjacent = code_bit(c, 1 if place >= 0 else 0, np.int64(ADJACENT))
+            adjacent = code_bit(c, 1 if index >= 0 else 0, np.int64(ADJACENT))
         if adjacent == 1:
-            b = indices[first + code_below(c, place, valence)]
+            b = indices[first + code_below(c, index, valence)]
         else:
             b = code_below(c, b, n)
             if _find(indices, first, valence, b) >= 0:
@@ -250,7 +250,7 @@ def code_degenerate(c: Coder, indptr: Ints, indices: Ints, pairs: Ints, n: Int) 
 
 @inlined
 def _find(indices: Ints, first: Int, valence: Int, vertex: Int) -> Int:
-    """Return the place of a vertex among the neighbours from `first` on, -1 if it is none."""
+    """Return the index of a vertex among the neighbours from `first` on, -1 if it is none."""
     low, high = np.int64(0), np.int64(valence)
     while low < high:
         middle = (low + high) // 2

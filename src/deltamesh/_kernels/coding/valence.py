@@ -1,4 +1,4 @@
-"""What the region grower codes, and in which contexts: valences, joins, the ends of joins.
+"""Valences, joins and the ends of joins that the region grower codes, and their contexts.
 
 Contexts are numbers that encoder and decoder both know: valences of visited vertices around the
 gate, free edges along the front, the valences coded last.
@@ -25,7 +25,7 @@ from deltamesh._kernels.coding.models import Model, layout
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
 from deltamesh_formats.array_types import Ints
 
-# A valence is spelled along a tree: is it 6; is it less; is it 5, 4, 3; is it 7, 8, ... 18.
+# A valence is coded along a tree: is it 6; is it less; is it 5, 4, 3; is it 7, 8, ... 18.
 # Above that come the bits of v - 18. Part of the format, as is all below.
 NODE_SIX, NODE_LESS, NODE_BELOW, NODE_ABOVE = 0, 1, 2, 5
 UNARY_END = 18
@@ -215,7 +215,7 @@ def code_target(c: Coder, front: Front, pivot: Int, target: Int) -> Int:
                 break
     state[CONTEXT] = NEAR_FLAG
     if code_bit(c, 1 if near >= 0 else 0, RARE + NEAR_BY) == 0:
-        return front.live[code_below(c, nodes[max(target, 0)].place, front.counts[LIVE])]
+        return front.live[code_below(c, nodes[max(target, 0)].index, front.counts[LIVE])]
     near = _code_tree(c, near, np.int64(NEAR_BITS), np.int64(NEAR_TREE), RARE + TARGET)
     node = pivot if near & 1 else n1
     for _ in range((near >> 1) + 1):
