@@ -6,15 +6,10 @@ from deltamesh._shape import connectivity, split_vertices, stitches
 from deltamesh._shape.diagonals import cut_polygons
 from deltamesh._shape.draft import ShapeDraft, first_draft
 from deltamesh_formats.polymesh.mesh import PolyMesh
-from deltamesh_formats.polymesh.triangles import Triangles, middles
-
-
-def triangles_of(mesh: PolyMesh) -> Triangles:
-    return cut_polygons(mesh, middles(mesh.vertices, mesh.corners, mesh.offsets))
 
 
 def before_polygons(mesh: PolyMesh) -> ShapeDraft:
-    draft = first_draft(mesh.vertices, triangles_of(mesh), drop_isolated=False, exact=False)
+    draft = first_draft(mesh.vertices, cut_polygons(mesh), drop_isolated=False, exact=False)
     for section in (connectivity, stitches, split_vertices):
         if section.applies(draft):
             _, draft = section.encode(draft)

@@ -12,11 +12,10 @@ from deltamesh._parts import Annotations, annotations_of
 from deltamesh._progress import Progress
 from deltamesh._shape.diagonals import cut_polygons
 from deltamesh._shape.draft import ShapeDraft, first_draft
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.dropping import without
 from deltamesh_formats.polymesh.mesh import PolyMesh
-from deltamesh_formats.polymesh.triangles import middles
 
 
 @dataclass(frozen=True)
@@ -30,8 +29,6 @@ class Draft:
     options : Options
     progress : callable
         Called with the name of each stage as it begins.
-    around : int64 (p,)
-        The corner around which any reader cuts each polygon of the input into triangles.
     shape : ShapeDraft
     trial : Trial or None
         The geometry that was chosen.
@@ -42,7 +39,6 @@ class Draft:
     mesh: PolyMesh
     options: Options
     progress: Progress
-    around: Ints
     shape: ShapeDraft
     trial: Trial | None = None
     content: Content = NOTHING
@@ -73,11 +69,10 @@ def begin(mesh: PolyMesh, options: Options, progress: Progress) -> Draft:
         If the mesh has no faces.
     """
     mesh = without(mesh, options.drop)
-    around = middles(mesh.vertices, mesh.corners, mesh.offsets)
-    triangles = cut_polygons(mesh, around)
+    triangles = cut_polygons(mesh)
     if len(triangles.faces) == 0:
         raise MeshError("the mesh has no faces")
     progress("topology")
     exact, drop_isolated = options.exact, options.drop_isolated
     shape = first_draft(mesh.vertices, triangles, drop_isolated=drop_isolated, exact=exact)
-    return Draft(mesh, options, progress, around, shape)
+    return Draft(mesh, options, progress, shape)

@@ -21,7 +21,6 @@ from deltamesh._shape.complexes import distinct_faces
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Container, Parameters
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh.triangles import fans
 
 
 def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
@@ -70,5 +69,4 @@ def _measured(draft: Draft) -> Ints:
     mesh, structure = draft.mesh, draft.shape.structure
     if not len(structure.merged):
         return structure.complex.manifold_faces
-    triangles = fans(mesh.corners, mesh.offsets, draft.around).faces
-    return distinct_faces(draft.shape.points[triangles])
+    return distinct_faces(draft.shape.points[mesh.triangles])

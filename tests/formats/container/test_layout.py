@@ -191,7 +191,7 @@ import deltamesh
 from deltamesh_formats.container import attribute_table, reader, texts, writer
 
 golden = Path(sys.argv[1])
-for path in sorted(GOLDEN.glob("*.dmesh")):
+for path in sorted(golden.glob("*.dmesh")):
     data = path.read_bytes()
     container = reader.read_container(data)
     assert writer.write_container(container) == data
