@@ -28,7 +28,7 @@ class LazyGroup(click.Group):
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Return the command `x`, which is `deltamesh_cli.commands.x.command`."""
+        """Return the command of a name: `command` in the module of that name."""
         if cmd_name not in COMMANDS:
             return None
         command: click.Command = importlib.import_module(

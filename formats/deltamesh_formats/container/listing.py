@@ -1,4 +1,4 @@
-"""The names, metadata and losses that a `.dmesh` file tells of, for `deltamesh info`.
+"""Names, metadata and losses of a `.dmesh` file, for `deltamesh info`.
 
 They come from users' files: control characters, which could steer a terminal, are escaped.
 """

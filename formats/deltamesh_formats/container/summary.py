@@ -1,4 +1,4 @@
-"""What a `.dmesh` file or a mesh is, for people: as text and, for notebooks, as HTML.
+"""Summaries of `.dmesh` files and meshes for people: as text and, for notebooks, as HTML.
 
 Names in it come from files: control characters are escaped in the text, and all in the HTML.
 """

@@ -20,7 +20,7 @@ TOP_LEFT: Final = ("top left",)
 
 
 def is_top_left(mesh: PolyMesh) -> bool:
-    """Tell whether the texture coordinates of a mesh begin at the top left."""
+    """Return whether the texture coordinates of a mesh begin at the top left."""
     return mesh.metadata.get(KEY) == TOP_LEFT
 
 

@@ -114,7 +114,7 @@ def _check_attribute(attribute: Attribute, counts: Mapping[str, int]) -> None:
 
 
 def _is_numeric(dtype: np.dtype[Any]) -> bool:
-    """Tell whether numbers, or the two real numbers of a complex one, have up to 64 bits."""
+    """Return whether numbers, or the two real numbers of a complex one, have up to 64 bits."""
     size = dtype.itemsize // (2 if dtype.kind == "c" else 1)
     return dtype.kind in "biufc" and size <= 8
 

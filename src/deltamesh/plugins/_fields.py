@@ -81,6 +81,6 @@ def keeping_order(options: Mapping[str, Any]) -> dict[str, Any]:
 
 def warn_of_losses(lost: Iterable[str], where: str) -> None:
     """Warn of losses, unless there are none, and name them."""
-    words = ", ".join(dict.fromkeys(lost))
-    if words:
-        warnings.warn(f"not kept in {where}: {words}", stacklevel=3)
+    descriptions = ", ".join(dict.fromkeys(lost))
+    if descriptions:
+        warnings.warn(f"not kept in {where}: {descriptions}", stacklevel=3)

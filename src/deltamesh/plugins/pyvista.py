@@ -80,9 +80,9 @@ def to_pyvista(mesh: PolyMesh) -> pyvista.PolyData:
         made.cell_data.set_array(_known(values), name)
     _activate(made, roles)
     names = {names_key(parts.kind): parts.names for parts in mesh.parts}
-    for key, words in {**mesh.metadata, **names}.items():
-        if words:
-            made.user_dict[key] = list(words)
+    for key, texts in {**mesh.metadata, **names}.items():
+        if texts:
+            made.user_dict[key] = list(texts)
     return made
 
 
@@ -174,23 +174,23 @@ def _with_role(attribute: Attribute, role: Role | None) -> Attribute:
 def _named_parts(
     face: dict[str, NDArray[Any]], mesh: pyvista.PolyData, lost: list[str]
 ) -> tuple[tuple[Parts, ...], dict[str, tuple[str, ...]]]:
-    """Take the parts out of the arrays of the faces, and words out of the dictionary."""
-    words = {}
+    """Take the parts out of the arrays of faces, and metadata and names out of the dictionary."""
+    texts = {}
     lost += [f"the field array {key!r}" for key in mesh.field_data if not key.startswith("_")]
     # Looking at the dictionary of a mesh without one would give it one.
     for key, values in mesh.user_dict.items() if _DICTIONARY in mesh.field_data else ():
         if isinstance(values, list) and values and all(isinstance(word, str) for word in values):
-            words[key] = tuple(values)
+            texts[key] = tuple(values)
         else:
             lost.append(f"the entry {key!r} of user_dict")
     found = []
     for kind in KINDS:
-        if kind in face and names_key(kind) in words:
-            parts = parts_of(kind, face[kind], words[names_key(kind)], len(face[kind]))
+        if kind in face and names_key(kind) in texts:
+            parts = parts_of(kind, face[kind], texts[names_key(kind)], len(face[kind]))
             if parts is not None:
                 found.append(parts)
-                del face[kind], words[names_key(kind)]
-    return tuple(found), words
+                del face[kind], texts[names_key(kind)]
+    return tuple(found), texts
 
 
 def _known(values: NDArray[Any]) -> NDArray[Any]:

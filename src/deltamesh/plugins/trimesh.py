@@ -144,15 +144,15 @@ def _arguments(mesh: PolyMesh, split_seams: bool) -> dict[str, Any]:
     corners = dense_arrays(mesh, "corner", shown)
     face += [(_CORNER + name, A[cut.corners].reshape(len(cut.faces), -1)) for name, A in corners]
     names = {names_key(parts.kind): list(parts.names) for parts in mesh.parts}
-    words: dict[str, Any] = {key: list(some) for key, some in mesh.metadata.items()}
-    if words.get("units"):
-        words["units"] = words["units"][0]  # trimesh has a word, not a list
+    metadata: dict[str, Any] = {key: list(some) for key, some in mesh.metadata.items()}
+    if metadata.get("units"):
+        metadata["units"] = metadata["units"][0]  # trimesh has one text, not a list
     return {
         "vertices": mesh.vertices,
         "faces": cut.faces,
         "vertex_attributes": by_name(dense_arrays(mesh, "vertex", shown)),
         "face_attributes": by_name(face),
-        "metadata": {**words, **names},
+        "metadata": {**metadata, **names},
         "process": False,
         **found,
     }
@@ -204,7 +204,7 @@ def _add_visual(
 
 
 def _is_there(colours: NDArray[np.uint8], arrays: Mapping[str, Any]) -> bool:
-    """Tell whether these colours are the rounded ones of an attribute."""
+    """Return whether these colours are the rounded ones of an attribute."""
     for name, values in arrays.items():
         A = np.asarray(values)
         if A.ndim == 2 and len(A) == len(colours) and role_of(name, A) == "colour":
@@ -251,15 +251,15 @@ def _parts(face: dict[str, Any], metadata: Mapping[str, Any], faces: int) -> tup
 
 
 def _metadata(metadata: Mapping[str, Any], without: set[str]) -> dict[str, tuple[str, ...]]:
-    """Return the units, and what is a list of words, as `_arguments` has written it."""
+    """Return the units, and what is a list of texts, as `_arguments` has written it."""
     found = {
-        key: tuple(words)
-        for key, words in metadata.items()
-        if isinstance(words, list | tuple) and words and all(isinstance(w, str) for w in words)
+        key: tuple(texts)
+        for key, texts in metadata.items()
+        if isinstance(texts, list | tuple) and texts and all(isinstance(w, str) for w in texts)
     }
     if isinstance(units := metadata.get("units"), str):
         found["units"] = (units,)
-    return {key: words for key, words in found.items() if key not in without}
+    return {key: texts for key, texts in found.items() if key not in without}
 
 
 def _from_scene(scene: trimesh.Scene) -> PolyMesh:

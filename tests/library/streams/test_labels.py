@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from deltamesh._graph import elements
 from deltamesh._graph.elements import Elements
-from deltamesh._graph.permutations import numbered
 from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import labels as kernels
 from deltamesh._shape.polygons import Polygons, plain
 from deltamesh._streams import entropy, labels
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import from_triangles
+from deltamesh_formats.polymesh.permutations import numbered
 
 Ints = NDArray[np.int64]
 
