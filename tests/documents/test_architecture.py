@@ -42,7 +42,12 @@ def drawn(picture: str) -> list[set[str]]:
 
 
 @pytest.mark.parametrize(
-    ("package", "top"), [("deltamesh", "plugins"), ("deltamesh_formats", "container")]
+    ("package", "top"),
+    [
+        ("deltamesh", "plugins"),
+        ("deltamesh_formats", "container"),
+        ("deltamesh_cli", "program"),
+    ],
 )
 def test_the_floors_are_those_of_the_contracts(package: str, top: str) -> None:
     contracts = tomllib.loads(text("pyproject.toml"))["tool"]["importlinter"]["contracts"]
