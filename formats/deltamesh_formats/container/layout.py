@@ -278,7 +278,7 @@ CODING_AT: Final = 4
 FIRST_NONE: Final = 64
 Coding: TypeAlias = Literal["integer", "exact", "grid", "octahedral"]
 CODINGS: Final[Mapping[Coding, int]] = {"integer": 0, "exact": 1, "grid": 2, "octahedral": 3}
-# What follows the common fields where numbers are integers.
+# Fields after the common ones, where numbers are integers.
 INTEGER_FIELDS: Final = (Field("origin", "u64"), Field("bits", "u8"), Field("limbs", "u8"))
 # `wedges`: those of the attribute itself; none, values belong to polygons; from there on, those of
 # attribute 0, 1, ...
