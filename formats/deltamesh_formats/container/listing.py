@@ -41,10 +41,10 @@ def texts_object(texts: Texts) -> dict[str, object]:
 
 
 def _listed(names: Sequence[str]) -> str:
-    words = [f'"{_cut(name)}"' for name in names[:_MOST_SHOWN]]
+    shown = [f'"{_cut(name)}"' for name in names[:_MOST_SHOWN]]
     if len(names) > _MOST_SHOWN:
-        words.append(f"and {len(names) - _MOST_SHOWN} more")
-    return ", ".join(words) or "none"
+        shown.append(f"and {len(names) - _MOST_SHOWN} more")
+    return ", ".join(shown) or "none"
 
 
 def _cut(name: str) -> str:

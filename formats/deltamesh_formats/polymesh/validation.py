@@ -73,8 +73,8 @@ def _check_indices(mesh: PolyMesh) -> None:
 
 def _also(mesh: PolyMesh) -> str:
     """Return the contents of a file that has no mesh, fit for a message."""
-    words = ", ".join(mesh.lost)
-    return f" (and {words if words.isprintable() else ascii(words)[1:-1]})" if words else ""
+    lost = ", ".join(mesh.lost)
+    return f" (and {lost if lost.isprintable() else ascii(lost)[1:-1]})" if lost else ""
 
 
 def _check_shapes(mesh: PolyMesh) -> None:

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from deltamesh._graph.elements import Elements
-from deltamesh._kernels.coding import exact
+from deltamesh._kernels.coding import exact, grid
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.models import Model
 from deltamesh._streams.entropy import decode_with, encode_with
@@ -100,7 +100,7 @@ def _code(
         table.append((len(formats), len(column.formats), int(column.raw), int(column.zeros)))
         for f, usual in zip(column.formats, column.usual, strict=True):
             formats.append((f.base, column.grid - f.places, f.digits, usual))
-    tables = np.array(table), np.array(formats, dtype=np.int64).reshape(-1, exact.FORMAT_SIZE)
+    tables = np.array(table), np.array(formats, dtype=np.int64).reshape(-1, grid.FORMAT_SIZE)
     around = e.indptr, e.indices, e.first, e.corners
     exact.code_exact(coder, *around, *tables, np.int64(width), choices, indices)
 

@@ -19,7 +19,8 @@ from typing import Final
 
 import numpy as np
 
-from deltamesh._kernels.coding.exact import BOUND, NEGATIVE_ZERO, POWERS, RAW
+from deltamesh._kernels.coding.exact import NEGATIVE_ZERO, RAW
+from deltamesh._kernels.coding.grid import BOUND, POWERS
 from deltamesh._streams.decomposition import (
     BINARY_DIGITS,
     DECIMAL_PLACES,

@@ -30,7 +30,7 @@ from deltamesh.plugins._fields import (
     dense_arrays,
     keeping_order,
     names_key,
-    parts_of,
+    taken_parts,
     warn_of_losses,
 )
 from deltamesh_formats.errors import MeshError
@@ -84,7 +84,8 @@ def from_trimesh(mesh: trimesh.Trimesh | trimesh.Scene) -> PolyMesh:
     n, m = len(plain.vertices), len(plain.offsets) - 1
     vertex, face = dict(mesh.vertex_attributes), dict(mesh.face_attributes)
     corner = {name: face.pop(name) for name in list(face) if _of_corners(name, face[name], m)}
-    parts = _parts(face, mesh.metadata, m)
+    names = {kind: mesh.metadata.get(names_key(kind)) for kind in KINDS}
+    parts = taken_parts(face, {kind: some for kind, some in names.items() if some is not None}, m)
     _add_visual(mesh, vertex, face, lost)
     _add_normals(mesh, vertex)
     rows = {name.removeprefix(_CORNER): np.reshape(A, (3 * m, -1)) for name, A in corner.items()}
@@ -235,19 +236,6 @@ def _of_corners(name: str, values: Any, faces: int) -> bool:
     shape = np.shape(values)
     fits = len(shape) == 2 and shape[0] == faces and shape[1] % 3 == 0
     return name.startswith(_CORNER) and fits
-
-
-def _parts(face: dict[str, Any], metadata: Mapping[str, Any], faces: int) -> tuple[Parts, ...]:
-    """Take the parts out of the arrays of the faces."""
-    found = []
-    for kind in KINDS:
-        names = metadata.get(names_key(kind))
-        if kind in face and names is not None:
-            parts = parts_of(kind, face[kind], names, faces)
-            if parts is not None:
-                found.append(parts)
-                del face[kind]
-    return tuple(found)
 
 
 def _metadata(metadata: Mapping[str, Any], without: set[str]) -> dict[str, tuple[str, ...]]:

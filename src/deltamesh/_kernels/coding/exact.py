@@ -15,14 +15,14 @@ from __future__ import annotations
 import numpy as np
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit, code_raw
+from deltamesh._kernels.coding.grid import BOUND, USUAL, in_units, index_at, point_of
 from deltamesh._kernels.coding.models import layout
 from deltamesh._kernels.coding.signed_integers import LEVELS, level
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
 from deltamesh_formats.array_types import Ints
 
-# Points on the grid stay within 2^56, and sums of MOST of them within 64 bits: at most so many of
-# the parallelograms and of the neighbours of a vertex are looked at.
-BOUND = 1 << 56
+# Parallelograms and neighbours of a vertex that are looked at: sums of so many points of the grid
+# stay within 64 bits.
 MOST = 8
 
 # Choices of a coordinate: the first format, the second, its raw bits, a negative zero.
@@ -31,9 +31,6 @@ FIRST, SECOND, RAW, NEGATIVE_ZERO = range(4)
 # Columns of the table of axes: the row of its first format, the number of formats, whether there
 # are raw coordinates and negative zeros.
 FORMAT_AT, FORMATS, HAS_RAW, HAS_ZEROS, AXIS_SIZE = range(5)
-# Columns of the table of formats: the base; the places of the grid less those of the format; the
-# digits; the usual length of a distance, at which the coder begins to ask.
-BASE, OFFSET, DIGITS, USUAL, FORMAT_SIZE = range(5)
 
 LENGTHS = 63  # of a distance, in bits; indices are below 2^61
 WINDOW = 8  # levels distinguish sizes down to 2^-8 of the usual
@@ -58,8 +55,6 @@ AXIS_SLOTS = 3 * CHOICES * CHOICE_SLOTS
 AXIS_MIXERS = ((CHOICES, LIMIT),) * 3
 # Those of the formats come after those of the axes.
 FORMATS_AT = 3 * AXIS_SLOTS
-
-POWERS = np.array([10**i for i in range(19)], dtype=np.int64)
 
 
 @kernel
@@ -98,7 +93,7 @@ def code_exact(
                 grid[i, axis] = point
                 continue
             f = axes[axis, FORMAT_AT] + chosen
-            index, unit = _index_at(formats, f, point)
+            index, unit = index_at(formats, f, point)
             error = errors[i - 1, axis] if i > 0 else np.int64(0)
             kind = min(first[i + 1] - first[i], 3)
             _set_contexts(slots, formats, f, unit, around, kind, spread, error, before)
@@ -107,7 +102,7 @@ def code_exact(
             values[i, axis] = index + distance
             if index + distance == 0 and chosen == FIRST and axes[axis, HAS_ZEROS] == 1:
                 choices[i, axis] = _code_zero(c, indptr, indices, choices, i, axis)
-            grid[i, axis] = _point_of(formats, f, index + distance)
+            grid[i, axis] = point_of(formats, f, index + distance)
             errors[i, axis] = min(max(grid[i, axis] - point, -BOUND), BOUND)
             size = level(abs(distance) >> max(formats[f, USUAL] - WINDOW, 0))
             before = size if axis == 0 else (before + size + 1) // 2
@@ -222,63 +217,6 @@ def _code_zero(c: Coder, indptr: Ints, indices: Ints, choices: Ints, i: Int, axi
 
 
 @inlined
-def _index_at(formats: Ints, f: Int, point: Int) -> tuple[Int, Int]:
-    """Return the index of the number next to a point, and its unit as a power on the grid."""
-    offset, digits = formats[f, OFFSET], formats[f, DIGITS]
-    size, length = abs(point), np.int64(0)
-    if formats[f, BASE] == 2:
-        while size >> length > 0:
-            length += 1
-        e = max(length - offset - digits, 0)
-        unit = e + offset
-        if unit > 0:
-            m = ((size >> min(unit - 1, 62)) + 1) >> 1
-        else:
-            m = size << -unit if size > 0 else np.int64(0)  # fewer digits than the format has
-        index = (e << (digits - 1)) + m
-    else:
-        while length < 18 and size >= POWERS[length]:
-            length += 1
-        e = max(length - offset - digits, 0)
-        unit = e + offset
-        m = (size + POWERS[unit] // 2) // POWERS[unit]
-        index = e * 9 * POWERS[digits - 1] + m
-    return (-index if point < 0 else index), unit
-
-
-@inlined
-def _point_of(formats: Ints, f: Int, index: Int) -> Int:
-    """Return the grid point of a number, rounded towards 0, within the bound."""
-    offset, digits = formats[f, OFFSET], formats[f, DIGITS]
-    size: Int = abs(index)
-    point: Int = BOUND
-    if formats[f, BASE] == 2:
-        e = max((size >> (digits - 1)) - 1, 0)
-        m, unit = size - (e << (digits - 1)), e + offset
-        if unit <= 0:
-            point = min(m >> min(-unit, 62), BOUND)
-        elif (unit < 56 and m < BOUND >> unit) or m == 0:
-            point = m << min(unit, 56)
-    else:
-        top = POWERS[digits - 1]
-        e = (size - top) // (9 * top) if size >= top else 0
-        m, unit = size - e * 9 * top, e + offset
-        if m <= BOUND // POWERS[min(unit, 18)]:
-            point = m * POWERS[min(unit, 18)]
-    return -point if index < 0 else point
-
-
-@inlined
-def _in_units(formats: Ints, f: Int, unit: Int, size: Int) -> Int:
-    """Return a size on the grid in units of base^unit, or as many of them as fit."""
-    if formats[f, BASE] == 10:
-        return size // POWERS[unit]
-    if unit >= 0:
-        return size >> min(unit, 62)
-    return min(size, 1 << 29) << min(-unit, 32)
-
-
-@inlined
 def _set_contexts(
     slots: Ints,
     formats: Ints,
@@ -293,9 +231,9 @@ def _set_contexts(
     """Set the slots of a distance; `error` is that of the vertex before."""
     total, signs, _, count = around
     shift = max(formats[f, USUAL] - WINDOW, 0)
-    here = level(_in_units(formats, f, unit, 4 * total // max(count, 1)) >> shift)
-    hint = level(_in_units(formats, f, unit, spread) >> shift)
-    latest = level(_in_units(formats, f, unit, abs(error)) >> shift)
+    here = level(in_units(formats, f, unit, 4 * total // max(count, 1)) >> shift)
+    hint = level(in_units(formats, f, unit, spread) >> shift)
+    latest = level(in_units(formats, f, unit, abs(error)) >> shift)
     base = FORMATS_AT + f * FORMAT_SLOTS
     slots[0] = base + (here * 4 + kind) * LENGTHS
     slots[1] = base + MAGNITUDE_SLOTS + (here * LEVELS + before) * LENGTHS
