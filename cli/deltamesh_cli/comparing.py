@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeAlias
 
+from deltamesh._measures.table import METRICS
 from deltamesh._progress import Progress
 from deltamesh_cli.meshes import LoadedMesh
 from deltamesh_cli.output import display_name, number, table
@@ -21,9 +22,8 @@ if TYPE_CHECKING:
 
     _Errors: TypeAlias = dict[str, float | None]
 
-# Names of the metrics of deltamesh._measures.metrics.Errors, and their labels in a table.
-_LENGTHS: Final = {"rms": "RMS", "max": "max", "hausdorff": "Hausdorff", "visual": "visual"}
-_ANGLES: Final = {"normal_deviation": "face normals", "dihedral": "dihedral angles"}
+_LENGTHS: Final = {metric.name: metric.title for metric in METRICS if metric.is_length}
+_ANGLES: Final = {metric.name: metric.title for metric in METRICS if not metric.is_length}
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
+from deltamesh._measures.table import METRICS
 from deltamesh_cli.failures import DONE, MISSED
 from deltamesh_cli.output import display_name, print_json, table
 
@@ -19,12 +20,7 @@ _HEADINGS: Final = {
     "codec": "codec",
     "bytes": "bytes",
     "bits/vertex": "bpv",
-    "RMS": "rms",
-    "max": "max",
-    "Hausdorff": "hausdorff",
-    "visual": "visual",
-    "normals": "normal_deg",
-    "dihedral": "dihedral_deg",
+    **{metric.heading: metric.column for metric in METRICS},
     "enc s": "encode_seconds",
     "dec s": "decode_seconds",
 }
