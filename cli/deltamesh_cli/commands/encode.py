@@ -23,7 +23,7 @@ from deltamesh._options import (
 )
 from deltamesh_cli import files, options, summary
 from deltamesh_cli.failures import attempt, each
-from deltamesh_cli.meshes import container_of, note_not_kept, parsed
+from deltamesh_cli.meshes import container_of, note_memory, note_not_kept, parsed
 from deltamesh_cli.output import print_json, shown
 from deltamesh_cli.progress import Stage, progress
 from deltamesh_cli.signals import interruptible
@@ -255,6 +255,7 @@ def command(
                 source, target, input_format, stage, parameters, force=force
             )
         note_not_kept(source, lost, quiet=quiet)
+        note_memory(target, container, quiet=quiet)
         if as_json or not (quiet or target == files.STDIO):
             _print_summary((source, size), target, container, as_json=as_json)
 
