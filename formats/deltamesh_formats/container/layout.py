@@ -86,13 +86,14 @@ CARTESIAN: Final = "CART"
 ATTRIBUTES: Final = "ATTR"
 PARTS: Final = "PART"
 ORDER: Final = "ORDR"
+FILLING: Final = "FILL"
 EXACT: Final = "EXAC"
 CORRECTIONS: Final = "FIXS"
 META: Final = "meta"
 CHECK: Final = "CHEK"
 # Sections that follow `CONN`, and those that follow the geometry, in this order, where needed.
 AFTER_CONNECTIVITY: Final = (STITCHES, SPLIT_VERTICES, POLYGONS)
-AFTER_GEOMETRY: Final = (ATTRIBUTES, PARTS, ORDER)
+AFTER_GEOMETRY: Final = (ATTRIBUTES, PARTS, ORDER, FILLING)
 
 
 @dataclass(frozen=True)
@@ -317,6 +318,12 @@ NORMAL_WEIGHTS: Final[Mapping[str, int]] = {"area": 0, "angle": 1, "equal": 2, "
 NORMAL_CODINGS: Final[Mapping[str, int]] = {"deltas": 0, "numbers": 1}
 NORMAL_CODING_AT: Final = 2
 NORMAL_STATES: Final[Mapping[str, int]] = {"relative": 0, "absolute": 1, "zero": 2}
+
+# SPEC.md#518-fill
+
+# Elements that a byte stands for at most. A predicted bit takes log2(65536 / 65512) bits of a byte
+# where most bits are alike, so that few meshes have more.
+MAX_ELEMENTS_PER_BYTE: Final = 15200
 
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:
