@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 from deltamesh._progress import Progress
 from deltamesh_cli import files, options
 from deltamesh_cli.failures import attempt
-from deltamesh_cli.meshes import parse_container, parse_mesh
+from deltamesh_cli.meshes import parse_mesh
 from deltamesh_cli.signals import interruptible
 from deltamesh_formats.container.texts import texts_of
 
 if TYPE_CHECKING:
+    from deltamesh._pipeline import Encoded
     from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
@@ -56,18 +57,15 @@ def encode_file(
     original = files.read_input(source)
     mesh = parse_mesh(source, original, input_format, progress)
     with attempt(source, "cannot encode"):
-        data = interruptible(lambda: _encode(mesh, progress, parameters))
-    files.write_output(target, data, force=force)
-    container = parse_container(target, data, "cannot encode")
-    return len(original), container, texts_of(container).lost
+        encoded = interruptible(lambda: _encode(mesh, progress, parameters))
+    files.write_output(target, encoded.data, force=force)
+    return len(original), encoded.container, texts_of(encoded.container).lost
 
 
-def _encode(mesh: PolyMesh, progress: Progress, parameters: dict[str, Any]) -> bytes:
-    import deltamesh
+def _encode(mesh: PolyMesh, progress: Progress, parameters: dict[str, Any]) -> Encoded:
+    from deltamesh._codec import encode_checked
+    from deltamesh._options import Options
 
-    return deltamesh.encode(
-        mesh,
-        source_format=mesh.format,
-        progress=progress,
-        **options.specified(parameters),
-    )
+    given = options.specified(parameters)
+    drop = tuple(given.pop("drop", ()))
+    return encode_checked(mesh, Options(**given, drop=drop, source_format=mesh.format), progress)

@@ -17,7 +17,7 @@ from deltamesh._options import (
     EncodeOptions,
     Options,
 )
-from deltamesh._pipeline import decode_mesh, encode_mesh
+from deltamesh._pipeline import Encoded, decode_mesh, encode_mesh
 from deltamesh._progress import Progress, silent
 from deltamesh._sources import Bytes, bytes_of
 from deltamesh_formats.container.container import Container
@@ -192,6 +192,11 @@ def encode(
         source_format=source_format,
     )
     return encode_mesh(_checked(mesh, faces), options, progress or silent).data
+
+
+def encode_checked(mesh: PolyMesh, options: Options, progress: Progress) -> Encoded:
+    """Return the result of `encode` for a mesh that may be at fault, with its container."""
+    return encode_mesh(checked(mesh, LARGEST), options, progress)
 
 
 def _checked(mesh: PolyMesh | ArrayLike, faces: Faces | None) -> PolyMesh:

@@ -43,11 +43,14 @@ class Encoded:
     ----------
     data : bytes
         The file.
+    container : Container
+        The same, read again.
     draft : Draft
         The state of the encoder after the last section.
     """
 
     data: bytes
+    container: Container = field(repr=False)
     draft: Draft = field(repr=False)
 
     @cached_property
@@ -102,12 +105,11 @@ def encode_mesh(mesh: PolyMesh, options: Options, progress: Progress = silent) -
         container = build({**payloads, FILLING: bytes(lacking)})
     data = write_container(container)
     progress("proof")
-    _prove(data)
-    return Encoded(data, draft)
+    return Encoded(data, _proven(data), draft)
 
 
-def _prove(data: bytes) -> None:
-    """Read a file as a decoder does, whatever memory that takes, up to its positions.
+def _proven(data: bytes) -> Container:
+    """Return the container of a file, once a decoder, given any memory, has read all but positions.
 
     Raises
     ------
@@ -115,9 +117,11 @@ def _prove(data: bytes) -> None:
         If it cannot be read, or if what is read is not what its digest was made of.
     """
     try:
-        proven_content(read_container(data), max_vertices=MAX_COUNT, memory=sys.maxsize)
+        container = read_container(data)
+        proven_content(container, max_vertices=MAX_COUNT, memory=sys.maxsize)
     except (FormatError, LimitError) as error:
         raise RuntimeError(f"the encoded file cannot be decoded: {error}") from error
+    return container
 
 
 def _meta(draft: Draft) -> Meta:
