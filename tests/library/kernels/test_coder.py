@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh._kernels.coding import coder as kernels
-from deltamesh._kernels.coding import exact, signed_integers, steps
+from deltamesh._kernels.coding import signed_integers
 from deltamesh._kernels.coding.coder import (
     CACHE,
     CODE,
@@ -28,7 +28,6 @@ from deltamesh._kernels.coding.coder import (
     code_bit,
     code_raw,
 )
-from deltamesh._kernels.coding.models import layout
 from deltamesh._streams import entropy
 from deltamesh_formats.errors import FormatError
 
@@ -468,12 +467,3 @@ def test_a_candidate_that_is_right_saves_all_the_bits() -> None:
         sizes.append(len(entropy.finish(coder)))
     assert sizes[0] < 0.2 * sizes[1]
     assert 8 * sizes[1] < 24 * len(values)
-
-
-def test_ranges_of_contexts_follow_each_other() -> None:
-    assert layout() == (0,)
-    assert layout((4, 4, 4), (3,), (2, 16)) == (0, 64, 67, 99)
-    # Slots are part of the format: another context in the same slot learns from it.
-    assert (steps.STEP, steps.CHOOSE, steps.ROTATION) == (1048576, 1051648, 1053184)
-    assert (steps.TRACK, steps.SKIP, steps.SLOTS) == (1054720, 1056768, 1056960)
-    assert (exact.MANTISSA_AT, exact.SIGN_AT, exact.FORMAT_SLOTS) == (387072, 403704, 403800)

@@ -14,6 +14,7 @@ from deltamesh._kernels.coding import (
     valence,
     wedges,
 )
+from deltamesh._kernels.coding.models import layout
 
 SLOTS_OF: list[tuple[ModuleType, dict[str, int]]] = [
     (
@@ -102,9 +103,14 @@ SLOTS_OF: list[tuple[ModuleType, dict[str, int]]] = [
 ]
 
 
+def test_ranges_of_contexts_follow_each_other() -> None:
+    assert layout() == (0,)
+    assert layout((4, 4, 4), (3,), (2, 16)) == (0, 64, 67, 99)
+
+
 @pytest.mark.parametrize(
     ("module", "slots"), SLOTS_OF, ids=[m.__name__.rpartition(".")[2] for m, _ in SLOTS_OF]
 )
 def test_slots_of_models(module: ModuleType, slots: dict[str, int]) -> None:
-    """A range of slots that grew or moved would make every file of the format unreadable."""
+    """Slots are part of the format: another context in the same slot learns from it."""
     assert {name: getattr(module, name) for name in slots} == slots
