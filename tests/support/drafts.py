@@ -5,6 +5,7 @@ from __future__ import annotations
 from deltamesh._shape import connectivity, split_vertices, stitches
 from deltamesh._shape.diagonals import cut_polygons
 from deltamesh._shape.draft import ShapeDraft, first_draft
+from deltamesh._shape.merge_candidates import merged_halfedges
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
 
@@ -14,3 +15,10 @@ def before_polygons(mesh: PolyMesh) -> ShapeDraft:
         if section.applies(draft):
             _, draft = section.encode(draft)
     return draft
+
+
+def merged_of(mesh):
+    """The structure without its polygons, and the merged half-edges."""
+    draft = before_polygons(mesh)
+    corners = draft.triangle_provenance.corners
+    return draft.structure, merged_halfedges(draft.input.triangles, corners)

@@ -7,6 +7,7 @@ import numpy as np
 import oracle
 import pytest
 import strategies
+from coders import slow_coder
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -120,9 +121,7 @@ def test_any_refinements_come_back(data):
 
 
 def twin_of(data):
-    tables = coder_kernels.STRETCH, coder_kernels.SQUASH, coder_kernels.RATE
-    weights = entropy.INITIAL_WEIGHT_SUM
-    return oracle.RangeCoder(tables, residual.SLOTS, residual.MIXERS, weights, data)
+    return slow_coder(data, residual.SLOTS, residual.MIXERS)
 
 
 @strategies.SOME

@@ -7,9 +7,9 @@ import hashlib
 import math
 
 import numpy as np
-import oracle
 import pytest
 import strategies
+from coders import TABLES, slow_coder
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -34,7 +34,6 @@ from deltamesh_formats.errors import FormatError
 
 # A mixer is (inputs, bound of the counts).
 SLOTS, MIXERS = 12, ((1, 255), (2, 255), (5, 1), (8, 30), (1, 1000), (3, 1023))
-TABLES = (kernels.STRETCH, kernels.SQUASH, kernels.RATE)
 
 # What is coded: ("bit", bit, slots, mixer) or ("raw", value, bits).
 modelled_bits = st.integers(0, len(MIXERS) - 1).flatmap(
@@ -86,7 +85,7 @@ def code_slowly(coder, message, decoding=False):
 
 
 def slow(data=None):
-    return oracle.RangeCoder(TABLES, SLOTS, MIXERS, entropy.INITIAL_WEIGHT_SUM, data)
+    return slow_coder(data, SLOTS, MIXERS)
 
 
 def encoded(message):

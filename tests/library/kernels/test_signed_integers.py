@@ -6,7 +6,7 @@ import numpy as np
 import oracle
 import pytest
 import strategies
-from coders import TABLES
+from coders import twin_of
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -62,9 +62,7 @@ def code_numbers_slowly(coder, rows, decoding=False):
 
 
 def slow_numbers(data=None):
-    inputs = NUMBER_MIXERS
-    slots, weights = signed_integers.SLOTS, entropy.INITIAL_WEIGHT_SUM
-    return oracle.RangeCoder(TABLES, slots, inputs, weights, data)
+    return twin_of(data, NUMBER_MIXERS)
 
 
 @strategies.SOME

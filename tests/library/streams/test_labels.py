@@ -8,6 +8,7 @@ import numpy as np
 import oracle
 import pytest
 import strategies
+from coders import slow_coder
 from elements_of import alone, of_faces, rows
 from hypothesis import given
 from hypothesis import strategies as st
@@ -63,9 +64,7 @@ def test_other_numbers_are_refused(wrong: list[int]) -> None:
 
 
 def twin_of(data: bytes | None) -> oracle.RangeCoder:
-    tables = coder_kernels.STRETCH, coder_kernels.SQUASH, coder_kernels.RATE
-    weights = entropy.INITIAL_WEIGHT_SUM
-    return oracle.RangeCoder(tables, kernels.SLOTS, kernels.MIXERS, weights, data)
+    return slow_coder(data, kernels.SLOTS, kernels.MIXERS)
 
 
 CASES = st.tuples(
