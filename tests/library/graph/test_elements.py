@@ -53,3 +53,39 @@ def test_vertices_have_the_graph_and_the_parallelograms_of_their_faces() -> None
     assert {i: sorted(map(tuple, row.tolist())) for i, row in enumerate(corners) if len(row)} == {
         i: sorted(row) for i, row in expected.items()
     }
+
+
+@given(strategies.complexes(), strategies.SMALL)
+def test_elements_among_some_keep_what_is_among_these(mesh: meshes.Arrays, seed: int) -> None:
+    V, F = mesh
+    whole = elements.of_vertices(F, len(V))
+    keep = np.random.default_rng(seed).random(len(V)) < 0.7
+    number = {old: new for new, old in enumerate(np.flatnonzero(keep).tolist())}
+    found = elements.among(whole, keep)
+    around, predicted = rows(whole), np.split(whole.corners, whole.first[1:-1])
+    assert found.count == len(number) == len(found.within)
+    assert rows(found) == [[number[u] for u in around[v] if u in number] for v in number] or [[]]
+    parts = [part.tolist() for part in np.split(found.corners, found.first[1:-1])]
+    assert parts == [
+        [[number[u] for u in row] for row in predicted[v].tolist() if {*row} <= {*number}]
+        for v in number
+    ] or [[]]
+    assert elements.among(whole, np.ones(len(V), dtype=bool)) is whole
+
+
+def test_elements_alone_have_no_neighbours() -> None:
+    found = elements.alone(3)
+    assert rows(found) == [[], [], []]
+    assert found.first.tolist() == [0, 0, 0, 0]
+    assert found.within.tolist() == [0, 0, 0]
+
+
+def test_wedges_are_neighbours_along_the_edges_of_their_triangles() -> None:
+    """Two triangles with an edge in common, of which one end is two wedges."""
+    found = elements.of_wedges(np.array([0, 1, 2, 1, 0, 3]))
+    assert found.count == 4
+    assert rows(found) == [[1, 2, 3], [0, 2, 3], [0, 1], [0, 1]]
+    assert [(sorted(row[:2]), row[2]) for row in found.corners.tolist()] == [([0, 1], 2)]
+    split = elements.of_wedges(np.array([0, 1, 2, 1, 4, 3]))
+    assert rows(split) == [[1, 2], [0, 2, 3, 4], [0, 1], [1, 4], [1, 3]]
+    assert len(split.corners) == 0

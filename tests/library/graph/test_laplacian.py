@@ -1,10 +1,14 @@
 """Laplacian of the graph of faces."""
 
+from __future__ import annotations
+
 import meshes
 import numpy as np
 import oracle
 import pytest
 from graphs import laplacian_of
+
+from deltamesh._graph.laplacian import laplacian
 
 MESHES = meshes.every()
 
@@ -21,3 +25,11 @@ def test_laplacian_equals_the_definition(name: str) -> None:
 def test_constants_have_no_laplacian() -> None:
     V, F = meshes.with_isolated()
     assert not (laplacian_of(F, len(V)) @ np.ones(len(V))).any()
+
+
+def test_an_isolated_vertex_has_a_stored_zero() -> None:
+    """The factorization counts on an entry of the diagonal in every row."""
+    L = laplacian(np.array([0, 1, 1, 2]), np.array([2, 0]))
+    assert L.indptr.tolist() == [0, 2, 3, 5]
+    assert L.indices.tolist() == [0, 2, 1, 0, 2]
+    assert L.data.tolist() == [1, -1, 0, -1, 1]
