@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from fractions import Fraction
 
 import numpy as np
@@ -12,7 +13,14 @@ from hypothesis import strategies as st
 
 from deltamesh._kernels.coding.exact import NEGATIVE_ZERO, RAW
 from deltamesh._streams.format_choice import choose_formats
-from deltamesh._streams.number_formats import ColumnFormats, NumberFormat, from_indices, to_indices
+from deltamesh._streams.number_formats import (
+    ColumnFormats,
+    NumberFormat,
+    fault_of,
+    from_indices,
+    largest_offset,
+    to_indices,
+)
 
 
 def every_number(form: NumberFormat, exponents: int) -> list[Fraction]:
@@ -60,3 +68,19 @@ def test_formats_and_back(values: list[float]) -> None:
     assert from_indices(classes, integers, how, single).tobytes() == V.tobytes()
     assert ((classes == NEGATIVE_ZERO) <= how.zeros).all()
     assert (np.abs(integers[classes < RAW]) < 2**61).all()
+
+
+def test_indices_of_binary_formats_are_kept_small() -> None:
+    """A grid of 2^-grid, and numbers with so many places more, still fit 61 bits."""
+    for digits in (1, 24, 53):
+        most = largest_offset(digits)
+        good = ColumnFormats((NumberFormat(2, 0, digits),), (0,), -most, raw=False, zeros=False)
+        assert fault_of(good) == ""
+        assert "invalid number format" in fault_of(dataclasses.replace(good, grid=-most - 1))
+
+
+def test_a_number_beyond_its_type_is_infinite() -> None:
+    how = ColumnFormats((NumberFormat(2, -971, 53),), (0,), 0, raw=False, zeros=False)
+    zero = np.zeros(1, dtype=np.int64)
+    assert from_indices(zero, np.array([1 << 60]), how, single=False)[0] == np.inf
+    assert from_indices(zero, np.array([-(1 << 60)]), how, single=False)[0] == -np.inf
