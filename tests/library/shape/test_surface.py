@@ -11,6 +11,7 @@ from deltamesh import decode, encode
 from deltamesh._codec import encode_mesh
 from deltamesh._options import Options
 from deltamesh._pipeline import read_content
+from deltamesh._shape.surface import surface_of
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
@@ -38,3 +39,17 @@ def test_components_stay_whole(mesh: PolyMesh) -> None:
     surface = surface_of_file(encode(mesh, method="cartesian"))
     labels = surface.labels[surface.faces]
     assert (labels == labels[:, :1]).all()
+
+
+def test_hidden_halfedges_are_no_edges_unless_one_is_seen() -> None:
+    """Three triangles on one edge, hidden in two of them only: it counts."""
+    F = np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4]])
+    hidden = np.zeros(9, dtype=bool)
+    hidden[[0, 3]] = True
+    seen = surface_of(F, 5, 0, hidden)
+    assert seen.laplacian[0, 1] == -1
+    hidden[6] = True
+    alone = surface_of(F, 5, 0, hidden)
+    assert alone.laplacian[0, 1] == 0
+    assert alone.laplacian[0, 2] == -1
+    assert alone.labels.tolist() == [0] * 5
