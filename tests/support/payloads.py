@@ -1,6 +1,8 @@
-"""Payloads of geometry that no encoder has written, and what a reader makes of them."""
+"""Payloads that no encoder has written, what a reader makes of them, and streams in one."""
 
 from __future__ import annotations
+
+from itertools import accumulate, pairwise
 
 import meshes
 
@@ -26,3 +28,9 @@ def read_or_refused(reader, parameters, **payloads):
         offset = error.offset
     assert 50 <= offset <= 60 + max(map(len, payloads.values()))
     return None
+
+
+def joined(streams: list[bytes], before: bytes = b"") -> tuple[memoryview, list[tuple[int, int]]]:
+    """Streams one after the other, and where each begins and ends."""
+    places = pairwise(accumulate(map(len, streams), initial=len(before)))
+    return memoryview(before + b"".join(streams)), list(places)

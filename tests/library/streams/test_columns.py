@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import accumulate, pairwise
-
 import meshes
 import numpy as np
 import pytest
@@ -12,6 +10,7 @@ from elements_of import alone
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
+from payloads import joined
 
 from deltamesh._graph.elements import of_vertices
 from deltamesh._kernels.coding.parallelogram import BOUND
@@ -28,12 +27,6 @@ from deltamesh_formats.errors import FormatError
 
 SPHERE = of_vertices(meshes.icosphere(1)[1], 42)
 tables = nps.arrays(np.int64, st.tuples(st.integers(0, 6), st.integers(0, 8)))
-
-
-def joined(streams: list[bytes], before: bytes = b"") -> tuple[memoryview, list[tuple[int, int]]]:
-    """Streams one after the other, and where each begins and ends."""
-    places = pairwise(accumulate(map(len, streams), initial=len(before)))
-    return memoryview(before + b"".join(streams)), list(places)
 
 
 @given(tables)

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 from numpy.typing import NDArray
-from test_columns import joined
+from payloads import joined
 
 from deltamesh._graph.elements import of_vertices
 from deltamesh._streams.exact import DOUBLE, SINGLE, encode_indices, pack_formats
