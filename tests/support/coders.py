@@ -24,17 +24,6 @@ def twin_of(data, inputs):
     return slow_coder(data, signed_integers.SLOTS, inputs)
 
 
-def below(coder, value, bound):
-    """The twin of `code_below`: the fewest bits, or one more."""
-    bits = bound.bit_length() - 1
-    short = (2 << bits) - bound
-    if not coder.decoding:
-        coder.raw(value if value < short else value + short, bits + (value >= short))
-        return value
-    first = coder.raw(0, bits)
-    return first if first < short else 2 * first + coder.raw(0, 1) - short
-
-
 def neighbours_of(F, n):
     indptr, indices = adjacency(F, n)
     return [indices[indptr[i] : indptr[i + 1]].tolist() for i in range(n)]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import oracle
 import polygon_oracle
 import strategies
-from coders import below, slow_coder
+from coders import slow_coder
 from drafts import merged_of
 from hypothesis import given
 from hypothesis import strategies as st
@@ -53,7 +54,7 @@ def test_any_bytes_are_the_polygons_of_the_oracle(
         found = code_explicit_pairs(
             decoder, candidate, none, merged, parent, size, most, total, *groups
         )
-        assert found == twin.code_explicit_pairs(coder, {}, most, total, below)
+        assert found == twin.code_explicit_pairs(coder, {}, most, total, oracle.code_below)
         assert twin.merged == {h: g for h, g in enumerate(merged.tolist()) if g >= 0}
     assert int(decoder.state[coder_kernels.CODE]) == coder.code
     merged_polygons(merged)  # whatever it is, these are polygons

@@ -5,10 +5,11 @@ from __future__ import annotations
 import forging
 import meshes
 import numpy as np
+import oracle
 import polygon_oracle
 import pytest
 import strategies
-from coders import below, slow_coder
+from coders import slow_coder
 from drafts import merged_of
 from hypothesis import given
 from hypothesis import strategies as st
@@ -48,7 +49,9 @@ def test_the_payload_is_that_of_the_oracle(mesh: PolyMesh) -> None:
     by_candidate = {h: g for h, g in pairs.items() if candidate[h] == g}
     twin.code_hidden(coder, by_candidate, least, most, explicit > 0)
     others = {h: g for h, g in pairs.items() if h not in by_candidate}
-    assert explicit == 0 or twin.code_explicit_pairs(coder, others, most, explicit, below)
+    assert explicit == 0 or twin.code_explicit_pairs(
+        coder, others, most, explicit, oracle.code_below
+    )
     assert twin.merged == pairs
     assert payload == header + coder.finish()
     np.testing.assert_array_equal(decode_merged(memoryview(payload), s.faces, candidate), merged)
