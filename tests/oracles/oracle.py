@@ -320,7 +320,7 @@ class RegionGrower:
 
 
 class Waiting:
-    """The twin of front.choose_pivot: nodes with their free edges, in the order of their changes."""
+    """The twin of front.choose_pivot: nodes and free edges, in the order of changes."""
 
     def __init__(self):
         self.free = {}
