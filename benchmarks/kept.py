@@ -15,11 +15,12 @@ import corpus
 
 import deltamesh
 from deltamesh._compare import likeness
-from deltamesh_cli.output import shown, table
+from deltamesh_cli.output import table
 from deltamesh_formats.errors import DeltameshError
 from deltamesh_formats.meshfiles.files import read_mesh
 from deltamesh_formats.polymesh.descriptions import describe_attribute
 from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.printing import printable
 
 _EXAMPLES = """\
 python benchmarks/kept.py
@@ -72,7 +73,7 @@ def kept(mesh: PolyMesh) -> Iterator[str]:
     """Yield words for what a mesh has beside triangles."""
     if (mesh.sizes != 3).any():
         yield f"{len(mesh.sizes)} polygons"
-    yield from (shown(describe_attribute(one)) for one in mesh.attributes)
+    yield from (printable(describe_attribute(one)) for one in mesh.attributes)
     yield from (f"{len(p.names)} of {p.kind}" for p in mesh.parts)
     yield from (f"{key} ({len(said)})" for key, said in mesh.metadata.items() if said)
 
@@ -86,7 +87,7 @@ def unlike(mesh: PolyMesh, decoded: PolyMesh, exact: bool) -> Iterator[str]:
         return
     for one in likeness.differences(mesh, decoded, pairs):
         if one.largest is None:
-            yield shown(describe_attribute(one.attribute))
+            yield printable(describe_attribute(one.attribute))
     yield from likeness.other_parts(mesh, decoded, pairs)
     yield from (key for key, said in mesh.metadata.items() if decoded.metadata.get(key) != said)
     if decoded.precision != mesh.precision:

@@ -16,8 +16,8 @@ import pool
 
 from deltamesh.bench import Change, Row, codec_of, measure
 from deltamesh.bench import _rates as rates
-from deltamesh_cli.measuring import change_table
 from deltamesh_cli.output import table
+from deltamesh_cli.rate_tables import change_table
 
 _EXAMPLES = """\
 python benchmarks/run.py                  measure all, write results.csv

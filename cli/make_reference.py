@@ -1,8 +1,8 @@
-"""Write `cli/README.md`, the reference of all commands, from their own help.
+"""Writer of `cli/README.md`, the reference of all commands, from their help pages.
 
     python cli/make_reference.py [--check]
 
-With `--check` nothing is written; the exit code tells whether the file is up to date.
+With `--check` nothing is written, and the exit code is 1 if the file is out of date.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from deltamesh_cli.program import COMMANDS, cli
 
 REFERENCE = Path(__file__).parent / "README.md"
 
-WIDTH = 78  # what click makes of a terminal of 80 columns
+WIDTH = 78  # the width that click uses on a terminal of 80 columns
 
 _HEAD = """\
 # deltamesh: command reference
 
-Made from the commands' own help by `python cli/make_reference.py`; edit that, not this. The folder
-holds one module a command, which turns flags into a library call and its result into a message.
+`python cli/make_reference.py` writes this page from the help pages of the commands. To change it,
+edit the help in `deltamesh_cli`.
 """
 
 
@@ -43,7 +43,7 @@ def reference() -> str:
 
 
 def main() -> None:
-    """Write the page, or compare it with the file."""
+    """Write the page, or with `--check` compare it with the file."""
     text = reference()
     if "--check" not in sys.argv[1:]:
         REFERENCE.write_text(text, encoding="utf-8", newline="\n")

@@ -228,7 +228,7 @@ def write_golden():
         decoded = assert_right(encoded, V, F)
         assert ("corrected" in name) == ("FIXS" in read_container(encoded.data).sections)
         (GOLDEN / f"{name}.dmesh").write_bytes(encoded.data)
-        faces = decoded.faces.astype(np.uint16)
+        faces = decoded.triangles.astype(np.uint16)
         np.savez_compressed(GOLDEN / f"{name}.npz", vertices=decoded.vertices, faces=faces)
 
 
@@ -272,8 +272,9 @@ def write_attributed():
         if (mesh.sizes == 3).all():
             assert_right(encoded, mesh.vertices, mesh.faces)
         assert_attributes(encoded, decoded)
-        arrays = {"vertices": decoded.vertices, "faces": decoded.faces.astype(np.uint16)}
-        if (mesh.sizes != 3).any():
+        if (mesh.sizes == 3).all():
+            arrays = {"vertices": decoded.vertices, "faces": decoded.triangles.astype(np.uint16)}
+        else:
             arrays = golden_polymeshes.stored(decoded)
         for i, attribute in enumerate(decoded.attributes):
             has = attribute.rows() >= 0

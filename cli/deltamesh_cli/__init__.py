@@ -1,8 +1,8 @@
-"""The command line of deltamesh: flags in, a library call, a message out.
+"""The command line of deltamesh: it turns flags into a library call and the result into a message.
 
-Each command is a module of `commands`, named as the command is. Importing this package imports
-neither click nor anything of the codec; a command imports the codec when it runs (`--help` and
-`info` must answer within 0.3 seconds, and numba alone takes longer than that to import).
+Each command is the module of `commands` that has its name. Importing this package imports neither
+click nor any part of the codec; a command imports the codec when it runs, because `--help` and
+`info` have to answer within 0.3 seconds and numba alone takes longer than that to import.
 """
 
 from __future__ import annotations

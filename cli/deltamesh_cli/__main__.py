@@ -1,4 +1,4 @@
-"""`python -m deltamesh_cli`, the same as `deltamesh`."""
+"""`python -m deltamesh_cli`, which does the same as `deltamesh`."""
 
 from deltamesh_cli import main
 

@@ -1,8 +1,8 @@
-"""What is said when something fails, and the exit code of each cause: both are decided only here.
+"""Failures: their messages and the exit code of each cause, both decided only here.
 
-A command does its work inside `attempt`, which turns whatever goes wrong into a `Failure`: the
-file, what failed, why, and what to try. `each` runs a command over its files, reports the failures
-and goes on; the exit code is the worst one.
+A command does its work inside `attempt`, which turns any exception into a `Failure`: the file, the
+problem, the reason, and a hint. `process_all` runs a command on all of its files, reports each
+failure and continues with the next file; the exit code is the worst one.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Final, TypeVar
 
 import click
 
-from deltamesh_cli.output import print_json, shown
+from deltamesh_cli.output import display_name, print_json
 from deltamesh_formats.errors import (
     DeltameshError,
     FormatError,
@@ -32,7 +32,7 @@ FAILED: Final = 1
 USAGE: Final = 2
 REFUSED: Final = 3
 MISSED: Final = 4
-# Plus the number of the signal, as shells count: 130 is Ctrl-C.
+# A shell adds the number of the signal to this: Ctrl-C makes 130.
 SIGNALLED: Final = 128
 
 EXIT_CODES: Final = """\
@@ -40,8 +40,8 @@ Exit codes:
   0    done
   1    a file failed: unreadable, not a mesh, exists already, no solution
   2    usage: an unknown option, a bad value, a missing argument
-  3    the input is corrupt, or refused for needing more than the limits
-  4    the quality asked for cannot be met; bench --check found growth
+  3    the input is corrupt, or decoding it would exceed the limits
+  4    the requested quality cannot be met, or bench --check found growth
   130  interrupted by Ctrl-C (143: by SIGTERM)"""
 
 _CODES: Final[dict[type[BaseException], int]] = {
@@ -60,8 +60,8 @@ _BUG: Final = "a bug in deltamesh: --debug shows where, please report it"
 
 
 @dataclass
-class Settings:
-    """What holds for a whole run, whichever the command: the object of the click context."""
+class RunSettings:
+    """Settings of a whole run, whatever the command; the object of the click context."""
 
     debug: bool = False
 
@@ -73,39 +73,39 @@ class Failure(Exception):  # noqa: N818, a report to the user rather than an err
     ----------
     file : str
         The name as the user gave it; "-" for standard input or output.
-    what : str
-        What failed, such as "cannot decode".
+    problem : str
+        The step that failed, such as "cannot decode".
     error : BaseException
-        Why.
+        The exception that the step raised.
     hint : str
-        What to try; empty for whatever is known about this kind of error.
+        A remedy; if empty, the one that is known for this kind of error.
     """
 
-    def __init__(self, file: str, what: str, error: BaseException, hint: str = "") -> None:
-        super().__init__(file, what, error)
-        self.file, self.what, self.error = file, what, error
+    def __init__(self, file: str, problem: str, error: BaseException, hint: str = "") -> None:
+        super().__init__(file, problem, error)
+        self.file, self.problem, self.error = file, problem, error
         self.code = next((c for kind, c in _CODES.items() if isinstance(error, kind)), FAILED)
         self.hint = hint or next((h for kind, h in _HINTS.items() if isinstance(error, kind)), "")
-        if not _foreseen(error):
+        if not _is_expected(error):
             self.hint = _BUG
 
     @property
-    def why(self) -> str:
-        """The reason, without the file name that the reader of mesh files begins with."""
-        return reason(self.error).removeprefix(f"{self.file}: ").removeprefix("<stream>: ")
+    def reason(self) -> str:
+        """The reason, without the file name with which messages of the mesh readers begin."""
+        return reason_of(self.error).removeprefix(f"{self.file}: ").removeprefix("<stream>: ")
 
     def __str__(self) -> str:
         """Return the whole message, in one line."""
-        text = f"{shown(self.file)}: {self.what}: {self.why}"
+        text = f"{display_name(self.file)}: {self.problem}: {self.reason}"
         return f"{text} ({self.hint})" if self.hint else text
 
 
-def _foreseen(error: BaseException) -> bool:
+def _is_expected(error: BaseException) -> bool:
     return isinstance(error, DeltameshError | OSError | MemoryError | RecursionError)
 
 
-def reason(error: BaseException) -> str:
-    """Return why something failed, in one line."""
+def reason_of(error: BaseException) -> str:
+    """Return the reason that an error gives, in one line."""
     if isinstance(error, MemoryError):
         return "not enough memory"
     if isinstance(error, RecursionError):
@@ -113,76 +113,78 @@ def reason(error: BaseException) -> str:
     if isinstance(error, OSError) and error.strerror:
         return error.strerror[:1].lower() + error.strerror[1:]
     text = " ".join(str(error).split())
-    return text if _foreseen(error) else f"{type(error).__name__}: {text}"
+    return text if _is_expected(error) else f"{type(error).__name__}: {text}"
 
 
 @contextmanager
-def attempt(file: str, what: str, hint: str = "") -> Iterator[None]:
-    """Turn every exception inside into a `Failure` of `file`, except those that concern the run.
+def attempt(file: str, problem: str, hint: str = "") -> Iterator[None]:
+    """Turn every exception inside into a `Failure` of `file`, unless it concerns the whole run.
 
-    These are a `Failure` already told, a usage error, and the reader of our output having gone.
+    A `Failure`, a usage error, and a broken pipe of our output pass through.
     """
     try:
         yield
     except (Failure, click.ClickException, click.exceptions.Exit, BrokenPipeError):
         raise
     except Exception as error:
-        raise Failure(file, what, error, hint) from error
+        raise Failure(file, problem, error, hint) from error
 
 
-def tell_unforeseen(error: Exception, settings: Settings) -> None:
-    """Tell an error that no file can be blamed for: printing has failed, or it is a bug.
+def report_unexpected(error: Exception, settings: RunSettings) -> None:
+    """Report an error that belongs to no file: either printing failed, or it is a bug.
 
-    All that reads or writes a file is inside an `attempt`, and what a descriptor raises has no file
-    name: that one is standard output, where the disk is full for example.
+    All code that reads or writes a file is inside an `attempt`. An error of a file descriptor has
+    no file name, so the descriptor is standard output, for example on a full disk.
     """
     printing = isinstance(error, OSError) and error.errno is not None and error.filename is None
-    why = reason(error)
-    told = f"standard output: cannot write: {why}" if printing else f"{why} ({_BUG})"
-    with suppress(OSError):  # standard error may be what takes no more
+    reason = reason_of(error)
+    text = f"standard output: cannot write: {reason}" if printing else f"{reason} ({_BUG})"
+    with suppress(OSError):  # standard error may be the stream that cannot be written
         if settings.debug:
             traceback.print_exception(error)
-        click.echo(f"deltamesh: {told}", err=True)
+        click.echo(f"deltamesh: {text}", err=True)
 
 
-def report(failure: Failure) -> None:
-    """Tell a failure on standard error, with the traceback when `--debug` asks for it."""
-    if click.get_current_context().ensure_object(Settings).debug:
+def report_failure(failure: Failure) -> None:
+    """Report a failure on standard error, with the traceback when `--debug` asks for it."""
+    if click.get_current_context().ensure_object(RunSettings).debug:
         traceback.print_exception(failure.error)
     click.echo(f"deltamesh: {failure}", err=True)
 
 
-def as_object(failure: Failure) -> dict[str, object]:
+def failure_object(failure: Failure) -> dict[str, object]:
     """Return a failure for `--json`."""
     return {
         "file": failure.file,
         "error": {
             "kind": type(failure.error).__name__,
-            "message": f"{failure.what}: {failure.why}",
+            "message": f"{failure.problem}: {failure.reason}",
             "offset": getattr(failure.error, "offset", None),
         },
         "exit_code": failure.code,
     }
 
 
-def tried(items: Iterable[_Item], action: Callable[[_Item], object], *, as_json: bool) -> int:
-    """Run `action` on every item, whatever happens to the others, and return the worst exit code.
+def process_all(items: Iterable[_Item], action: Callable[[_Item], object], *, as_json: bool) -> int:
+    """Run `action` on every item, even after failures, and return the worst exit code.
 
-    With `as_json` what failed has its own object on standard output, so that whoever reads that
-    finds one object for each item.
+    With `as_json`, each failure is also an object on standard output, so that a program finds one
+    object for each item there.
     """
     worst = DONE
     for item in items:
         try:
             action(item)
         except Failure as failure:
-            report(failure)
+            report_failure(failure)
             if as_json:
-                print_json(as_object(failure))
+                print_json(failure_object(failure))
             worst = max(worst, failure.code)
     return worst
 
 
-def each(files: Iterable[str], action: Callable[[str], object], *, as_json: bool) -> None:
-    """Run `action` on every file as `tried` does, and exit with the worst code."""
-    click.get_current_context().exit(tried(files, action, as_json=as_json))
+def process_all_and_exit(
+    items: Iterable[_Item], action: Callable[[_Item], object], *, as_json: bool
+) -> None:
+    """Run `action` on every item as `process_all` does, and exit with the worst code."""
+    click.get_current_context().exit(process_all(items, action, as_json=as_json))

@@ -1,7 +1,7 @@
-"""Files in and out, as zstd does it.
+"""Input and output files of a command, with the rules of zstd.
 
-Never overwrite without `-f`, never write onto the input. A file with the final name is always a
-whole one: `deltamesh_formats.atomic` writes it. "-" is a pipe.
+An existing file is overwritten only with `-f`, and the input never. A file with the final name is
+always complete, because `deltamesh_formats.atomic` writes it. "-" stands for a pipe.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Final
 import click
 
 from deltamesh_cli.failures import Failure, attempt
-from deltamesh_cli.output import shown
+from deltamesh_cli.output import display_name
 from deltamesh_cli.signals import stopping_cleanly
 from deltamesh_formats.atomic import found_at, write_file
 
@@ -25,31 +25,31 @@ SUFFIX: Final = ".dmesh"
 
 
 def extension(name: str) -> str:
-    """Return the extension of a file name in lower case, without the dot; "" for none."""
+    """Return the extension of a file name in lower case and without the dot, or ""."""
     return os.path.splitext(name)[1].lower().removeprefix(".")
 
 
 def chosen_output(positional: str | None, option: str | None) -> str | None:
-    """Return the output that was asked for, as second argument or by `-o`."""
+    """Return the output that the user named, either as second argument or with `-o`."""
     if positional is not None and option is not None:
         raise click.UsageError("The output is given twice: as OUT and with -o.")
     chosen = positional if option is None else option
     return STDIO if chosen == _STDOUT else chosen
 
 
-def check_usage(target: str | None, as_json: bool) -> None:
-    """Refuse a command line that wants two things on standard output."""
+def check_stdout_has_one_use(target: str | None, as_json: bool) -> None:
+    """Refuse a command line that sends both OUT and JSON to standard output."""
     if as_json and target == STDIO:
         raise click.UsageError("--json and OUT cannot both have standard output.")
 
 
 def check_input(name: str) -> None:
-    """Refuse an input that cannot be read, before anything else is looked at.
+    """Refuse an input that cannot be read, before any other check.
 
     Raises
     ------
     Failure
-        It is missing, a folder, or a terminal.
+        If it is missing, a folder, or a terminal.
     """
     with attempt(name, "cannot read"):
         if name != STDIO:
@@ -65,7 +65,7 @@ def read_input(name: str) -> bytes:
     Raises
     ------
     Failure
-        It cannot be read.
+        If it cannot be read.
     """
     check_input(name)
     with attempt(name, "cannot read"):
@@ -76,48 +76,50 @@ def read_input(name: str) -> bytes:
 
 
 def check_output(source: str, target: str, *, force: bool, text: bool = False) -> None:
-    """Refuse an output that could not be written, before the work is done.
+    """Refuse an output that cannot be written, before the work begins.
 
     Parameters
     ----------
     source, target : str
         Names of the input and of the output.
     force : bool
-        Whether an existing file may go, and bytes may come out on a terminal.
+        Whether an existing file may be overwritten, and bytes may be printed on a terminal.
     text : bool
         Whether the output is text, which a terminal can show.
 
     Raises
     ------
     Failure
-        The output exists, is the input, is a folder or in a folder that does not exist, or is a
-        terminal.
+        If the output exists, is the input, a folder or a terminal, or its folder does not exist or
+        may not be written.
     """
     if target == STDIO:
         if sys.stdout is None:
             raise _refusal("standard output", errno.EBADF, "it is closed", "-o FILE")
         if sys.stdout.isatty() and not (force or text):
-            hint = "-o FILE writes a file, -f writes here all the same"
+            hint = "-o FILE writes a file, -f writes to the terminal anyway"
             raise _refusal("standard output", errno.ENOTTY, "it is a terminal", hint)
         return
     with attempt(target, "cannot write"):
         folder = os.path.dirname(os.path.realpath(target))
         if not os.path.isdir(folder):
-            hint = f"create {shown(folder)} first"
+            hint = f"create {display_name(folder)} first"
             raise _refusal(target, errno.ENOENT, "its folder does not exist", hint)
         if os.path.isdir(target):
             raise _refusal(target, errno.EISDIR, "it is a folder", "name a file in it")
         if source != STDIO and os.path.exists(target) and os.path.samefile(source, target):
             raise _refusal(target, errno.EINVAL, "it is the input itself", "name another output")
-        found = found_at(target)
-        if found in ("file", "other") and not force:
+        existing = found_at(target)
+        if existing in ("file", "other") and not force:
             raise _exists_already(target)
-        if found in ("file", "nothing") and not os.access(folder, os.W_OK):
-            raise _refusal(target, errno.EACCES, "its folder may not be written", "use another")
+        if existing in ("file", "nothing") and not os.access(folder, os.W_OK):
+            raise _refusal(
+                target, errno.EACCES, "its folder may not be written", "use another folder"
+            )
 
 
-def _refusal(target: str, number: int, why: str, hint: str) -> Failure:
-    return Failure(target, "cannot write", OSError(number, why), hint)
+def _refusal(target: str, number: int, reason: str, hint: str) -> Failure:
+    return Failure(target, "cannot write", OSError(number, reason), hint)
 
 
 def _exists_already(target: str) -> Failure:
@@ -125,7 +127,7 @@ def _exists_already(target: str) -> Failure:
 
 
 def write_output(target: str, data: bytes, *, force: bool) -> None:
-    """Write the output; on an error or an interrupt no part of it is left.
+    """Write the output; after an error or an interrupt, no part of it remains.
 
     Parameters
     ----------
@@ -133,14 +135,14 @@ def write_output(target: str, data: bytes, *, force: bool) -> None:
         Name of the output.
     data : bytes
     force : bool
-        Whether an existing file may go, even one that has appeared during the work. One of the same
-        bytes need not: another process has made the same output, such as a worker of a batch that
-        has died before it could say so.
+        Whether an existing file may be overwritten, even one that appeared during the work. A file
+        with the same bytes is no obstacle in any case: another process has made the same output,
+        such as a worker of a batch that died before it could report.
 
     Raises
     ------
     Failure
-        It cannot be written.
+        If it cannot be written.
     """
     if target == STDIO:
         with attempt("standard output", "cannot write"):

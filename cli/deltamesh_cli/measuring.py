@@ -1,23 +1,21 @@
-"""What `deltamesh bench` is made of: finding meshes, measuring them, and telling what came out."""
+"""Measurements for `deltamesh bench`: finding meshes, measuring them, and comparing rates."""
 
 from __future__ import annotations
 
 import errno
-import math
 import os
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
 import click
 
+from deltamesh._progress import Progress
 from deltamesh.batch import Selection, find
 from deltamesh.bench import PEER_NAMES
 from deltamesh_cli import files
-from deltamesh_cli.failures import DONE, MISSED, attempt
-from deltamesh_cli.meshes import parsed
-from deltamesh_cli.output import print_json, shown, table
-from deltamesh_cli.progress import Stage
+from deltamesh_cli.failures import attempt
+from deltamesh_cli.meshes import parse_mesh
 from deltamesh_cli.signals import interruptible
 from deltamesh_formats.meshfiles.formats import EXTENSIONS
 
@@ -27,82 +25,70 @@ if TYPE_CHECKING:
 
 PEER_BITS: Final = (10, 11, 12)
 
-# What a table shows: heading and column of a row.
-_SHOWN: Final = {
-    "codec": "codec",
-    "bytes": "bytes",
-    "bits/vertex": "bpv",
-    "RMS": "rms",
-    "max": "max",
-    "Hausdorff": "hausdorff",
-    "visual": "visual",
-    "normals": "normal_deg",
-    "dihedral": "dihedral_deg",
-    "enc s": "encode_seconds",
-    "dec s": "decode_seconds",
-}
 
+def mesh_paths(sources: Iterable[str], recursive: bool) -> dict[str, str]:
+    """Return the paths of mesh files by the names that they have in a table.
 
-def mesh_files(sources: Iterable[str], recursive: bool) -> dict[str, str]:
-    """Return the paths of mesh files by their names in a table.
-
-    A file is named by its last part, one of a folder by its path below the folder; where that is
-    not unique, all are named by their paths. So a table is the same wherever the folder is. A
-    folder without mesh files stands for itself, and reading it fails.
+    A file has its last part as its name, a file in a folder its path below that folder. If these
+    are not unique, all files have their paths as names. So a table does not depend on the place of
+    the folder. A folder without mesh files stands for itself, and reading it fails.
     """
-    found = [
+    pairs = [
         (os.path.relpath(path, source) if os.path.isdir(source) else os.path.basename(path), path)
         for source in sources
-        for path in _below(source, recursive) or [source]
+        for path in _mesh_files_in(source, recursive) or [source]
     ]
-    paths = {path for _, path in found}
-    unique = len({name for name, _ in found}) == len(paths)
-    return {(name if unique else path).replace(os.sep, "/"): path for name, path in found}
+    paths = {path for _, path in pairs}
+    unique = len({name for name, _ in pairs}) == len(paths)
+    return {(name if unique else path).replace(os.sep, "/"): path for name, path in pairs}
 
 
-def _below(source: str, recursive: bool) -> list[str]:
-    """Return the mesh files of a folder, sorted; none of a file."""
+def _mesh_files_in(source: str, recursive: bool) -> list[str]:
+    """Return the mesh files of a folder, sorted; an empty list if it is a file."""
     if not os.path.isdir(source):
         return []
-    chosen = Selection(tuple(EXTENSIONS), recursive=recursive, shallow=not recursive)
+    selection = Selection(tuple(EXTENSIONS), recursive=recursive, shallow=not recursive)
     with attempt(source, "cannot list"):
-        return find([source], chosen)
+        return find([source], selection)
 
 
-def read(path: str, stage: Stage, *, bare: bool) -> TriangleMesh:
-    """Read a mesh file; a bare mesh is welded and has no isolated vertices.
+def read_triangles(path: str, progress: Progress, *, bare: bool) -> TriangleMesh:
+    """Read a mesh file as triangles; a bare mesh is welded and has no isolated vertices.
 
     Raises
     ------
     Failure
-        It cannot be read, is not a mesh, or a folder without any.
+        If it cannot be read, is not a mesh, or is a folder without mesh files.
     """
-    with attempt(path, "cannot read", "-r looks into its folders"):
+    with attempt(path, "cannot read", "-r searches its folders"):
         if os.path.isdir(path):
             raise FileNotFoundError(errno.ENOENT, "there is no mesh file in this folder")
-    found = parsed(path, files.read_input(path), None, stage)
+    mesh = parse_mesh(path, files.read_input(path), None, progress)
     with attempt(path, "cannot read"):
         from deltamesh._compare.welding import welded, without_isolated
         from deltamesh._mesh import LARGEST, triangulated
         from deltamesh_formats.polymesh.validation import checked
 
-        mesh = triangulated(checked(found, LARGEST))
-        return without_isolated(welded(mesh)) if bare else mesh
+        triangles = triangulated(checked(mesh, LARGEST))
+        return without_isolated(welded(triangles)) if bare else triangles
 
 
-def measured(name: str, path: str, mesh: TriangleMesh, codec: Codec, stage: Stage) -> Measurement:
-    """Measure a mesh under a codec.
+def measure_mesh(
+    name: str, path: str, mesh: TriangleMesh, codec: Codec, progress: Progress
+) -> Measurement:
+    """Measure one codec on one mesh.
 
     Raises
     ------
     Failure
+        If the codec fails.
     """
     from deltamesh import bench
 
     with attempt(path, f"cannot measure {codec.label}"):
-        stage("loading")
+        progress("loading")
         interruptible(lambda: _warm_up(codec.label.split()[0]))
-        stage(codec.label)
+        progress(codec.label)
         return interruptible(lambda: bench.measure(name, mesh, codec))
 
 
@@ -121,13 +107,13 @@ def peer_labels(names: Iterable[str], bits: Sequence[int]) -> list[str]:
     return [label for name in names for label in labels(name, bits)]
 
 
-def any_peer(labels: Iterable[str]) -> bool:
-    """Tell whether one of these is another codec than ours."""
+def has_peer(labels: Iterable[str]) -> bool:
+    """Return whether one of these labels is that of another codec."""
     return any(label.partition(" ")[0] in PEER_NAMES for label in labels)
 
 
-def skipped(labels: Iterable[str]) -> set[str]:
-    """Return the labels whose packages are not installed, and name them on standard error."""
+def skip_missing_peers(labels: Iterable[str]) -> set[str]:
+    """Return the labels whose packages are not installed, and report them on standard error."""
     from deltamesh.bench import missing
 
     absent = {label: missing(label) for label in dict.fromkeys(labels)}
@@ -138,32 +124,33 @@ def skipped(labels: Iterable[str]) -> set[str]:
     return {label for label, packages in absent.items() if packages}
 
 
-def codecs(
-    labels: Iterable[str], without: Collection[str], *, solver: str, threads: int | None
+def codecs_of(
+    labels: Iterable[str], skipped: Collection[str], *, solver: str, threads: int | None
 ) -> list[Codec]:
-    """Return the codecs of labels, but for some.
+    """Return the codecs of all labels that are not skipped.
 
     Raises
     ------
     Failure
-        A label names none.
+        If no codec has such a label.
     """
     from deltamesh import bench
 
-    found = []
+    codecs = []
     for label in labels:
-        if label not in without:
-            with attempt(label, "no codec of this name"):
-                found.append(bench.codec_of(label, solver=solver, threads=threads))
-    return found
+        if label not in skipped:
+            with attempt(label, "unknown codec"):
+                codecs.append(bench.codec_of(label, solver=solver, threads=threads))
+    return codecs
 
 
-def saved(path: str) -> list[Row]:
-    """Return the rows of a file that `save` has written.
+def read_rates(path: str) -> list[Row]:
+    """Return the rows of a file that `write_rates` has written.
 
     Raises
     ------
     Failure
+        If the file cannot be read or is not a table of rates.
     """
     from deltamesh.bench import from_text
 
@@ -172,12 +159,13 @@ def saved(path: str) -> list[Row]:
         return from_text(data.decode(errors="replace"))
 
 
-def save(path: str, measurements: Iterable[Measurement], *, force: bool) -> None:
-    """Write a file of rates; with `force` one that exists is replaced.
+def write_rates(path: str, measurements: Iterable[Measurement], *, force: bool) -> None:
+    """Write a table of rates; with `force` an existing file is overwritten.
 
     Raises
     ------
     Failure
+        If the file cannot be written.
     """
     from deltamesh.bench import as_text, row_of
 
@@ -185,70 +173,18 @@ def save(path: str, measurements: Iterable[Measurement], *, force: bool) -> None
     files.write_output(path, text.encode(), force=force)
 
 
-def labels_of(name: str, rows: Iterable[Row]) -> list[str]:
-    """Return the codecs of a mesh in a table; of one that it lacks, those of all the others."""
+def labels_in(rows: Iterable[Row], name: str) -> list[str]:
+    """Return the codecs that a table has for a mesh, or all of its codecs if it lacks the mesh."""
     pairs = [(row["mesh"], row["codec"]) for row in rows]
     own = [codec for mesh, codec in pairs if mesh == name]
     return list(dict.fromkeys(own or [codec for _, codec in pairs]))
 
 
-def print_table(path: str, measurements: Sequence[Measurement]) -> None:
-    """Print the measurements of one mesh for people."""
-    from deltamesh.bench import row_of
-
-    if not measurements:
-        return
-    first, rows = measurements[0], [row_of(one) for one in measurements]
-    click.echo(f"{shown(path)}: {first.vertices} vertices, {first.faces} faces")
-    cells = ([row[column] for column in _SHOWN.values()] for row in rows)
-    click.echo(f"{table([list(_SHOWN), *cells])}\n")
-
-
-def print_csv(measurements: Iterable[Measurement]) -> None:
-    """Print all rows, with times."""
-    from deltamesh.bench import COLUMNS, SECONDS, as_text, row_of
-
-    click.echo(as_text(map(row_of, measurements), (*COLUMNS, *SECONDS)), nl=False)
-
-
-def print_objects(measurements: Iterable[Measurement]) -> None:
-    """Print one JSON object a measurement; lengths are fractions of the diagonal."""
-    for one in measurements:
-        print_json({**vars(one), "sections": dict(one.sections), "bits_per_vertex": one.bpv})
-
-
 def changes(
     old: Iterable[Row], new: Iterable[Measurement], tolerance: float, error_tolerance: float
 ) -> list[Change]:
-    """Return what differs by more than it may."""
+    """Return the differences between rows and measurements that exceed their tolerances."""
     from deltamesh import bench
 
     rows = map(bench.row_of, new)
     return bench.changes(old, rows, tolerance=tolerance, error_tolerance=error_tolerance)
-
-
-def tell(path: str, changed: Sequence[Change], count: int, *, as_json: bool, quiet: bool) -> int:
-    """Tell what changed against a file, and return the exit code."""
-    worse = sum(one.worse for one in changed)
-    if changed:
-        click.echo(f"deltamesh: not as in {shown(path)}:", err=True)
-        click.echo(change_table(changed), err=True)
-    if as_json:
-        for one in changed:
-            print_json({"check": path, **vars(one), "worse": one.worse})
-    elif not (quiet or changed):
-        click.echo(f"{count} rows are as in {shown(path)}")
-    return MISSED if worse else DONE
-
-
-def change_table(changed: Iterable[Change]) -> str:
-    """Return what changed as a table."""
-    heading = ("mesh", "codec", "column", "before", "now", "", "")
-    return table([heading, *_change_rows(changed)])
-
-
-def _change_rows(changed: Iterable[Change]) -> Iterator[tuple[str, ...]]:
-    for one in changed:
-        known = one.growth is not None and math.isfinite(one.growth)
-        growth = f"{100 * one.growth:+.2f} %" if known and one.growth is not None else ""
-        yield (one.mesh, one.codec, one.column, one.before, one.now, growth, one.verdict)

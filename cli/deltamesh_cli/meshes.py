@@ -1,4 +1,4 @@
-"""Meshes in and out of files for the commands, with failures that name the file."""
+"""Meshes in files: parsing, decoding and writing them, with failures that name the file."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from deltamesh._progress import Progress
 from deltamesh_cli import files, options
 from deltamesh_cli.failures import attempt
-from deltamesh_cli.output import shown
-from deltamesh_cli.progress import Stage
+from deltamesh_cli.output import display_name
 from deltamesh_cli.signals import interruptible
 from deltamesh_formats.container.layout import MAGIC
 from deltamesh_formats.meshfiles.formats import format_of_beginning, format_of_extension
@@ -23,23 +23,23 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Loaded:
-    """A mesh, the size of its file in bytes and, of a `.dmesh`, what the file says about itself."""
+class LoadedMesh:
+    """A mesh, the size of its file in bytes, and the sections of the file if it is a `.dmesh`."""
 
     mesh: PolyMesh
     size: int
     container: Container | None
 
 
-def parsed(name: str, data: bytes, file_format: str | None, stage: Stage) -> PolyMesh:
-    """Return the mesh that the bytes of a file hold; the name tells the format if nothing else.
+def parse_mesh(name: str, data: bytes, file_format: str | None, progress: Progress) -> PolyMesh:
+    """Return the mesh in the bytes of a file; without `file_format`, its name determines it.
 
     Raises
     ------
     Failure
-        They are not a mesh.
+        If the bytes are not a mesh.
     """
-    stage("reading")
+    progress("reading")
     named = file_format or files.extension(name)
     with attempt(name, "cannot read", _format_hint(named, data)):
         from deltamesh_formats.meshfiles.files import read_mesh
@@ -48,24 +48,24 @@ def parsed(name: str, data: bytes, file_format: str | None, stage: Stage) -> Pol
 
 
 def _format_hint(named: str, data: bytes) -> str:
-    """Return what to try when a file cannot be read as the format `named`."""
+    """Return a remedy for a file that cannot be read as the format `named`."""
     if data.startswith(MAGIC):
         return "deltamesh decode turns it into a mesh file"
-    known, found = format_of_extension(named), format_of_beginning(data)
-    if found not in (None, known):
-        return f"it begins like {found.title}: --input-format {found.name}"
+    known, likely = format_of_extension(named), format_of_beginning(data)
+    if likely not in (None, known):
+        return f"it begins like {likely.title}: --input-format {likely.name}"
     return "" if known is not None else "--input-format names the format"
 
 
 def write_mesh_file(name: str, mesh: PolyMesh, file_format: str, *, force: bool) -> tuple[str, ...]:
-    """Write a mesh file, or a mesh to standard output; return what the format has no place for.
+    """Write a mesh file, or a mesh to standard output, and describe what the format cannot hold.
 
-    With `force` a file that exists is replaced.
+    With `force` an existing file is overwritten.
 
     Raises
     ------
     Failure
-        It cannot be written.
+        If it cannot be written.
     """
     from deltamesh_formats.meshfiles.files import written
 
@@ -75,57 +75,62 @@ def write_mesh_file(name: str, mesh: PolyMesh, file_format: str, *, force: bool)
     return made.lost
 
 
-def note_not_kept(name: str, words: Collection[str], *, quiet: bool) -> None:
-    """Say on standard error, in one line, what of a mesh is left out."""
-    if words and not quiet:
-        listed = ", ".join(map(shown, words))
-        click.echo(f"note: {shown(name)}: {listed} are not kept", err=True)
+def note_not_kept(name: str, lost: Collection[str], *, quiet: bool) -> None:
+    """Note on standard error, in one line, the content of a mesh that is not kept."""
+    if lost and not quiet:
+        listed = ", ".join(map(display_name, lost))
+        click.echo(f"note: {display_name(name)}: {listed} are not kept", err=True)
 
 
-def container_of(name: str, data: bytes, what: str) -> Container:
+def parse_container(name: str, data: bytes, problem: str) -> Container:
     """Return the sections of a `.dmesh` file, checked but not decoded.
 
     Raises
     ------
     Failure
-        The bytes are not a valid file; `what` says what could not be done therefore.
+        If the bytes are not a valid file; `problem` names the step that is impossible then.
     """
     from deltamesh_formats.container.reader import read_container
 
-    with attempt(name, what):
+    with attempt(name, problem):
         return read_container(data)
 
 
-def decoded(name: str, container: Container, stage: Stage, **parameters: Any) -> PolyMesh:
+def decode_container(
+    name: str, container: Container, progress: Progress, **parameters: Any
+) -> PolyMesh:
     """Return the mesh of a `.dmesh` file; `parameters` are the keywords of `deltamesh.decode`.
 
     Raises
     ------
     Failure
-        It cannot be decoded, or needs more than the limits.
+        If it cannot be decoded, or exceeds the limits.
     """
     with attempt(name, "cannot decode"):
         import deltamesh
 
-        given = options.given(parameters)
-        return interruptible(lambda: deltamesh.decode(container, progress=stage, **given))
+        keywords = options.specified(parameters)
+        return interruptible(lambda: deltamesh.decode(container, progress=progress, **keywords))
 
 
-def load_any(name: str, file_format: str | None, stage: Stage, **parameters: Any) -> Loaded:
-    """Read a mesh file or decode a `.dmesh`; the first bytes tell which it is, not the name.
+def load_mesh(
+    name: str, file_format: str | None, progress: Progress, **parameters: Any
+) -> LoadedMesh:
+    """Read a mesh file or decode a `.dmesh`; its first bytes decide which, not its name.
 
     Raises
     ------
     Failure
-        It is neither, or needs more than the limits.
+        If it is neither, or exceeds the limits.
     """
     from deltamesh._mesh import LARGEST
     from deltamesh_formats.polymesh.validation import checked
 
     data = files.read_input(name)
     if data[: len(MAGIC)] == MAGIC:
-        container = container_of(name, data, "cannot decode")
-        return Loaded(decoded(name, container, stage, **parameters), len(data), container)
-    found = parsed(name, data, file_format, stage)
+        container = parse_container(name, data, "cannot decode")
+        mesh = decode_container(name, container, progress, **parameters)
+        return LoadedMesh(mesh, len(data), container)
+    mesh = parse_mesh(name, data, file_format, progress)
     with attempt(name, "cannot read"):
-        return Loaded(checked(found, LARGEST), len(data), None)
+        return LoadedMesh(checked(mesh, LARGEST), len(data), None)

@@ -1,4 +1,4 @@
-"""What the commands print: JSON for programs, plain tables for people."""
+"""Printed output of the commands: JSON for programs, plain tables for people."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ import click
 
 from deltamesh_formats.printing import number, printable, table
 
-__all__ = ["number", "print_json", "shown", "table"]
+__all__ = ["display_name", "number", "print_json", "table"]
 
 
-def shown(name: str) -> str:
-    """Return a file name fit for a message: one line, no control characters."""
+def display_name(name: str) -> str:
+    """Return a file name that is safe in a message: one line without control characters."""
     return "standard input" if name == "-" else printable(name)
 
 
-def _plain(value: object) -> object:
-    """Replace what JSON has no word for: a number that is not finite becomes null."""
+def _finite(value: object) -> object:
+    """Replace numbers that are not finite, which JSON cannot express, by null."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
+        return {key: _finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [_finite(item) for item in value]
     return value
 
 
 def print_json(value: dict[str, object]) -> None:
-    """Print one object on one line of standard output (JSON Lines when there are several)."""
-    click.echo(json.dumps(_plain(value), allow_nan=False))
+    """Print one object on one line of standard output; several make JSON Lines."""
+    click.echo(json.dumps(_finite(value), allow_nan=False))

@@ -12,7 +12,7 @@ from typing import Final
 import click
 
 from deltamesh_cli import options
-from deltamesh_cli.failures import DONE, FAILED, SIGNALLED, USAGE, Settings, tell_unforeseen
+from deltamesh_cli.failures import DONE, FAILED, SIGNALLED, USAGE, RunSettings, report_unexpected
 from deltamesh_cli.signals import Stopped
 
 COMMANDS: Final = ("encode", "decode", "batch", "info", "test", "compare", "bench", "completion")
@@ -21,14 +21,14 @@ _INTERRUPTED: Final = SIGNALLED + 2  # SIGINT
 
 
 class LazyGroup(click.Group):
-    """A group that imports the module of a command when the command is asked for."""
+    """A group that imports the module of a command when the command is used."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Return the commands in the order in which one needs them."""
+        """Return the commands in the order in which a user needs them."""
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Return the command `x`, which is `deltamesh_cli.commands.x.command`."""
+        """Return the command of a name: `command` in the module of that name."""
         if cmd_name not in COMMANDS:
             return None
         command: click.Command = importlib.import_module(
@@ -54,23 +54,23 @@ deltamesh compare bunny.ply bunny.ply.dmesh
     None, "-V", "--version", package_name="deltamesh", message="%(prog)s %(version)s"
 )
 def cli() -> None:
-    """Compress meshes, and keep them whole.
+    """Compress meshes and keep all of their data.
 
-    Connectivity is kept exactly, polygons stay polygons, and attributes, names of parts and
-    comments come back. Geometry is quantized as differential coordinates, and the
-    error stays smooth: no noise on the surface, which is what quantized x, y, z leave.
+    Connectivity is lossless, polygons remain polygons, and attributes, names of parts and comments
+    are restored. Geometry is quantized as differential coordinates, so that the error is smooth:
+    the surface has none of the noise that quantized x, y, z coordinates leave.
     """
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
-    """Run one command line and return its exit code; everything that goes wrong is told.
+    """Run one command line, report whatever goes wrong, and return the exit code.
 
     Parameters
     ----------
     arguments : sequence of str, optional
-        Without the program's name; those of the process by default.
+        The arguments without the name of the program; those of the process by default.
     """
-    settings = Settings()
+    settings = RunSettings()
     try:
         code = cli.main(arguments, prog_name="deltamesh", standalone_mode=False, obj=settings)
         _flush()
@@ -84,15 +84,15 @@ def run(arguments: Sequence[str] | None = None) -> int:
         click.echo("deltamesh: terminated", err=True)
         return SIGNALLED + stopped.number
     except BrokenPipeError:
-        return FAILED  # whoever read our output has seen enough: nothing to tell
+        return FAILED  # the reader of our output has seen enough, so there is nothing to report
     except Exception as error:
-        tell_unforeseen(error, settings)
+        report_unexpected(error, settings)
         return FAILED
     return code if isinstance(code, int) else DONE
 
 
 def _flush() -> None:
-    """Flush what is printed, so that a reader who has gone is noticed here and not at exit."""
+    """Flush standard output, so that a closed pipe is noticed here rather than at exit."""
     if sys.stdout is not None:
         sys.stdout.flush()
 
@@ -100,7 +100,7 @@ def _flush() -> None:
 def run_and_exit() -> None:
     """Run the command line of this process and end the process."""
     for stream in (sys.stdout, sys.stderr):
-        if stream is not None:  # a file name may hold what the terminal's encoding does not
+        if stream is not None:  # a file name may have characters that the terminal cannot encode
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
     if not sys.warnoptions:
         warnings.simplefilter("ignore")  # warnings are for programmers; -W shows them
@@ -108,5 +108,5 @@ def run_and_exit() -> None:
     if code == DONE:
         sys.exit(DONE)
     # Not sys.exit: an abandoned thread may be in the middle of a solve (deltamesh_cli.signals),
-    # and flushing to a broken pipe once more would complain.
+    # and flushing to a broken pipe once more would print an error.
     os._exit(code)

@@ -1,47 +1,47 @@
-"""What the program is busy with, on standard error: a spinner on a terminal, lines with `-v`."""
+"""Progress on standard error: a spinner on a terminal, lines with `-v`."""
 
 from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final, Protocol
 
 import click
 
-Stage = Callable[[str], None]
+from deltamesh._progress import Progress, silent
 
 COMPILING: Final = "compiling kernels (once per installation)"
 
 
 class _Display(Protocol):
-    """Something that shows the stage, and whether kernels are being compiled."""
+    """A display of the current stage and of the compilation of kernels."""
 
     def show(self, stage: str, compiling: bool) -> None: ...
 
 
 class _Lines:
-    """Each stage in a line of its own, told at its end with its seconds."""
+    """A display that prints each stage on its own line when it ends, with its seconds."""
 
     def __init__(self) -> None:
-        self.begun: tuple[str, float] | None = None
-        self.told = False
+        self.current: tuple[str, float] | None = None
+        self.announced = False
 
     def show(self, stage: str, compiling: bool) -> None:
         if compiling:
-            if not self.told:
+            if not self.announced:
                 click.echo(f"deltamesh: {COMPILING}", err=True)
-            self.told = True
-        elif self.begun is None or self.begun[0] != stage:
+            self.announced = True
+        elif self.current is None or self.current[0] != stage:
             self.end()
-            self.begun = (stage, time.perf_counter())
+            self.current = (stage, time.perf_counter())
 
     def end(self) -> None:
-        if self.begun is not None:
-            name, start = self.begun
+        if self.current is not None:
+            name, start = self.current
             click.echo(f"deltamesh: {name}: {time.perf_counter() - start:.2f} s", err=True)
-            self.begun = None
+            self.current = None
 
 
 @contextmanager
@@ -68,51 +68,66 @@ def _spinner() -> Iterator[_Display]:
         yield Spinner(status)
 
 
+def use_lines(show: bool | None, *, verbose: bool) -> bool:
+    """Return whether progress is printed in lines: with `-v`, or on request without a terminal."""
+    return verbose or (bool(show) and not _is_terminal())
+
+
+def use_drawing(show: bool | None, *, quiet: bool) -> bool:
+    """Return whether progress is drawn: on request, or on a terminal unless `-q` is given."""
+    return bool(show) or (show is None and _is_terminal() and not quiet)
+
+
+def _is_terminal() -> bool:
+    return sys.stderr is not None and sys.stderr.isatty()
+
+
 @contextmanager
-def progress(wanted: bool | None, *, verbose: bool = False, quiet: bool = False) -> Iterator[Stage]:
-    """Give a function that tells the name of the stage that begins.
+def displayed_progress(
+    show: bool | None, *, verbose: bool = False, quiet: bool = False
+) -> Iterator[Progress]:
+    """Yield a function that takes the name of each stage as it begins, and displays it.
 
     Parameters
     ----------
-    wanted : bool or None
+    show : bool or None
         `--progress` or `--no-progress`; None for a spinner if standard error is a terminal.
     verbose : bool
-        Tell each stage in a line of its own, with the seconds it took.
+        Print each stage on its own line, with the seconds it took.
     quiet : bool
-        Tell nothing, unless `wanted` is True.
+        Display nothing, unless `show` is True.
     """
-    terminal = sys.stderr is not None and sys.stderr.isatty()
-    if verbose or (wanted and not terminal):
-        with _lines() as display, _stages(display) as stage:
-            yield stage
-    elif wanted or (wanted is None and terminal and not quiet):
-        with _spinner() as display, _stages(display) as stage:
-            yield stage
+    if use_lines(show, verbose=verbose):
+        with _lines() as display, _stages(display) as progress:
+            yield progress
+    elif use_drawing(show, quiet=quiet):
+        with _spinner() as display, _stages(display) as progress:
+            yield progress
     else:
-        yield lambda name: None
+        yield silent
 
 
 @contextmanager
-def _stages(display: _Display) -> Iterator[Stage]:
-    """Pass stages on to a display, and tell when numba compiles a kernel.
+def _stages(display: _Display) -> Iterator[Progress]:
+    """Pass stages to a display, and announce when numba compiles a kernel.
 
-    numba announces a compilation when its cache has no machine code (numba manual, "Event API"),
-    which is more exact than a look into the cache folder. Kernels that call others nest.
+    numba reports a compilation when its cache has no machine code (numba manual, "Event API"),
+    which is more reliable than a look into the cache folder. Kernels that call others nest.
     """
-    now, depth = "starting", 0
+    current, depth = "starting", 0
 
-    def stage(name: str) -> None:
-        nonlocal now
-        now = name
-        display.show(now, depth > 0)
+    def progress(stage: str) -> None:
+        nonlocal current
+        current = stage
+        display.show(current, depth > 0)
 
     def compiling(change: int) -> None:
         nonlocal depth
         depth += change
-        display.show(now, depth > 0)
+        display.show(current, depth > 0)
 
-    stage(now)
-    from numba.core import event  # 0.7 s, which whatever has stages will need anyway
+    progress(current)
+    from numba.core import event  # 0.7 s, but every command with stages needs numba anyway
 
     class Listener(event.Listener):
         def on_start(self, event: object) -> None:
@@ -122,4 +137,4 @@ def _stages(display: _Display) -> Iterator[Stage]:
             compiling(-1)
 
     with event.install_listener("numba:compile", Listener()):
-        yield stage
+        yield progress

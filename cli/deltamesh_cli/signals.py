@@ -1,11 +1,12 @@
-"""Ctrl-C, SIGTERM and SIGHUP: stop soon, leave nothing half written.
+"""Ctrl-C, SIGTERM and SIGHUP: the program stops soon and leaves no half-written file.
 
-Python runs a signal's handler on the main thread between two byte codes. A sparse factorization
-is one call into machine code that takes seconds, so the codec runs on a second thread (numba's
-kernels and the solvers give up the interpreter lock) and the main thread is free to hear Ctrl-C.
+Python runs the handler of a signal on the main thread between two byte codes. A sparse
+factorization is one call into machine code that takes seconds. Therefore the codec runs on a second
+thread (the kernels of numba and the solvers release the interpreter lock), and the main thread is
+free to notice Ctrl-C.
 
-SIGTERM and SIGHUP end a process at once, and should: there is nothing to tidy up, except while a
-temporary file is open. Only then they become an exception.
+SIGTERM and SIGHUP end a process at once, which is right as long as there is nothing to clean up.
+Only while a temporary file is open do they become an exception.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from typing import Final, NoReturn, TypeVar
 
 _Result = TypeVar("_Result")
 
-# How often Windows looks for Ctrl-C while waiting for a thread; elsewhere the wait is interrupted.
+# Windows checks for Ctrl-C this often while it waits; elsewhere a signal ends the wait.
 _POLL_SECONDS: Final = 0.1
 
 _ENDING: Final = tuple(
@@ -28,7 +29,7 @@ _ENDING: Final = tuple(
 
 
 class Stopped(BaseException):
-    """A signal asked this process to end; not an `Exception`, for nothing should swallow it."""
+    """A signal asked this process to end; no `Exception`, because nothing should swallow it."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -67,8 +68,8 @@ def _stop(number: int, frame: FrameType | None) -> NoReturn:
 def stopping_cleanly() -> Iterator[None]:
     """Make SIGTERM and SIGHUP raise `Stopped` inside, so that `finally` clauses run.
 
-    A signal that the caller's environment ignores (`nohup`) stays ignored. Handlers can be set on
-    the main thread only; elsewhere this does nothing.
+    A signal that the environment of the process ignores (`nohup`) stays ignored. Handlers can be
+    set on the main thread only; on any other thread this does nothing.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -1,18 +1,16 @@
-"""What a `.dmesh` file says about itself, as an object for programs and as text for people."""
+"""Description of a `.dmesh` file: an object for programs, text for people."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from deltamesh_cli.output import shown
+from deltamesh_cli.output import display_name
 from deltamesh_formats.container.container import Container, Meta, Parameters
 from deltamesh_formats.container.layout import ORDER
 from deltamesh_formats.container.summary import (
-    achieved,
     attributes_of,
     bits_per_vertex,
     container_text,
-    counts,
     header_bytes,
     polygons,
     relative,
@@ -21,16 +19,14 @@ from deltamesh_formats.container.summary import (
 if TYPE_CHECKING:
     from deltamesh_formats.container.attribute_table import Entry
 
-__all__ = ["achieved", "as_object", "as_text", "bits_per_vertex", "counts", "errors", "relative"]
 
-
-def as_object(name: str, container: Container) -> dict[str, object]:
-    """Return everything about a container for `--json`; lengths in units of the mesh.
+def container_object(name: str, container: Container) -> dict[str, object]:
+    """Return the description of a file for `--json`, with lengths in the unit of the mesh.
 
     Raises
     ------
     FormatError
-        If its names or its table of attributes are damaged.
+        If its text or its attribute table is damaged.
     """
     from deltamesh_formats.container.listing import texts_object
     from deltamesh_formats.container.texts import texts_of
@@ -44,7 +40,7 @@ def as_object(name: str, container: Container) -> dict[str, object]:
         "faces": container.triangles,
         "polygons": polygons(container),
         "bits_per_vertex": bits_per_vertex(container.size, n),
-        "parameters": _parameters(parameters),
+        "parameters": _parameters_object(parameters),
         "header": {"bytes": header_bytes(container)},
         "precision": "float32" if parameters.single else "float64",
         "order_kept": ORDER in container.sections,
@@ -52,15 +48,15 @@ def as_object(name: str, container: Container) -> dict[str, object]:
         "sections": [
             {"id": s.id, "offset": s.offset, "bytes": s.size} for s in container.sections.values()
         ],
-        "attributes": [_attribute(entry) for entry in attributes_of(container)],
-        "errors": None if meta is None else errors(meta),
+        "attributes": [_attribute_object(entry) for entry in attributes_of(container)],
+        "errors": None if meta is None else errors_object(meta),
         "encoder": None if meta is None else meta.encoder,
         "source_format": None if meta is None else meta.source or None,
         "digest": container.digest.hex(),
     }
 
 
-def _attribute(entry: Entry) -> dict[str, object]:
+def _attribute_object(entry: Entry) -> dict[str, object]:
     return {
         "name": entry.name,
         "domain": entry.domain,
@@ -77,7 +73,7 @@ def _attribute(entry: Entry) -> dict[str, object]:
     }
 
 
-def _parameters(parameters: Parameters) -> dict[str, object]:
+def _parameters_object(parameters: Parameters) -> dict[str, object]:
     return {
         "method": parameters.method,
         "bits": parameters.bits,
@@ -95,7 +91,7 @@ def _parameters(parameters: Parameters) -> dict[str, object]:
     }
 
 
-def errors(meta: Meta) -> dict[str, object]:
+def errors_object(meta: Meta) -> dict[str, object]:
     """Return the errors that the encoder measured, for `--json`."""
     return {
         "rms": meta.rms,
@@ -108,12 +104,12 @@ def errors(meta: Meta) -> dict[str, object]:
     }
 
 
-def as_text(name: str, container: Container) -> str:
-    """Return everything about a container as `deltamesh info` prints it.
+def described_container(name: str, container: Container) -> str:
+    """Return the description of a file as `deltamesh info` prints it.
 
     Raises
     ------
     FormatError
-        If its names or its table of attributes are damaged.
+        If its text or its attribute table is damaged.
     """
-    return f"{shown(name)}: {container_text(container)}"
+    return f"{display_name(name)}: {container_text(container)}"

@@ -1,1 +1,1 @@
-"""The outside of deltamesh: the `.dmesh` container and the mesh files around it."""
+"""Formats of deltamesh: the `.dmesh` container and the mesh files around it."""

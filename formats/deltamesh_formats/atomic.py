@@ -35,7 +35,7 @@ def found_at(path: str | os.PathLike[str]) -> Found:
     Raises
     ------
     OSError
-        When that cannot be told, as for a circle of links.
+        When the target of a link cannot be found, as for a circle of links.
     """
     return _kind(_status(os.fspath(path)))
 

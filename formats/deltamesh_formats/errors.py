@@ -1,4 +1,4 @@
-"""One tree of exceptions, so that a caller can tell whose fault a failure is.
+"""Exceptions in one tree, by which a caller knows whose fault a failure is.
 
 `MeshError`: the mesh that was handed in. `FormatError`: the bytes of a file. `LimitError`: a
 limit that the caller set. `TargetError`: a quality that cannot be had. `SolveError`: the linear

@@ -106,7 +106,7 @@ def _digest(data: bytes, digits: int) -> str:
 
 
 def _runs(process: int) -> bool:
-    """Tell whether there is a process of this number.
+    """Return whether there is a process of this number.
 
     Windows refuses to remove a file that is open, so that nobody needs to know; and there
     `os.kill` ends a process.

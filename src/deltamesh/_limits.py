@@ -9,8 +9,8 @@ from deltamesh_formats.container.container import Container, Section
 from deltamesh_formats.container.layout import (
     ATTRIBUTES,
     CONNECTIVITY,
-    COPIES,
     POLYGONS,
+    SPLIT_VERTICES,
     STITCHES,
 )
 from deltamesh_formats.container.texts import text_size, texts_of
@@ -122,7 +122,7 @@ def check_limits(container: Container, counts: Counts, max_vertices: int, memory
     bits = 3 if method.exact else 1  # a coordinate has one or more
     _check_held(container, method.geometry[0], counts.isolated, "isolated vertices", bits)
     _check_held(container, STITCHES, m - counts.faces, "faces beyond the manifold")
-    _check_held(container, COPIES, n - counts.points, "vertices beyond the points")
+    _check_held(container, SPLIT_VERTICES, n - counts.points, "vertices beyond the points")
     _check_memory(_memory_of_counts(container), memory)
     _check_memory(memory_needed(container), memory)
 

@@ -34,7 +34,6 @@ DEFAULT_BITS_UV, MAX_BITS_UV = 12, layout.MAX_LIMB_BITS
 DEFAULT_BITS_NORMAL = 10
 MIN_BITS_NORMAL, MAX_BITS_NORMAL = layout.MIN_NORMAL_BITS, layout.MAX_NORMAL_BITS
 MAX_THREADS = 1024
-MAX_NAME = layout.STRING_MAX_BYTES
 
 
 class EncodeOptions(TypedDict, total=False):
@@ -116,8 +115,9 @@ class Options:
         _require_within("seed", self.seed, 0, (1 << 64) - 1)
         if self.threads is not None:
             _require_within("threads", self.threads, 1, MAX_THREADS)
-        fits = self.source_format.isprintable() and len(self.source_format.encode()) <= MAX_NAME
-        _require(fits, f"source_format must be printable, and at most {MAX_NAME} bytes")
+        most = layout.STRING_MAX_BYTES
+        fits = self.source_format.isprintable() and len(self.source_format.encode()) <= most
+        _require(fits, f"source_format must be printable, and at most {most} bytes")
 
     def _check_rate(self) -> None:
         # Options with defaults may be left as they are with any method.

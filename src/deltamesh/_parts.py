@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from deltamesh._graph.elements import Elements
-from deltamesh._graph.permutations import numbered
 from deltamesh._kernels.coding import choices as kernels
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._streams.entropy import decode_with, encode_with
@@ -21,6 +20,7 @@ from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, located
 from deltamesh_formats.polymesh.descriptions import losses_of, unreferenced_rows
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh
+from deltamesh_formats.polymesh.permutations import numbered
 
 _MATRIX_BYTES = 4 * 4 * 8
 _IDENTITY = np.eye(4).view(np.uint8)
@@ -112,7 +112,7 @@ def decode_parts(payload: memoryview, count: int, elements: Callable[[], Element
     found = []
     for division in texts.divisions:
         stream, start, at = _stream(payload, at)
-        labels = np.zeros(count, dtype=np.int64)  # as of an empty stream
+        labels = np.zeros(count, dtype=np.int64)  # as an empty stream has them
         if stream:
             with located(start):
                 labels = decode_labels(stream, elements())

@@ -77,7 +77,7 @@ class Encoded:
 
 
 def encode_mesh(mesh: PolyMesh, options: Options, progress: Progress = silent) -> Encoded:
-    """Compress a checked mesh; see `codec.encode`."""
+    """Compress a checked mesh; see `deltamesh.encode`."""
     draft = begin(mesh, options, progress)
     payloads: dict[str, bytes] = {}
     for section in SECTIONS:
@@ -119,7 +119,7 @@ def decode_mesh(
     memory: int,
     progress: Progress = silent,
 ) -> PolyMesh:
-    """Decompress a container; see `codec.decode`."""
+    """Decompress a container; see `deltamesh.decode`."""
     content = read_content(container, max_vertices, memory, progress)
     if content.digest() != container.digest:
         offset = container.sections[CHECK].offset

@@ -1,3 +1,3 @@
-"""The version of the package, also written into every file."""
+"""Version of the package, also written into every file."""
 
 __version__ = "0.1.0"

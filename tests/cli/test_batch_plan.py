@@ -10,42 +10,58 @@ from commandline import posix
 
 from deltamesh._version import __version__
 from deltamesh.batch import DONE, FAILED, SKIPPED, Selection, Task
-from deltamesh_cli.batch.plan import Places, listed, planned, selection, settled
+from deltamesh_cli.batch.plan import (
+    Destinations,
+    plan_files,
+    read_file_list,
+    selection_from_folders,
+    settled_record,
+)
 from deltamesh_cli.batch.work import Job
 from deltamesh_cli.failures import Failure
 from deltamesh_formats.errors import OptionError
 
 ENCODE, DECODE = Job(False, None, {}), Job(True, None, {})
-BESIDE = Places()
+BESIDE = Destinations()
 
 
-def plan(job: Job, *names: str, places: Places = BESIDE) -> list[object]:
-    return planned(job, places, names, (), selection(job, places, (), (), recursive=True))
+def plan(job: Job, *names: str, destinations: Destinations = BESIDE) -> list[object]:
+    return plan_files(
+        job,
+        destinations,
+        names,
+        (),
+        selection_from_folders(job, destinations, (), (), recursive=True),
+    )
 
 
 def test_outputs_go_beside_their_inputs_or_into_a_folder() -> None:
     name = os.path.join("scans", "a.ply")
-    assert Places().of(name) == name
-    assert Places(flat="out").of(name) == os.path.join("out", "a.ply")
-    assert Places(mirror="out").of(name) == os.path.join("out", "scans", "a.ply")
-    assert [Places(flat="a").folder, Places(mirror="b").folder, Places().folder] == ["a", "b", None]
+    assert Destinations().path_for(name) == name
+    assert Destinations(flat="out").path_for(name) == os.path.join("out", "a.ply")
+    assert Destinations(mirror="out").path_for(name) == os.path.join("out", "scans", "a.ply")
+    assert [
+        Destinations(flat="a").folder,
+        Destinations(mirror="b").folder,
+        Destinations().folder,
+    ] == ["a", "b", None]
 
 
 def test_lists_have_a_name_a_line_or_names_that_end_in_nul(tmp_path: Path) -> None:
     path = tmp_path / "list"
     path.write_bytes(b"a b.ply\r\n\nc.ply\n")
-    assert listed(str(path), null=False) == ["a b.ply", "c.ply"]
+    assert read_file_list(str(path), null=False) == ["a b.ply", "c.ply"]
     path.write_bytes(b"a\nb.ply\0c.ply\0")
-    assert listed(str(path), null=True) == ["a\nb.ply", "c.ply"]
+    assert read_file_list(str(path), null=True) == ["a\nb.ply", "c.ply"]
     with pytest.raises(Failure, match="cannot read"):
-        listed(str(tmp_path / "nothing"), null=False)
+        read_file_list(str(tmp_path / "nothing"), null=False)
 
 
 def test_folders_give_meshes_to_encode_and_files_to_decode() -> None:
-    assert "ply" in selection(ENCODE, BESIDE, (), (), False).extensions
-    assert selection(DECODE, BESIDE, (), (), False).extensions == ("dmesh",)
-    assert selection(ENCODE, Places(flat="out"), (), (), True) == Selection(
-        selection(ENCODE, BESIDE, (), (), True).extensions, recursive=True, never="out"
+    assert "ply" in selection_from_folders(ENCODE, BESIDE, (), (), False).extensions
+    assert selection_from_folders(DECODE, BESIDE, (), (), False).extensions == ("dmesh",)
+    assert selection_from_folders(ENCODE, Destinations(flat="out"), (), (), True) == Selection(
+        selection_from_folders(ENCODE, BESIDE, (), (), True).extensions, recursive=True, never="out"
     )
 
 
@@ -88,15 +104,15 @@ def test_two_files_with_one_output_are_refused(folder: Path) -> None:
     (folder / "below" / "torus.ply").write_bytes(b"ply")
     names = "torus.ply", os.path.join("below", "torus.ply")
     with pytest.raises(OptionError, match="would both be written"):
-        plan(ENCODE, *names, places=Places(flat="out"))
-    assert len(plan(ENCODE, *names, places=Places(mirror="out"))) == 2
+        plan(ENCODE, *names, destinations=Destinations(flat="out"))
+    assert len(plan(ENCODE, *names, destinations=Destinations(mirror="out"))) == 2
 
 
 def test_outputs_that_exist_are_settled(folder: Path) -> None:
     task = Task("torus.ply", "torus.dmesh", 9)
 
     def found(task: Task, force: bool = False, skip: bool = False) -> object:
-        record = settled(ENCODE, task, None, force=force, skip_existing=skip)
+        record = settled_record(ENCODE, task, None, force=force, skip_existing=skip)
         return None if record is None else record["status"]
 
     assert found(task) == FAILED
@@ -118,8 +134,10 @@ def test_a_record_of_the_same_work_settles_it_and_others_do_not(folder: Path) ->
         "options": ENCODE.options(),
         "version": __version__,
     }
-    assert settled(ENCODE, task, before, force=False, skip_existing=False) is before
+    assert settled_record(ENCODE, task, before, force=False, skip_existing=False) is before
     other = Job(False, None, {"bits": 9})
-    assert settled(other, task, before, force=False, skip_existing=False) is None  # ours: redone
+    assert (
+        settled_record(other, task, before, force=False, skip_existing=False) is None
+    )  # ours: redone
     (folder / "torus.ply").write_bytes(b"changed")
-    assert settled(ENCODE, task, before, force=False, skip_existing=False) is None
+    assert settled_record(ENCODE, task, before, force=False, skip_existing=False) is None

@@ -9,7 +9,7 @@ import pytest
 
 from deltamesh.batch import DONE, FAILED, SKIPPED, Task
 from deltamesh_cli.batch.engines import here
-from deltamesh_cli.batch.report import BEFORE, Totals, progress, tell_record
+from deltamesh_cli.batch.report import BEFORE, Totals, displayed_files, report_record
 from deltamesh_cli.batch.work import Job
 
 
@@ -56,22 +56,22 @@ def test_the_table_has_a_line_for_each_outcome_and_the_worst_errors() -> None:
 def test_failures_are_told_to_people_and_records_to_programs(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    tell_record(record(FAILED, message="a.ply: cannot encode"), as_json=True)
+    report_record(record(FAILED, message="a.ply: cannot encode"), as_json=True)
     shown = capsys.readouterr()
     assert shown.err == "deltamesh: a.ply: cannot encode\n"
     assert json.loads(shown.out)["status"] == FAILED
-    tell_record(record(), as_json=False)
+    report_record(record(), as_json=False)
     assert capsys.readouterr() == ("", "")
 
 
 def test_verbose_counts_the_files(capsys: pytest.CaptureFixture[str]) -> None:
-    with progress(None, [100, 100], verbose=True, quiet=False) as tell:
+    with displayed_files(None, [100, 100], verbose=True, quiet=False) as tell:
         tell(record(), 100)
         tell(record(SKIPPED), 100)
     lines = capsys.readouterr().err.splitlines()
     assert lines[0].startswith("deltamesh: [1/2] a.ply -> a.dmesh: 100 -> 25 bytes")
     assert lines[1].startswith("deltamesh: [2/2] a.ply -> a.dmesh: ")
-    with progress(None, [100], verbose=False, quiet=True) as tell:
+    with displayed_files(None, [100], verbose=False, quiet=True) as tell:
         tell(record(), 100)
     assert capsys.readouterr().err == ""
 

@@ -61,13 +61,13 @@ def test_reruns_pass_and_growth_of_one_percent_is_found(folder, capsys):
     assert [row["codec"] for row in saved()] == ["cartesian bits=6", "cartesian bits=8"]
     capsys.readouterr()
     assert cli("bench . --check rates.csv") == 0
-    assert capsys.readouterr().out.endswith("2 rows are as in rates.csv\n")
+    assert capsys.readouterr().out.endswith("2 rows match rates.csv\n")
     before = (folder / "rates.csv").read_bytes()
 
     plant("bytes", 1.01)
     assert cli("bench . --check rates.csv --tolerance 0.5%") == 4
     told = capsys.readouterr().err
-    assert told.startswith("deltamesh: not as in rates.csv:\n")
+    assert told.startswith("deltamesh: differences from rates.csv:\n")
     last = told.splitlines()[-1].split()
     assert last[:4] == ["torus.ply", "cartesian", "bits=6", "bytes"]
     assert last[-1] == "grew"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from commandline import TORUS, cli, damaged
 
-from deltamesh_cli import failures, options, output
+from deltamesh_cli import failures, output, value_types
 from deltamesh_formats.meshfiles import files as meshfile
 from deltamesh_formats.meshfiles.formats import FORMATS
 from deltamesh_formats.polymesh.mesh import from_triangles
@@ -219,19 +219,19 @@ def test_compare_tells_angles_as_degrees(folder: Path, capsys: pytest.CaptureFix
     [("1000", 1000), ("1k", 1024), ("512M", 512 << 20), ("8G", 8 << 30), ("1.5 GiB", 3 << 29)],
 )
 def test_sizes(text: str, number: int) -> None:
-    assert options.size(text) == number
+    assert value_types.size(text) == number
 
 
 @pytest.mark.parametrize("text", ["", "M", "-1", "1X", "1e3", "nan", "1 000"])
 def test_what_is_no_size(text: str) -> None:
     with pytest.raises(click.BadParameter):
-        options.size(text)
+        value_types.size(text)
 
 
 def test_anchor_counts() -> None:
-    assert options.anchor_count("100") == 100
-    assert options.anchor_count("0.25") == 0.25
-    assert isinstance(options.anchor_count("1"), int)
+    assert value_types.anchor_count("100") == 100
+    assert value_types.anchor_count("0.25") == 0.25
+    assert isinstance(value_types.anchor_count("1"), int)
 
 
 def test_json_is_json_whatever_is_measured(capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,16 +11,15 @@ import pytest
 from deltamesh.bench import Change
 from deltamesh_cli.failures import DONE, MISSED, Failure
 from deltamesh_cli.measuring import (
-    any_peer,
-    change_table,
-    codecs,
-    labels_of,
-    mesh_files,
+    codecs_of,
+    has_peer,
+    labels_in,
+    mesh_paths,
     peer_labels,
-    read,
-    saved,
-    tell,
+    read_rates,
+    read_triangles,
 )
+from deltamesh_cli.rate_tables import change_table, report_changes
 
 GREW = Change("a.ply", "cartesian bits=10", "bytes", "100", "110", "grew", 0.1)
 LESS = Change("a.ply", "cartesian bits=10", "rms", "0.2", "0.1", "shrank", -0.5)
@@ -42,8 +41,8 @@ def scans(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_meshes_of_a_folder_are_named_below_it(scans: Path) -> None:
-    assert list(mesh_files(["scans"], recursive=False)) == ["a.ply"]
-    found = mesh_files([str(scans / "scans")], recursive=True)
+    assert list(mesh_paths(["scans"], recursive=False)) == ["a.ply"]
+    found = mesh_paths([str(scans / "scans")], recursive=True)
     assert found == {
         "a.ply": str(scans / "scans" / "a.ply"),
         "below/b.obj": str(scans / "scans" / "below" / "b.obj"),
@@ -51,17 +50,17 @@ def test_meshes_of_a_folder_are_named_below_it(scans: Path) -> None:
 
 
 def test_meshes_with_one_name_are_named_by_their_paths(scans: Path) -> None:
-    found = mesh_files(["scans/a.ply", "other/a.ply"], recursive=False)
+    found = mesh_paths(["scans/a.ply", "other/a.ply"], recursive=False)
     assert list(found) == ["scans/a.ply", "other/a.ply"]
     # One file that is named twice has its own name.
-    assert list(mesh_files(["scans/a.ply", "scans/a.ply"], recursive=False)) == ["a.ply"]
+    assert list(mesh_paths(["scans/a.ply", "scans/a.ply"], recursive=False)) == ["a.ply"]
 
 
 def test_a_folder_without_meshes_fails_when_it_is_read(scans: Path) -> None:
     os.mkdir("empty")
-    (path,) = mesh_files(["empty"], recursive=False).values()
-    with pytest.raises(Failure, match=r"no mesh file in this folder .*-r looks"):
-        read(path, silent, bare=True)
+    (path,) = mesh_paths(["empty"], recursive=False).values()
+    with pytest.raises(Failure, match=r"no mesh file in this folder .*-r searches"):
+        read_triangles(path, silent, bare=True)
 
 
 def test_labels_are_those_of_the_mesh_or_of_all_others() -> None:
@@ -70,29 +69,29 @@ def test_labels_are_those_of_the_mesh_or_of_all_others() -> None:
         {"mesh": "a", "codec": "draco 11"},
         {"mesh": "b", "codec": "cartesian bits=10"},
     ]
-    assert labels_of("b", rows) == ["cartesian bits=10"]
-    assert labels_of("new", rows) == ["cartesian bits=10", "draco 11"]
+    assert labels_in(rows, "b") == ["cartesian bits=10"]
+    assert labels_in(rows, "new") == ["cartesian bits=10", "draco 11"]
 
 
 def test_other_codecs_are_told_apart() -> None:
     labels = peer_labels(["draco"], (10, 11))
     assert len(labels) == 2
-    assert any_peer(labels)
-    assert not any_peer(["cartesian bits=10"])
-    with pytest.raises(Failure, match="no codec of this name"):
-        codecs(["nothing 10"], (), solver="auto", threads=None)
-    (own,) = codecs(["cartesian bits=10", *labels], labels, solver="auto", threads=None)
+    assert has_peer(labels)
+    assert not has_peer(["cartesian bits=10"])
+    with pytest.raises(Failure, match="unknown codec"):
+        codecs_of(["nothing 10"], (), solver="auto", threads=None)
+    (own,) = codecs_of(["cartesian bits=10", *labels], labels, solver="auto", threads=None)
     assert own.label == "cartesian bits=10"
 
 
 def test_changes_are_told_and_decide_the_exit_code(capsys: pytest.CaptureFixture[str]) -> None:
-    assert tell("x.csv", [], 7, as_json=False, quiet=False) == DONE
-    assert capsys.readouterr().out == "7 rows are as in x.csv\n"
-    assert tell("x.csv", [], 7, as_json=False, quiet=True) == DONE
+    assert report_changes("x.csv", [], 7, as_json=False, quiet=False) == DONE
+    assert capsys.readouterr().out == "7 rows match x.csv\n"
+    assert report_changes("x.csv", [], 7, as_json=False, quiet=True) == DONE
     assert capsys.readouterr().out == ""
-    assert tell("x.csv", [LESS], 7, as_json=False, quiet=False) == DONE
-    assert "not as in x.csv" in capsys.readouterr().err
-    assert tell("x.csv", [LESS, GONE], 7, as_json=True, quiet=False) == MISSED
+    assert report_changes("x.csv", [LESS], 7, as_json=False, quiet=False) == DONE
+    assert "differences from x.csv" in capsys.readouterr().err
+    assert report_changes("x.csv", [LESS, GONE], 7, as_json=True, quiet=False) == MISSED
     objects = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [one["worse"] for one in objects] == [False, True]
 
@@ -108,4 +107,4 @@ def test_a_file_that_is_no_table_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "x.csv"
     path.write_text("no, such\n1,2\n")
     with pytest.raises(Failure, match="cannot compare with it"):
-        saved(str(path))
+        read_rates(str(path))

@@ -8,8 +8,14 @@ import meshes
 import pytest
 
 from deltamesh_cli.failures import FAILED, REFUSED, Failure
-from deltamesh_cli.meshes import container_of, load_any, note_not_kept, parsed, write_mesh_file
-from deltamesh_cli.summary import as_object, as_text, errors
+from deltamesh_cli.meshes import (
+    load_mesh,
+    note_not_kept,
+    parse_container,
+    parse_mesh,
+    write_mesh_file,
+)
+from deltamesh_cli.summary import container_object, described_container, errors_object
 from deltamesh_formats.meshfiles.files import mesh_bytes
 from deltamesh_formats.polymesh.mesh import from_triangles
 
@@ -22,14 +28,14 @@ def silent(stage: str) -> None:
 
 def failure_of(name: str, data: bytes, file_format: str | None = None) -> Failure:
     with pytest.raises(Failure) as caught:
-        parsed(name, data, file_format, silent)
+        parse_mesh(name, data, file_format, silent)
     return caught.value
 
 
 def test_the_name_tells_the_format_unless_an_option_does() -> None:
     data = mesh_bytes(MESH, "off")
-    assert len(parsed("a.off", data, None, silent).vertices) == 4
-    assert len(parsed("a.ply", data, "off", silent).vertices) == 4
+    assert len(parse_mesh("a.off", data, None, silent).vertices) == 4
+    assert len(parse_mesh("a.ply", data, "off", silent).vertices) == 4
 
 
 @pytest.mark.parametrize(
@@ -48,15 +54,15 @@ def test_a_failure_tells_what_to_try(name: str, data: bytes, hint: str) -> None:
 
 
 def test_a_file_that_is_damaged_has_its_own_exit_code(torus_dmesh: bytes) -> None:
-    assert container_of("x", torus_dmesh, "cannot decode").vertices > 0
+    assert parse_container("x", torus_dmesh, "cannot decode").vertices > 0
     with pytest.raises(Failure, match=r"^x: cannot decode: ") as caught:
-        container_of("x", torus_dmesh[:-1], "cannot decode")
+        parse_container("x", torus_dmesh[:-1], "cannot decode")
     assert caught.value.code == REFUSED
 
 
 def test_meshes_are_told_from_files_by_their_first_bytes(folder: Path) -> None:
     (folder / "wrong.ply").write_bytes((folder / "torus.dmesh").read_bytes())
-    encoded, plain = (load_any(name, None, silent) for name in ("wrong.ply", "torus.ply"))
+    encoded, plain = (load_mesh(name, None, silent) for name in ("wrong.ply", "torus.ply"))
     assert encoded.container is not None
     assert plain.container is None
     assert len(encoded.mesh.vertices) == len(plain.mesh.vertices)
@@ -80,13 +86,13 @@ def test_mesh_files_are_written_and_losses_named(
 
 
 def test_everything_about_a_file_is_in_its_object(torus_dmesh: bytes) -> None:
-    container = container_of("x", torus_dmesh, "cannot read")
-    found = as_object("x", container)
+    container = parse_container("x", torus_dmesh, "cannot read")
+    found = container_object("x", container)
     assert found["file"] == "x"
     assert found["bytes"] == len(torus_dmesh)
     sizes = [one["bytes"] for one in found["sections"]]
     assert found["header"]["bytes"] + sum(sizes) == len(torus_dmesh)
     assert container.meta is not None
-    assert found["errors"] == errors(container.meta)
+    assert found["errors"] == errors_object(container.meta)
     assert found["errors"]["max_relative"] == container.meta.max / container.meta.diagonal
-    assert as_text("a\nb", container).startswith(r"a\nb: ")
+    assert described_container("a\nb", container).startswith(r"a\nb: ")

@@ -76,7 +76,7 @@ def test_verbose_tells_each_stage(folder: Path, capsys: pytest.CaptureFixture[st
 def test_compilation_is_told_once(capsys: pytest.CaptureFixture[str]) -> None:
     import numba
 
-    with progress.progress(None, verbose=True) as stage:
+    with progress.displayed_progress(None, verbose=True) as stage:
         stage("solving")
         numba.njit(lambda x: x + 1)(1)
         numba.njit(lambda x: x + 2)(1)

@@ -32,7 +32,7 @@ def test_the_code_of_the_page_runs(
         program, *arguments = shlex.split(command)
         assert (program, run(arguments)) == ("deltamesh", 0)
         said.append(capsys.readouterr().out)
-    assert "2 rows are as in rates.csv" in said[1]
+    assert "2 rows match rates.csv" in said[1]
     assert language == "python"
     done = children.run([sys.executable, "-c", python], text=True)
     assert done.returncode == 0, done.stderr

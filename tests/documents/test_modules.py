@@ -61,6 +61,7 @@ TWINS: Mapping[str, tuple[str, ...] | str] = {
     "coding.exact": ("spec_decoder.decode",),
     "coding.face_order": ("spec_decoder.read_order",),
     "coding.front": ("oracle.Waiting", "oracle.RegionGrower"),
+    "coding.grid": ("spec_decoder.decode",),
     "coding.hidden_edges": ("polygon_oracle.Merging",),
     "coding.labels": ("oracle.code_labels",),
     "coding.merged_pairs": ("polygon_oracle.Merging",),

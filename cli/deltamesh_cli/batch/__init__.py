@@ -1,1 +1,1 @@
-"""The parts of `deltamesh batch`: options, plan, engines, work on one file, run and report."""
+"""The parts of `deltamesh batch`: arguments, plan, engines, work on one file, run and report."""

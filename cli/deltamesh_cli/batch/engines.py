@@ -1,4 +1,4 @@
-"""Where the work of `deltamesh batch` is done: here, in processes, or on a cluster."""
+"""Engines of `deltamesh batch`: the work is done in this process, in others, or on a cluster."""
 
 from __future__ import annotations
 
@@ -25,7 +25,17 @@ def here(job: Job, tasks: list[Task], begin: Begin) -> Generator[Outcome]:
 
 
 def in_processes(jobs: int, memory: float, timeout: float) -> Engine:
-    """Return the engine that works in processes of this machine."""
+    """Return the engine that works in processes of this machine.
+
+    Parameters
+    ----------
+    jobs : int
+        Number of processes.
+    memory : float
+        Bytes that all of them may take together, by estimate.
+    timeout : float
+        Seconds that one file may take.
+    """
 
     def engine(job: Job, tasks: list[Task], begin: Begin) -> Generator[Outcome]:
         from deltamesh.batch import run_in_processes
@@ -45,10 +55,18 @@ def in_processes(jobs: int, memory: float, timeout: float) -> Engine:
 
 
 def on_dask(address: str | None, workers: int) -> Engine:
-    """Return the engine that works on a cluster, one that is there or one of this machine."""
+    """Return the engine that works on a Dask cluster.
+
+    Parameters
+    ----------
+    address : str or None
+        Address or file of the scheduler; None to start a cluster on this machine.
+    workers : int
+        Number of processes of the cluster on this machine.
+    """
 
     def engine(job: Job, tasks: list[Task], begin: Begin) -> Generator[Outcome]:
-        logging.disable()  # of Dask: what goes wrong is told here
+        logging.disable()  # the log of Dask, because failures are reported here
         with attempt(address or "local cluster", "cannot go on"):
             from deltamesh.batch import dask_client, run_on_dask
 

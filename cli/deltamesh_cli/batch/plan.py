@@ -1,4 +1,4 @@
-"""Which files `deltamesh batch` works on, and what becomes of outputs that are there already."""
+"""Plan of `deltamesh batch`: its input files, their outputs, and outputs that exist already."""
 
 from __future__ import annotations
 
@@ -25,127 +25,139 @@ from deltamesh.batch import (
     wrote_target,
 )
 from deltamesh_cli import files
-from deltamesh_cli.batch.work import Job, failed
-from deltamesh_cli.commands.decode import destination
+from deltamesh_cli.batch.work import Job, failure_record
+from deltamesh_cli.decoding import output_name_and_format
 from deltamesh_cli.failures import Failure, attempt
 from deltamesh_formats.errors import DeltameshError, FormatError
 from deltamesh_formats.meshfiles.formats import EXTENSIONS
 
-# As many bytes as the header of a `.dmesh` file may have, and more.
+# At least as many bytes as the header of a `.dmesh` file can have.
 _HEADER: Final = 64
 
-# What there is to do: a task, or the record of one that has failed before it began.
-Item: TypeAlias = Task | Record
+# A task, or the record of a file that failed before the work began.
+PlannedFile: TypeAlias = Task | Record
 
 
 @dataclass(frozen=True)
-class Places:
-    """Where outputs go: beside the inputs, all into one folder, or into a mirror of theirs."""
+class Destinations:
+    """Folders of the outputs: those of the inputs, one flat folder, or a mirror of the inputs'."""
 
     flat: str | None = None
     mirror: str | None = None
 
     @property
     def folder(self) -> str | None:
-        """The folder of all outputs, if there is one."""
+        """The folder that contains all outputs, if there is one."""
         return self.flat if self.mirror is None else self.mirror
 
-    def of(self, source: str) -> str:
-        """Return the name that the output would have if it had that of the input."""
+    def path_for(self, source: str) -> str:
+        """Return the path of an output that has the same name as its input."""
         if self.flat is not None:
             return flat(self.flat, source)
         return source if self.mirror is None else mirrored(self.mirror, source)
 
 
-def listed(name: str, *, null: bool) -> list[str]:
-    """Return the file names in a list, one a line or, with `null`, each ended by a NUL.
+def read_file_list(name: str, *, null: bool) -> list[str]:
+    """Return the file names in a list: one per line or, with `null`, each ended by a NUL.
 
     Raises
     ------
     Failure
-        The list cannot be read.
+        If the list cannot be read.
     """
     data = files.read_input(name)
     parts = data.split(b"\0") if null else [line.rstrip(b"\r") for line in data.split(b"\n")]
     return [os.fsdecode(part) for part in parts if part]
 
 
-def selection(
-    job: Job, places: Places, include: tuple[str, ...], exclude: tuple[str, ...], recursive: bool
+def selection_from_folders(
+    job: Job,
+    destinations: Destinations,
+    include: tuple[str, ...],
+    exclude: tuple[str, ...],
+    recursive: bool,
 ) -> Selection:
-    """Return what is taken from folders: what there is to decode, or to encode."""
-    kinds = (files.SUFFIX.removeprefix("."),) if job.decode else tuple(EXTENSIONS)
-    return Selection(kinds, include, exclude, recursive, places.folder)
+    """Return the selection of files from folders: the mesh files, or those to be decoded."""
+    extensions = (files.SUFFIX.removeprefix("."),) if job.decode else tuple(EXTENSIONS)
+    return Selection(extensions, include, exclude, recursive, destinations.folder)
 
 
-def planned(
-    job: Job, places: Places, names: Sequence[str], lists: Sequence[str], chosen: Selection
-) -> list[Item]:
-    """Return what there is to do, sorted by the names of the inputs.
+def plan_files(
+    job: Job,
+    destinations: Destinations,
+    names: Sequence[str],
+    listed: Sequence[str],
+    selection: Selection,
+) -> list[PlannedFile]:
+    """Return the planned files, sorted by the names of the inputs.
 
     Parameters
     ----------
     job : Job
-    places : Places
+    destinations : Destinations
     names : sequence of str
-        As of `deltamesh.batch.find`, patterns included.
-    lists : sequence of str
-        The same, each as it is.
-    chosen : Selection
+        Names for `deltamesh.batch.find`, which may be patterns.
+    listed : sequence of str
+        Names that are used as they are.
+    selection : Selection
 
     Raises
     ------
     OptionError
-        Two files would have one output, an output is an input, or a folder is not to be entered.
+        If two files have the same output, an output is an input, or a folder is given without the
+        option that searches folders.
     """
     problems: list[OSError] = []
-    found = {*find(names, chosen, failed=problems.append)}
-    found |= {*find(lists, chosen, patterns=False, failed=problems.append)}
+    found = {*find(names, selection, failed=problems.append)}
+    found |= {*find(listed, selection, patterns=False, failed=problems.append)}
     unique = {os.path.abspath(name): name for name in sorted(found, reverse=True)}
-    items = [_item(job, places, name) for name in sorted(unique.values())]
-    check_targets((task.source, task.target) for task in items if isinstance(task, Task))
+    planned = [_plan_file(job, destinations, name) for name in sorted(unique.values())]
+    check_targets((one.source, one.target) for one in planned if isinstance(one, Task))
     for problem in problems:
         folder = Task(problem.filename, "", 0)
-        items.append(failed(job, folder, Failure(folder.source, "cannot list", problem)))
-    return items
+        failure = Failure(folder.source, "cannot list", problem)
+        planned.append(failure_record(job, folder, failure))
+    return planned
 
 
-def _item(job: Job, places: Places, source: str) -> Item:
-    place, size = places.of(source), 0
+def _plan_file(job: Job, destinations: Destinations, source: str) -> PlannedFile:
+    path, size = destinations.path_for(source), 0
     try:
         with attempt(source, "cannot read"):
-            found = os.stat(source)
-            size = found.st_size
-            if stat.S_ISDIR(found.st_mode):
+            status = os.stat(source)
+            size = status.st_size
+            if stat.S_ISDIR(status.st_mode):
                 raise IsADirectoryError(errno.EISDIR, "it is a folder, not a file")
-            if not stat.S_ISREG(found.st_mode):
+            if not stat.S_ISREG(status.st_mode):
                 raise OSError(errno.EINVAL, "it is not a file, but a pipe or a device")
             if job.decode:
-                return Task(source, _decoded_name(job, source, place), size, _need(source))
+                target = _decoded_name(job, source, path)
+                return Task(source, target, size, _decoding_memory(source))
     except Failure as failure:
-        return failed(job, Task(source, "", size), failure)
+        return failure_record(job, Task(source, "", size), failure)
     need = memory_for_mesh_file(size, job.file_format or files.extension(source))
-    return Task(source, place + files.SUFFIX, size, need)
+    return Task(source, path + files.SUFFIX, size, need)
 
 
-def _decoded_name(job: Job, source: str, place: str) -> str:
-    """Return the name of a mesh, which a file tells when its name does not tell the format."""
-    stem, suffix = os.path.splitext(place)
+def _decoded_name(job: Job, source: str, path: str) -> str:
+    """Return the name of a mesh file; the content determines its format if `path` does not."""
+    stem, suffix = os.path.splitext(path)
     if suffix.lower() != files.SUFFIX:
         raise OSError(errno.EINVAL, f"its name does not end in {files.SUFFIX}")
-    named = job.file_format or files.extension(stem) in EXTENSIONS
-    return destination(place, None, job.file_format, "" if named else _stored_format(source))[0]
+    known = job.file_format or files.extension(stem) in EXTENSIONS
+    stored = "" if known else _stored_format(source)
+    return output_name_and_format(path, None, job.file_format, stored)[0]
 
 
-def _need(source: str) -> int:
-    """Return the memory that a `.dmesh` file takes, by its header."""
+def _decoding_memory(source: str) -> int:
+    """Return the bytes of memory that decoding a `.dmesh` file takes, according to its header."""
     from deltamesh_formats.container.reader import read_counts
 
     with open(source, "rb") as stream:
         header = stream.read(_HEADER)
     try:
         return memory_for_counts(*read_counts(header))
-    except FormatError:  # the decoder will say what is wrong with it
+    except FormatError:  # the decoder will report the damage
         return memory_for_counts(0, 0)
 
 
@@ -160,19 +172,19 @@ def _stored_format(source: str) -> str:
     return "" if meta is None else meta.source
 
 
-def settled(
+def settled_record(
     job: Job, task: Task, before: Record | None, *, force: bool, skip_existing: bool
 ) -> Record | None:
-    """Return what is known of a task without any work, None for one that there is work on.
+    """Return the record of a task that needs no work, or None if it does need work.
 
     Parameters
     ----------
     job : Job
     task : Task
     before : dict or None
-        The last record of the task in the manifest that is resumed.
+        The last record of the task in the manifest of an interrupted run.
     force, skip_existing : bool
-        What to do with an output that exists and is not that of a run that was interrupted.
+        Whether an existing output is overwritten or left, unless the interrupted run wrote it.
     """
     if before is not None and still_done(before, job.options(), __version__):
         return before
@@ -184,4 +196,4 @@ def settled(
         return None
     error = FileExistsError(errno.EEXIST, "it exists already")
     hint = "-f overwrites it, --skip-existing leaves it"
-    return failed(job, task, Failure(task.target, "cannot write", error, hint))
+    return failure_record(job, task, Failure(task.target, "cannot write", error, hint))

@@ -1,8 +1,7 @@
-"""What `deltamesh batch` tells: each failure, progress, and a table at the end."""
+"""Reports of `deltamesh batch`: each failure, progress, and a table at the end."""
 
 from __future__ import annotations
 
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -14,10 +13,11 @@ import click
 
 from deltamesh.batch import DONE, FAILED, SKIPPED, Record
 from deltamesh_cli.failures import DONE as SUCCESS
-from deltamesh_cli.output import number, print_json, shown, table
+from deltamesh_cli.output import display_name, number, print_json, table
+from deltamesh_cli.progress import use_drawing, use_lines
 
-# Called with each record, and whether an earlier run has made it.
-Tell: TypeAlias = Callable[[Record, bool], None]
+# Called with each record of a file that was worked on, and the size of that file in bytes.
+Advance: TypeAlias = Callable[[Record, int], None]
 
 BEFORE: Final = "done before"
 _ERRORS: Final = {
@@ -33,9 +33,9 @@ class Totals:
     Attributes
     ----------
     files, source_bytes, target_bytes : Counter
-        By what became of the files.
+        Numbers by the status of the files.
     codes : Counter
-        How many files have failed with which exit code.
+        Number of failed files by exit code.
     worst : dict
         The largest error of each kind, and the file that has it.
     """
@@ -48,7 +48,7 @@ class Totals:
     start: float = field(default_factory=time.perf_counter)
 
     def add(self, record: Record, before: bool) -> None:
-        """Count a record."""
+        """Count a record; `before` says whether an earlier run made it."""
         status = BEFORE if before else record["status"]
         self.files[status] += 1
         self.source_bytes[status] += record.get("source_bytes") or 0
@@ -84,14 +84,15 @@ class Totals:
         blocks = [table(self._rows())]
         if self.worst:
             rows = [
-                (_ERRORS[name], number(e), shown(file)) for name, (e, file) in self.worst.items()
+                (_ERRORS[name], number(value), display_name(file))
+                for name, (value, file) in self.worst.items()
             ]
             blocks.append(table([("worst", "", "file"), *rows]))
         return "\n\n".join(blocks)
 
     def _rows(self) -> Iterator[tuple[str, ...]]:
         seconds = time.perf_counter() - self.start
-        yield "", "files", "bytes in", "bytes out", "of it", "files/s"
+        yield "", "files", "bytes in", "bytes out", "out/in", "files/s"
         for name in (DONE, BEFORE, SKIPPED, FAILED):
             size, made = self.source_bytes[name], self.target_bytes[name]
             if self.files[name] or name == DONE:
@@ -105,17 +106,21 @@ class Totals:
                 )
 
 
+def names_of(record: Record) -> str:
+    """Return the input and the output of a record for a message."""
+    return f"{display_name(record['source'])} -> {display_name(record['target'])}"
+
+
 def _line(record: Record) -> str:
-    """Return in a line what became of a file."""
-    names = f"{shown(record['source'])} -> {shown(record['target'])}"
+    """Return a record in one line."""
     if record["status"] != DONE:
-        return f"{names}: {record['status']}"
+        return f"{names_of(record)}: {record['status']}"
     sizes = f"{record['source_bytes']} -> {record['target_bytes']} bytes"
-    return f"{names}: {sizes}, {record['seconds']:.2f} s"
+    return f"{names_of(record)}: {sizes}, {record['seconds']:.2f} s"
 
 
-def tell_record(record: Record, *, as_json: bool) -> None:
-    """Tell a record to programs, and a failure to people."""
+def report_record(record: Record, *, as_json: bool) -> None:
+    """Report a failure on standard error and, with `as_json`, any record on standard output."""
     if record["status"] == FAILED:
         click.echo(record.get("traceback", ""), nl=False, err=True)
         click.echo(f"deltamesh: {record['message']}", err=True)
@@ -124,33 +129,32 @@ def tell_record(record: Record, *, as_json: bool) -> None:
 
 
 @contextmanager
-def progress(
-    wanted: bool | None, sizes: list[int], *, verbose: bool, quiet: bool
-) -> Iterator[Callable[[Record, int], None]]:
-    """Give a function that is told each record of a file that was worked on, and the file's size.
+def displayed_files(
+    show: bool | None, sizes: list[int], *, verbose: bool, quiet: bool
+) -> Iterator[Advance]:
+    """Yield a function that takes each record of a file that was worked on, and displays it.
 
-    On a terminal a bar shows how much is done and how long the rest will take, by bytes of input;
-    with `verbose`, and where there is no terminal and progress is wanted, each file has a line.
+    A bar on a terminal shows the part that is done and the time that is left, by bytes of input.
+    With `verbose`, or if progress is requested without a terminal, each file has a line.
     """
-    terminal = sys.stderr is not None and sys.stderr.isatty()
-    if verbose or (wanted and not terminal):
+    if use_lines(show, verbose=verbose):
         count = 0
 
-        def tell(record: Record, size: int) -> None:
+        def print_line(record: Record, size: int) -> None:
             nonlocal count
             count += 1
             click.echo(f"deltamesh: [{count}/{len(sizes)}] {_line(record)}", err=True)
 
-        yield tell
-    elif wanted or (wanted is None and terminal and not quiet):
-        with _bar(sizes) as tell_bar:
-            yield tell_bar
+        yield print_line
+    elif use_drawing(show, quiet=quiet):
+        with _bar(sizes) as advance:
+            yield advance
     else:
         yield lambda record, size: None
 
 
 @contextmanager
-def _bar(sizes: list[int]) -> Iterator[Callable[[Record, int], None]]:
+def _bar(sizes: list[int]) -> Iterator[Advance]:
     # Imported here: rich takes 0.1 s, and most runs have no terminal to draw on.
     from rich import progress as bars
     from rich.console import Console
@@ -163,14 +167,14 @@ def _bar(sizes: list[int]) -> Iterator[Callable[[Record, int], None]]:
         bars.TextColumn("left"),
         bars.TimeRemainingColumn(),
     )
-    # Even a file of no bytes is some work.
+    # Even an empty file is some work, so each counts one byte more.
     with bars.Progress(*columns, console=Console(stderr=True)) as bar:
         task = bar.add_task("", total=sum(sizes) + len(sizes), count=0, files=len(sizes))
         done = 0
 
-        def tell(record: Record, size: int) -> None:
+        def advance(record: Record, size: int) -> None:
             nonlocal done
             done += 1
             bar.update(task, advance=size + 1, count=done)
 
-        yield tell
+        yield advance

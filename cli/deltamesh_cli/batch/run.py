@@ -1,9 +1,12 @@
-"""A run of `deltamesh batch`: settle what is known, work on the rest, and keep a record of all."""
+"""Run of `deltamesh batch`: it settles files that need no work, works on the rest, and records all.
+
+The manifest has a line for each step, so that an interrupted run can be resumed.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
@@ -19,31 +22,33 @@ from deltamesh.batch import (
     read_records,
     record_key,
 )
-from deltamesh_cli.batch.plan import Item, settled
-from deltamesh_cli.batch.report import Tell, Totals, progress, tell_record
-from deltamesh_cli.batch.work import Job, failed
+from deltamesh_cli.batch.plan import PlannedFile, settled_record
+from deltamesh_cli.batch.report import Totals, displayed_files, names_of, report_record
+from deltamesh_cli.batch.work import Job, failure_record
 from deltamesh_cli.failures import Failure, attempt
-from deltamesh_cli.output import print_json, shown
+from deltamesh_cli.output import print_json
 from deltamesh_formats.temporaries import remove_temporaries
 
 if TYPE_CHECKING:
     from deltamesh_cli.batch.engines import Engine
 
 Records: TypeAlias = dict[tuple[str, str], Record]
+# Called with each record, and whether an earlier run made it.
+Report: TypeAlias = Callable[[Record, bool], None]
 
 
 @dataclass(frozen=True)
-class Keeping:
-    """What happens to files that exist: outputs, and the manifest.
+class ExistingFiles:
+    """Treatment of files that exist: of outputs, and of the manifest.
 
     Attributes
     ----------
     manifest : str or None
         Name of the manifest, if one is kept.
     resume : bool
-        Whether what it says is done is not done again.
+        Whether files that the manifest records as done are not done again.
     force, skip_existing : bool
-        Overwrite outputs, or leave those that exist.
+        Whether existing outputs are overwritten, or left.
     """
 
     manifest: str | None = None
@@ -53,8 +58,8 @@ class Keeping:
 
 
 @dataclass(frozen=True)
-class Telling:
-    """What is printed: the options that all commands have."""
+class Verbosity:
+    """Amount and format of the printed output: the options that all commands have."""
 
     as_json: bool = False
     quiet: bool = False
@@ -62,142 +67,165 @@ class Telling:
     show_progress: bool | None = None
 
 
-def run(items: list[Item], job: Job, engine: Engine, keeping: Keeping, telling: Telling) -> int:
-    """Work on everything, tell what became of it, and return the exit code.
+def run_batch(
+    planned: list[PlannedFile],
+    job: Job,
+    engine: Engine,
+    existing: ExistingFiles,
+    verbosity: Verbosity,
+) -> int:
+    """Work on all planned files, report them, and return the exit code.
 
     Raises
     ------
     Failure
-        Of the run: its manifest, its folders, its workers. What fails with a file is in its record.
+        If the run itself fails: its manifest, its folders, its workers. A failure of a file is in
+        the record of that file.
     """
     totals = Totals()
 
-    def tell(record: Record, before: bool) -> None:
+    def report(record: Record, before: bool) -> None:
         totals.add(record, before)
-        tell_record(record, as_json=telling.as_json)
+        report_record(record, as_json=verbosity.as_json)
 
     try:
-        with _manifest(keeping) as (records, append):
-            todo = _settle(items, job, records, keeping, append, tell)
-            _work_on(todo, job, engine, append, tell, telling)
-    finally:  # after Ctrl-C too
-        _sum_up(totals, telling)
+        with _manifest(existing) as (records, append):
+            remaining = _settle(planned, job, records, existing, append, report)
+            _work_on(remaining, job, engine, append, report, verbosity)
+    finally:  # after Ctrl-C as well
+        _print_totals(totals, verbosity)
     return totals.exit_code
 
 
-def dry_run(items: list[Item], job: Job, keeping: Keeping, telling: Telling) -> int:
-    """Tell what a run would do, write nothing, and return the exit code it has at least."""
-    totals, records = Totals(), _known(keeping)
-    for item in items:
-        record = _known_of(item, job, records, keeping)
+def dry_run(
+    planned: list[PlannedFile], job: Job, existing: ExistingFiles, verbosity: Verbosity
+) -> int:
+    """Report the work of a run without writing anything, and return the exit code known so far."""
+    totals, records = Totals(), _recorded(existing)
+    for one in planned:
+        record = _settled(one, job, records, existing)
         if record is None:
-            assert isinstance(item, Task)
-            record = {"status": "planned", "source": item.source, "target": item.target}
+            assert isinstance(one, Task)
+            record = {"status": "planned", "source": one.source, "target": one.target}
         totals.add(record, before=False)
-        tell_record(record, as_json=telling.as_json)
-        if not telling.as_json and "message" not in record:
-            names = f"{shown(record['source'])} -> {shown(record['target'])}"
-            click.echo(names if record["status"] == "planned" else f"{names}: {record['status']}")
+        report_record(record, as_json=verbosity.as_json)
+        if not verbosity.as_json and "message" not in record:
+            names, status = names_of(record), record["status"]
+            click.echo(names if status == "planned" else f"{names}: {status}")
     return totals.exit_code
 
 
-def _known(keeping: Keeping) -> Records:
-    """Return what the manifest says, without touching it."""
-    if not (keeping.resume and keeping.manifest and os.path.exists(keeping.manifest)):
+def _recorded(existing: ExistingFiles) -> Records:
+    """Return the records of the manifest without changing it."""
+    if not (existing.resume and existing.manifest and os.path.exists(existing.manifest)):
         return {}
-    with attempt(keeping.manifest, "cannot resume"), open(keeping.manifest, "rb") as file:
+    with attempt(existing.manifest, "cannot resume"), open(existing.manifest, "rb") as file:
         return {record_key(record): record for record in read_records(file.read())}
 
 
-def _known_of(item: Item, job: Job, records: Records, keeping: Keeping) -> Record | None:
-    """Return the record of an item that there is no work on, None for one that there is."""
-    if not isinstance(item, Task):
-        return item
-    before = records.get((item.source, item.target))
-    return settled(job, item, before, force=keeping.force, skip_existing=keeping.skip_existing)
+def _settled(
+    one: PlannedFile, job: Job, records: Records, existing: ExistingFiles
+) -> Record | None:
+    """Return the record of a planned file that needs no work, or None if it does need work."""
+    if not isinstance(one, Task):
+        return one
+    before = records.get((one.source, one.target))
+    return settled_record(
+        job, one, before, force=existing.force, skip_existing=existing.skip_existing
+    )
 
 
 @contextmanager
-def _manifest(keeping: Keeping) -> Iterator[tuple[Records, Append]]:
-    """Open the manifest, or stand in for one."""
-    path = keeping.manifest
+def _manifest(existing: ExistingFiles) -> Iterator[tuple[Records, Append]]:
+    """Open the manifest; without one, yield no records and an `append` that does nothing."""
+    path = existing.manifest
     if path is None:
         yield {}, lambda records: None
         return
     _make_folder(os.path.dirname(path))
     begin_hint = "--resume goes on with it, -f begins it anew"
-    hint = begin_hint if os.path.exists(path) and not keeping.resume else ""
+    hint = begin_hint if os.path.exists(path) and not existing.resume else ""
     with ExitStack() as stack:
         with attempt(path, "cannot keep a manifest", hint):
-            opened = open_manifest(path, resume=keeping.resume, force=keeping.force)
+            opened = open_manifest(path, resume=existing.resume, force=existing.force)
             records, append = stack.enter_context(opened)
 
-        def keep(new: Iterable[Record]) -> None:
+        def append_or_fail(new: Iterable[Record]) -> None:
             with attempt(path, "cannot write"):
                 append(new)
 
-        yield records, keep
+        yield records, append_or_fail
 
 
 def _settle(
-    items: list[Item], job: Job, records: Records, keeping: Keeping, append: Append, tell: Tell
+    planned: list[PlannedFile],
+    job: Job,
+    records: Records,
+    existing: ExistingFiles,
+    append: Append,
+    report: Report,
 ) -> list[Task]:
-    """Record what there is no work on, and return the tasks that are left."""
-    todo, new = [], []
-    for item in items:
-        record = _known_of(item, job, records, keeping)
+    """Record the files that need no work, and return the tasks that remain."""
+    remaining, new = [], []
+    for one in planned:
+        record = _settled(one, job, records, existing)
         if record is None:
-            assert isinstance(item, Task)
-            # What exists and is not refused is ours, and goes. What appears from now on is not.
-            overwrite = keeping.force or os.path.lexists(item.target)
-            todo.append(replace(item, overwrite=overwrite))
+            assert isinstance(one, Task)
+            # An output that exists now may be overwritten; one that appears later may not.
+            overwrite = existing.force or os.path.lexists(one.target)
+            remaining.append(replace(one, overwrite=overwrite))
             continue
         before = record is records.get(record_key(record))
         if not before:
             new.append(record)
-        tell(record, before)
+        report(record, before)
     append(new)
-    return todo
+    return remaining
 
 
 def _work_on(
-    todo: list[Task], job: Job, engine: Engine, append: Append, tell: Tell, telling: Telling
+    tasks: list[Task],
+    job: Job,
+    engine: Engine,
+    append: Append,
+    report: Report,
+    verbosity: Verbosity,
 ) -> None:
-    """Work on tasks; each is on record before it begins, and again when it is done."""
-    _make_folders(todo)
-    remove_temporaries(task.target for task in todo)
+    """Work on tasks; each is recorded before it begins, and again when it is done."""
+    _make_folders(tasks)
+    remove_temporaries(task.target for task in tasks)
 
-    def begin(tasks: list[Task]) -> None:
-        append(begun_record(task.source, task.target) for task in tasks)
+    def begin(begun: list[Task]) -> None:
+        append(begun_record(task.source, task.target) for task in begun)
 
-    shown_progress = progress(
-        telling.show_progress,
-        [task.size for task in todo],
-        verbose=telling.verbose,
-        quiet=telling.quiet,
+    display = displayed_files(
+        verbosity.show_progress,
+        [task.size for task in tasks],
+        verbose=verbosity.verbose,
+        quiet=verbosity.quiet,
     )
     try:
-        with shown_progress as advance, closing(engine(job, todo, begin)) as outcomes:
-            for task, outcome in outcomes if todo else ():
+        with display as advance, closing(engine(job, tasks, begin)) as outcomes:
+            for task, outcome in outcomes if tasks else ():
                 record = _record(job, task, outcome)
                 append([record])
-                tell(record, False)
+                report(record, False)
                 advance(record, task.size)
     finally:
-        # Of files that are done too: a worker may have died of them at first.
-        remove_temporaries(task.target for task in todo)
+        # Files that are done may have some, too: an earlier worker may have died of them.
+        remove_temporaries(task.target for task in tasks)
 
 
 def _record(job: Job, task: Task, outcome: Record | Exception) -> Record:
-    """Return the record of a task, with the names that the user has given."""
+    """Return the record of a task, with the file names that the user gave."""
     if isinstance(outcome, Exception):
         remove_temporaries([task.target])
-        return failed(job, task, Failure(task.source, job.what, outcome))
+        return failure_record(job, task, Failure(task.source, job.problem, outcome))
     return {**outcome, "source": task.source, "target": task.target}
 
 
-def _make_folders(todo: list[Task]) -> None:
-    for folder in sorted({os.path.dirname(task.target) for task in todo}):
+def _make_folders(tasks: list[Task]) -> None:
+    for folder in sorted({os.path.dirname(task.target) for task in tasks}):
         _make_folder(folder)
 
 
@@ -206,8 +234,8 @@ def _make_folder(folder: str) -> None:
         os.makedirs(folder or os.curdir, exist_ok=True)
 
 
-def _sum_up(totals: Totals, telling: Telling) -> None:
-    if telling.as_json:
+def _print_totals(totals: Totals, verbosity: Verbosity) -> None:
+    if verbosity.as_json:
         print_json({"summary": totals.as_object()})
-    elif not telling.quiet:
+    elif not verbosity.quiet:
         click.echo(totals.as_text())

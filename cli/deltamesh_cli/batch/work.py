@@ -1,4 +1,4 @@
-"""What `deltamesh batch` does with one file: a task in, a record out, here or in any process."""
+"""Work of `deltamesh batch` on one file: it turns a task into a record, in any process."""
 
 from __future__ import annotations
 
@@ -11,13 +11,15 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from deltamesh._options import CHOICES
+from deltamesh._progress import silent
 from deltamesh._version import __version__
 from deltamesh.batch import DONE, FAILED, Record, Task, file_state
-from deltamesh_cli import files, options, summary
-from deltamesh_cli.commands.decode import decode_into
-from deltamesh_cli.commands.encode import encode_file
-from deltamesh_cli.failures import Failure, as_object, attempt
-from deltamesh_cli.meshes import container_of
+from deltamesh_cli import files, options
+from deltamesh_cli.decoding import decode_to_file
+from deltamesh_cli.encoding import encode_file
+from deltamesh_cli.failures import Failure, attempt, failure_object
+from deltamesh_cli.meshes import parse_container
+from deltamesh_cli.summary import errors_object
 from deltamesh_formats.container.container import Container
 
 _TETRAHEDRON: Final = b"""OFF
@@ -32,24 +34,24 @@ _TETRAHEDRON: Final = b"""OFF
 3 0 3 2
 """
 
-# Options that change how fast an output is made, or whether, but not what is in it.
+# Options that change how fast an output is made, or whether it is, but not its bytes.
 _OF_NO_EFFECT: Final = ("threads", "memory", "max_vertices")
 
 
 @dataclass(frozen=True)
 class Job:
-    """What is done with each file.
+    """Operation on each file of a batch, with its options.
 
     Attributes
     ----------
     decode : bool
-        Whether `.dmesh` files become meshes, or meshes `.dmesh` files.
+        Whether `.dmesh` files are decoded; otherwise mesh files are encoded.
     file_format : str or None
-        Of the mesh files; None where their names tell.
+        Format of the mesh files; None if their names determine it.
     parameters : dict
         The other options of `deltamesh encode` or `deltamesh decode`, by name.
     debug : bool
-        Whether the record of a file that fails has the traceback.
+        Whether the record of a failure has the traceback.
     """
 
     decode: bool
@@ -58,59 +60,59 @@ class Job:
     debug: bool = False
 
     @property
-    def what(self) -> str:
-        """What it means that a file fails."""
+    def problem(self) -> str:
+        """The problem with a file that fails."""
         return "cannot decode" if self.decode else "cannot encode"
 
     def options(self) -> Record:
-        """Return what the output depends on, but for the input, as JSON gives it back."""
-        given = options.given({"format": self.file_format, **self.parameters})
+        """Return everything but the input that the output depends on, as JSON represents it."""
+        specified = options.specified({"format": self.file_format, **self.parameters})
         for name in _OF_NO_EFFECT:
-            given.pop(name, None)
-        chosen: Record = json.loads(json.dumps({"decode": self.decode, **given}))
-        return chosen
+            specified.pop(name, None)
+        as_json: Record = json.loads(json.dumps({"decode": self.decode, **specified}))
+        return as_json
 
 
 def work(job: Job, task: Task) -> Record:
-    """Encode or decode a file, and return the record of what became of it; nothing is raised."""
+    """Encode or decode a file and return its record; a failure is a record, too."""
     start = time.perf_counter()
     try:
-        # A file that exists has been settled before, and after the work task.overwrite decides.
+        # The plan has settled outputs that exist, and task.overwrite decides after the work.
         files.check_output(task.source, task.target, force=True)
         with attempt(task.source, "cannot read"):
-            before = file_state(task.source, "source")
+            source_state = file_state(task.source, "source")
         container, lost = _decode(job, task) if job.decode else _encode(job, task)
         with attempt(task.target, "cannot read"):
-            after = file_state(task.target, "target")
+            target_state = file_state(task.target, "target")
     except Failure as failure:
-        return failed(job, task, failure, time.perf_counter() - start)
+        return failure_record(job, task, failure, time.perf_counter() - start)
     return {
         "status": DONE,
         "source": task.source,
         "target": task.target,
-        **before,
-        **after,
+        **source_state,
+        **target_state,
         "vertices": container.vertices,
         "faces": container.triangles,
         "not_kept": list(lost),
-        "errors": None if container.meta is None else summary.errors(container.meta),
+        "errors": None if container.meta is None else errors_object(container.meta),
         "seconds": time.perf_counter() - start,
         "options": job.options(),
         "version": __version__,
     }
 
 
-def failed(job: Job, task: Task, failure: Failure, seconds: float | None = None) -> Record:
+def failure_record(job: Job, task: Task, failure: Failure, seconds: float | None = None) -> Record:
     """Return the record of a file that could not be processed."""
-    told = as_object(failure)
+    described = failure_object(failure)
     trace = "".join(traceback.format_exception(failure.error)) if job.debug else None
     return {
         "status": FAILED,
         "source": task.source,
         "target": task.target,
         "source_bytes": task.size,
-        "error": told["error"],
-        "exit_code": told["exit_code"],
+        "error": described["error"],
+        "exit_code": described["exit_code"],
         "message": str(failure),
         **({} if trace is None else {"traceback": trace}),
         "seconds": seconds,
@@ -122,23 +124,19 @@ def failed(job: Job, task: Task, failure: Failure, seconds: float | None = None)
 def _encode(job: Job, task: Task) -> tuple[Container, tuple[str, ...]]:
     source, target = task.source, task.target
     _, container, lost = encode_file(
-        source, target, job.file_format, _silent, job.parameters, force=task.overwrite
+        source, target, job.file_format, silent, job.parameters, force=task.overwrite
     )
     return container, lost
 
 
 def _decode(job: Job, task: Task) -> tuple[Container, tuple[str, ...]]:
     source, target = task.source, task.target
-    container = container_of(source, files.read_input(source), job.what)
+    container = parse_container(source, files.read_input(source), job.problem)
     file_format = job.file_format or files.extension(target)
-    _, lost = decode_into(
-        target, file_format, source, container, _silent, job.parameters, force=task.overwrite
+    _, lost = decode_to_file(
+        target, file_format, source, container, silent, job.parameters, force=task.overwrite
     )
     return container, lost
-
-
-def _silent(stage: str) -> None:
-    """Tell nobody."""
 
 
 def prepare(job: Job) -> None:

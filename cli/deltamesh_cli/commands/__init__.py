@@ -1,1 +1,1 @@
-"""Commands, one module each; `command` in it is the click command of the module's name."""
+"""The commands of deltamesh, one module per command: its flags, its help, and its steps."""

@@ -9,133 +9,155 @@ import click
 
 from deltamesh.batch import available_cores, physical_memory, share
 from deltamesh_cli import options
+from deltamesh_cli.batch.arguments import SLURM, job_of, rank_of, refuse_two_of
 from deltamesh_cli.batch.engines import here, in_processes, on_dask
-from deltamesh_cli.batch.options import SLURM, job_of, rank_of, refuse_two_of, with_options_of_both
-from deltamesh_cli.batch.plan import Places, listed, planned, selection
-from deltamesh_cli.batch.run import Keeping, Telling, dry_run
-from deltamesh_cli.batch.run import run as run_batch
-from deltamesh_cli.failures import Failure, report
+from deltamesh_cli.batch.plan import (
+    Destinations,
+    plan_files,
+    read_file_list,
+    selection_from_folders,
+)
+from deltamesh_cli.batch.run import ExistingFiles, Verbosity, dry_run, run_batch
+from deltamesh_cli.encode_options import encode_options
+from deltamesh_cli.failures import Failure, report_failure
 from deltamesh_cli.signals import stopping_cleanly
+from deltamesh_cli.value_types import FILE, FOLDER, positive, size, whole
 from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
     from deltamesh_cli.batch.engines import Engine
 
 _EXAMPLES = """\
-deltamesh batch *.ply                         writes each beside its input
+deltamesh batch *.ply                         writes beside the inputs
 deltamesh batch -r scans --output-dir-mirror packed -j 0
 deltamesh batch -r scans -j 4 --manifest run.jsonl --resume
 deltamesh batch -r scans --include '*.stl' --exclude 'draft*' -n
 deltamesh batch -d -r packed --output-dir-flat meshes --output-format obj
 find scans -name '*.ply' -print0 | deltamesh batch -0 --filelist - -j 0
 deltamesh batch -r scans --scheduler tcp://head:8786 --manifest run.jsonl
-deltamesh batch -r scans --slurm array -j 0      one share of a SLURM array
+deltamesh batch -r scans --slurm array -j 0      a share of a SLURM array
 """
 _CODE = """\
-The exit code is that of the worst file: the largest."""
+The exit code is the largest of the exit codes of all files."""
 
 
-@with_options_of_both
 @click.command(epilog=options.epilog(_EXAMPLES, _CODE))
-@click.argument("inputs", type=options.FILE, metavar="[FILE|FOLDER]...", nargs=-1)
-@click.option("-d", "--decode", is_flag=True, help="Decode .dmesh files, instead of encoding.")
+@click.argument("inputs", type=FILE, metavar="[FILE|FOLDER]...", nargs=-1)
+@click.option("-d", "--decode", is_flag=True, help="Decode .dmesh files instead of encoding.")
 @click.option("-r", "--recursive", is_flag=True, help="Take the files in folders, at any depth.")
 @click.option(
     "--filelist",
     "lists",
-    type=options.FILE,
+    type=FILE,
     metavar="LIST",
     multiple=True,
-    help="Take the files that are named in LIST too, one a line; - is standard input.",
+    help="Also take the files that LIST names, one per line; - stands for standard input.",
 )
 @click.option(
-    "-0", "--null", is_flag=True, help="Names in LIST end with a NUL, as find -print0 writes them."
+    "-0",
+    "--null",
+    is_flag=True,
+    help="Expect a NUL after each name in LIST, as find -print0 writes it.",
 )
 @click.option(
     "--include",
     metavar="PATTERN",
     multiple=True,
-    help="Take only what matches, such as '*.stl'. With a slash in PATTERN it is the whole path"
-    " that has to match.",
+    help="Take only files that match, such as '*.stl'. A PATTERN with a slash has to match the"
+    " whole path.",
 )
 @click.option(
-    "--exclude", metavar="PATTERN", multiple=True, help="Leave out what matches, folders too."
+    "--exclude",
+    metavar="PATTERN",
+    multiple=True,
+    help="Leave out files and folders that match.",
 )
 @click.option(
     "--output-dir-flat",
     "flat",
-    type=options.FOLDER,
+    type=FOLDER,
     metavar="DIR",
-    help="Write all files into DIR. Two of one name are refused before anything is done.",
+    help="Write all outputs into DIR. If two would have the same name, nothing is done.",
 )
 @click.option(
     "--output-dir-mirror",
     "mirror",
-    type=options.FOLDER,
+    type=FOLDER,
     metavar="DIR",
-    help="Write files into folders in DIR that are named as those of the inputs.",
+    help="Write outputs into folders in DIR that have the same paths as those of the inputs.",
 )
-@click.option("-f", "--force", is_flag=True, help="Overwrite outputs, and begin a manifest anew.")
+@click.option("-f", "--force", is_flag=True, help="Overwrite outputs, and start the manifest anew.")
 @click.option("--skip-existing", is_flag=True, help="Leave out files whose output exists.")
-@click.option("-n", "--dry-run", "dry", is_flag=True, help="Tell what would be done, do nothing.")
+@click.option(
+    "-n",
+    "--dry-run",
+    "dry",
+    is_flag=True,
+    help="Print what a run would do without doing anything.",
+)
 @click.option(
     "-j",
     "--jobs",
-    type=options.whole(0),
+    type=whole(0),
     metavar="N",
-    help="Work on N files at once, each in a process with one thread; 0 is one a core."
+    help="Work on N files at once, each in a process with one thread; 0 means one per core."
     "  [default: 1, in this process]",
 )
 @click.option(
     "--memory",
-    type=options.size,
+    type=size,
     metavar="SIZE",
-    help="What all files at work may need together, by estimate, such as 8G. With -j, a mesh that"
-    " needs more is encoded alone; a .dmesh that needs more is refused.  [default: -j: all there"
-    " is; -d: 16G a file]",
+    help="Limit on the estimated memory of all files that are processed at the same time, such as"
+    " 8G. With -j, a mesh that needs more is encoded alone. With -d, a file that needs more is"
+    " refused.  [default with -j: all memory of the machine; with -d: 16G per file]",
 )
 @click.option(
     "--timeout",
-    type=options.length,
+    type=positive,
     metavar="SECONDS",
-    help="Give up a file after that long, and kill the process that works on it.",
+    help="Give up a file after this time and kill the process that works on it.",
 )
 @click.option(
     "--scheduler",
     metavar="ADDRESS",
-    help="Work on the Dask cluster whose scheduler is there, such as tcp://head:8786, or a"
-    " --scheduler-file. Its workers have to see the same files; extra `cluster`.",
+    help="Work on the Dask cluster whose scheduler has this address, such as tcp://head:8786, or"
+    " this --scheduler-file. Its workers need access to the same files; extra `cluster`.",
 )
 @click.option(
     "--dask-local",
-    type=options.whole(1),
+    type=whole(1),
     metavar="N",
-    help="Work on a Dask cluster of N processes here, which ends with this run; extra `cluster`.",
+    help="Work on a Dask cluster of N processes on this machine, which ends with the run; extra"
+    " `cluster`.",
 )
 @click.option(
     "--rank",
-    type=options.whole(0),
+    type=whole(0),
     metavar="R",
-    help="Do only the share of machine R, from 0, of --world-size machines: every W-th file.",
+    help="Process only the share of machine R, counted from 0: with --world-size W, every W-th"
+    " file.",
 )
-@click.option("--world-size", type=options.whole(1), metavar="W", help="How many machines.")
+@click.option("--world-size", type=whole(1), metavar="W", help="Number of machines.")
 @click.option(
     "--slurm",
     type=click.Choice(list(SLURM)),
-    help="Take rank and world size from SLURM: of the task of a job array, or of a step's task.",
+    help="Take rank and world size from SLURM: from a task of a job array, or of a job step.",
 )
 @click.option(
     "--manifest",
-    type=options.FILE,
+    type=FILE,
     metavar="FILE",
-    help="Keep a record of each file in FILE, one JSON object a line.",
+    help="Keep a record of each file in FILE, one JSON object per line.",
 )
 @click.option(
     "--resume",
     is_flag=True,
-    help="Go on with the manifest: what it says is done, with these options, by this version, and"
-    " has not changed since, is not done again.",
+    help="Continue with the manifest: files that it records as done are skipped, unless they have"
+    " changed or were made with other options or by another version.",
 )
+@encode_options
+@options.output_format
+@options.max_vertices
 @options.as_json
 @options.verbosity
 @options.debug
@@ -170,16 +192,17 @@ def command(
 ) -> None:
     """Encode or decode many files.
 
-    FILE is a mesh file or, with -d, a .dmesh file; of a FOLDER all such files are taken. A pattern
-    such as 'scans/**/*.ply', in quotes, is matched here. Names are sorted, and each file is taken
-    once. The bytes of an output are those that deltamesh encode or decode writes, however many
-    work on it and wherever.
+    A FILE is a mesh file or, with -d, a .dmesh file. With -r, a FOLDER stands for all such files in
+    it. A quoted pattern such as 'scans/**/*.ply' is matched by this program. Files are sorted by
+    name, and each is processed once. Each output has the same bytes as that of deltamesh encode or
+    decode, regardless of the number and the kind of workers.
 
-    A file that fails is told, and the others go on. Outputs are written beside the inputs, unless
-    a folder is given; one that exists is overwritten only with -f. After an interruption, even by
-    kill -9 or a power failure, the same command with --manifest and --resume does what is left.
+    A file that fails is reported, and the others are processed. Outputs are written beside the
+    inputs unless a folder is given, and existing ones are overwritten only with -f. After an
+    interruption, even by kill -9 or a power failure, the same command with --manifest and --resume
+    completes the run.
 
-    All options of deltamesh encode hold here or, with -d, all of deltamesh decode.
+    All options of deltamesh encode apply, or with -d all options of deltamesh decode.
     """
     context = click.get_current_context()
     refuse_two_of(context, "flat", "mirror")
@@ -200,23 +223,23 @@ def command(
     elif in_parallel:
         count = available_cores() if jobs == 0 else jobs or 1
         engine = in_processes(count, memory or physical_memory() or inf, timeout or inf)
-    keeping = Keeping(manifest, resume, force, skip_existing)
-    telling = Telling(as_json, quiet, verbose, show_progress)
-    places = Places(flat, mirror)
+    existing = ExistingFiles(manifest, resume, force, skip_existing)
+    verbosity = Verbosity(as_json, quiet, verbose, show_progress)
+    destinations = Destinations(flat, mirror)
     try:
         job = job_of(context, decode, memory, parameters, one_thread=on_cluster or in_parallel)
-        names = [name for one in lists for name in listed(one, null=null)]
-        chosen = selection(job, places, include, exclude, recursive)
-        items = planned(job, places, inputs, names, chosen)
-        items = share(items, *rank_of(rank, world_size, slurm))
-        if not items:
+        listed = [name for one in lists for name in read_file_list(one, null=null)]
+        selection = selection_from_folders(job, destinations, include, exclude, recursive)
+        planned = plan_files(job, destinations, inputs, listed, selection)
+        planned = share(planned, *rank_of(rank, world_size, slurm))
+        if not planned:
             click.echo("deltamesh: there is nothing to do", err=True)
         if dry:
-            context.exit(dry_run(items, job, keeping, telling))
+            context.exit(dry_run(planned, job, existing, verbosity))
         with stopping_cleanly():
-            context.exit(run_batch(items, job, engine, keeping, telling))
+            context.exit(run_batch(planned, job, engine, existing, verbosity))
     except OptionError as error:
         raise click.UsageError(str(error)) from error
     except Failure as failure:
-        report(failure)
+        report_failure(failure)
         context.exit(failure.code)

@@ -1,4 +1,4 @@
-"""`deltamesh bench`: bytes and errors of one's own meshes, and whether they have grown."""
+"""`deltamesh bench`: file sizes and errors of meshes, and a check that they have not grown."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ from click.core import ParameterSource
 from deltamesh._methods import BOUNDS, RATES
 from deltamesh._options import Options
 from deltamesh.bench import PEER_NAMES
-from deltamesh_cli import files, measuring, options
-from deltamesh_cli.commands.encode import command as encode
-from deltamesh_cli.failures import DONE, tried
-from deltamesh_cli.progress import progress
+from deltamesh_cli import files, measuring, options, rate_tables
+from deltamesh_cli.encode_options import encode_options
+from deltamesh_cli.failures import DONE, process_all
+from deltamesh_cli.progress import displayed_progress
+from deltamesh_cli.value_types import FILE, comma_separated, fraction
 from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
     from deltamesh.bench import Measurement, Row
 
-# Of the options that say how to encode: those that may be lists, and those that are not encode's.
+# The encode options that may be lists here, and those that have another meaning here or none.
 _LISTS: Final = ("method", *RATES, *BOUNDS)
-_OWN: Final = ("solver", "threads", "source_format", "drop_isolated")
+_NOT_SHARED: Final = ("solver", "threads", "source_format", "drop_isolated")
 
 _COLUMNS: Final = """\
 Columns:
-  bytes, bits/vertex    of the whole file (which names no source format)
+  bytes, bits/vertex    of the whole file (without a source format)
   RMS, max              distances of vertices    | fractions of the
   Hausdorff             distance of surfaces     | diagonal of the
   visual                position and smoothness  | bounding box
@@ -45,24 +46,46 @@ deltamesh bench scans -r --check rates.csv --tolerance 0.5%
 """
 
 
-@click.command(epilog=options.epilog(_EXAMPLES, _COLUMNS))
-@click.argument("sources", type=options.FILE, metavar="FILE|FOLDER...", nargs=-1, required=True)
-@click.option("-r", "--recursive", is_flag=True, help="Take the folders within folders, too.")
+def _bench_options() -> list[click.Parameter]:
+    """Return the options that say how to encode, some of them as lists."""
+    names = {field.name for field in fields(Options)}.difference(_NOT_SHARED)
+    shared = options.parameters_of(encode_options)
+    return [
+        _as_list(one) if name in _LISTS else one for name, one in shared.items() if name in names
+    ]
+
+
+def _as_list(option: click.Option) -> click.Option:
+    kind = option.type
+    metavar = "|".join(kind.choices) if isinstance(kind, click.Choice) else option.metavar
+    default = f"  [default: {option.default}]" if isinstance(option.default, str) else ""
+    return click.Option(
+        [*option.opts, str(option.name)],
+        type=comma_separated(kind),
+        multiple=True,
+        metavar=f"{metavar},...",
+        help=f"{option.help}{default}",
+    )
+
+
+@click.command(params=_bench_options(), epilog=options.epilog(_EXAMPLES, _COLUMNS))
+@click.argument("sources", type=FILE, metavar="FILE|FOLDER...", nargs=-1, required=True)
+@click.option("-r", "--recursive", is_flag=True, help="Search folders within folders as well.")
 @click.option(
     "--drop-isolated",
     is_flag=True,
-    help="Leave out the vertices that belong to no face, as --peers always does.",
+    help="Leave out vertices that belong to no face, as --peers always does.",
 )
 @click.option(
     "--peers",
-    type=options.several(click.Choice(PEER_NAMES)),
+    type=comma_separated(click.Choice(PEER_NAMES)),
     metavar="PEER,...",
-    help=f"Measure other codecs as well: {', '.join(PEER_NAMES)}. What is not installed (extra"
-    " `bench`) is skipped.",
+    help=f"Measure other codecs as well: {', '.join(PEER_NAMES)}. Codecs that are not installed"
+    " (extra `bench`) are skipped.",
 )
 @click.option(
     "--peer-bits",
-    type=options.several(click.IntRange(1, 16)),
+    type=comma_separated(click.IntRange(1, 16)),
     default=",".join(map(str, measuring.PEER_BITS)),
     show_default=True,
     metavar="B,...",
@@ -70,32 +93,32 @@ deltamesh bench scans -r --check rates.csv --tolerance 0.5%
 )
 @click.option(
     "--save",
-    type=options.FILE,
+    type=FILE,
     metavar="CSV",
-    help="Write bytes and errors, for --check, into a file.",
+    help="Write sizes and errors into a file for --check.",
 )
 @click.option("-f", "--force", is_flag=True, help="Overwrite the file of --save.")
 @click.option(
     "--check",
-    type=options.FILE,
+    type=FILE,
     metavar="CSV",
-    help="Compare with a file of --save: exit with 4, and tell what is worse.",
+    help="Compare with a file of --save; if anything is worse, report it and exit with code 4.",
 )
 @click.option(
     "--tolerance",
-    type=options.share,
+    type=fraction,
     default="0.5%",
     show_default=True,
-    metavar="SHARE",
-    help="By how much --check lets bytes grow.",
+    metavar="FRACTION",
+    help="Growth in size that --check allows.",
 )
 @click.option(
     "--error-tolerance",
-    type=options.share,
+    type=fraction,
     default="1%",
     show_default=True,
-    metavar="SHARE",
-    help="By how much --check lets an error grow; machines round differently.",
+    metavar="FRACTION",
+    help="Growth of an error that --check allows, because machines round differently.",
 )
 @options.solver
 @options.threads
@@ -122,75 +145,86 @@ def command(
     quiet: bool,
     verbose: bool,
     show_progress: bool | None,
-    **encoding: Any,
+    **parameters: Any,
 ) -> None:
-    """Measure what becomes of mesh files: bytes, errors, seconds.
+    """Measure file sizes, errors and times of meshes.
 
-    Each is encoded, decoded and compared, all in memory. Files are {formats}; a folder stands for
-    those in it. The options of encoding are those of deltamesh encode; method and rates may be
-    lists, or be repeated: all are tried with all. A file that fails is reported, and the rest is
-    measured.
+    Each mesh is encoded, decoded and compared, all in memory. A FILE is {formats}; a FOLDER stands
+    for the mesh files in it. The options that say how to encode are those of deltamesh encode. The
+    method, the rates and the bounds may be lists or be repeated, and every method is measured with
+    every rate and bound. A file that fails is reported, and the others are measured.
 
-    --save keeps the rows, and --check compares with them: bytes or errors that have grown by more
-    than the tolerances, another mesh, and missing rows make the exit code 4. Without options of
-    encoding, --check repeats what the rows say. Rows of other meshes count as missing where a
-    folder is given, and do not matter where files are.
+    --save stores the measurements as rows of a table, and --check compares new measurements with
+    such a table. The exit code is 4 if sizes or errors have grown by more than the tolerances, if a
+    mesh has changed, or if rows are missing. Without options that say how to encode, --check
+    repeats the measurements of the table. Rows of other meshes count as missing if a FOLDER is
+    given, and are ignored if only FILEs are given.
     """
     if as_csv and as_json:
         raise click.UsageError("--csv and --json exclude each other.")
-    labels = [*_labels(dict(encoding)), *measuring.peer_labels(peers or (), peer_bits)]
-    found = measuring.mesh_files(sources, recursive)
-    old: list[Row] = []
-    new: list[Measurement] = []
+    labels = [*_labels(dict(parameters)), *measuring.peer_labels(peers or (), peer_bits)]
+    paths = measuring.mesh_paths(sources, recursive)
+    saved_rows: list[Row] = []
+    measurements: list[Measurement] = []
     codes = [DONE]
 
-    def over(items: Iterable[Any], action: Callable[[Any], object]) -> None:
-        codes.append(tried(items, action, as_json=as_json))
+    def process(items: Iterable[Any], action: Callable[[Any], object]) -> None:
+        codes.append(process_all(items, action, as_json=as_json))
 
-    def wanted(name: str) -> list[str]:
-        repeated = [] if peers or _given(encoding) else measuring.labels_of(name, old)
-        return repeated or labels
+    def labels_for(name: str) -> list[str]:
+        repeat = not (peers or _on_command_line(parameters))
+        return (measuring.labels_in(saved_rows, name) if repeat else []) or labels
 
     def measure(name: str) -> None:
-        before, path = len(new), found[name]
-        codecs = measuring.codecs(wanted(name), skipped, solver=solver, threads=threads)
-        bare = drop_isolated or measuring.any_peer(wanted(name))
-        with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
-            mesh = measuring.read(path, stage, bare=bare)
-            over(codecs, lambda one: new.append(measuring.measured(name, path, mesh, one, stage)))
+        before, path = len(measurements), paths[name]
+        codecs = measuring.codecs_of(labels_for(name), skipped, solver=solver, threads=threads)
+        bare = drop_isolated or measuring.has_peer(labels_for(name))
+        with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
+            mesh = measuring.read_triangles(path, progress, bare=bare)
+            process(
+                codecs,
+                lambda codec: measurements.append(
+                    measuring.measure_mesh(name, path, mesh, codec, progress)
+                ),
+            )
         if as_json:
-            measuring.print_objects(new[before:])
+            rate_tables.print_objects(measurements[before:])
         elif not (quiet or as_csv):
-            measuring.print_table(path, new[before:])
+            rate_tables.print_table(path, measurements[before:])
 
     if check:
-        over([check], lambda path: old.extend(measuring.saved(path)))
+        process([check], lambda path: saved_rows.extend(measuring.read_rates(path)))
     if save:
-        over([save], lambda path: files.check_output(files.STDIO, path, force=force, text=True))
+        process([save], lambda path: files.check_output(files.STDIO, path, force=force, text=True))
     if not any(codes):
-        skipped = measuring.skipped(label for name in found for label in wanted(name))
-        over(found, measure)
+        skipped = measuring.skip_missing_peers(
+            label for name in paths for label in labels_for(name)
+        )
+        process(paths, measure)
         if as_csv:
-            measuring.print_csv(new)
+            rate_tables.print_csv(measurements)
         if save:
-            over([save], lambda path: measuring.save(path, new, force=force))
+            process([save], lambda path: measuring.write_rates(path, measurements, force=force))
         if check:
-            folders = any(map(os.path.isdir, sources))
-            kept = [row for row in old if folders or row["mesh"] in found]
-            changed = measuring.changes(kept, new, tolerance, error_tolerance)
-            silent = quiet or as_csv
-            codes.append(measuring.tell(check, changed, len(new), as_json=as_json, quiet=silent))
+            has_folder = any(map(os.path.isdir, sources))
+            rows = [row for row in saved_rows if has_folder or row["mesh"] in paths]
+            changed = measuring.changes(rows, measurements, tolerance, error_tolerance)
+            codes.append(
+                rate_tables.report_changes(
+                    check, changed, len(measurements), as_json=as_json, quiet=quiet or as_csv
+                )
+            )
     click.get_current_context().exit(max(codes))
 
 
-def _labels(given: dict[str, Any]) -> list[str]:
+def _labels(parameters: dict[str, Any]) -> list[str]:
     """Return the label of each method with each rate."""
     from deltamesh.bench import label
 
-    lists = {name: _flat(given.pop(name, ())) for name in _LISTS}
+    lists = {name: _flat(parameters.pop(name, ())) for name in _LISTS}
     methods = [{"method": method} for method in lists.pop("method")] or [{}]
     rates = [{name: value} for name, values in lists.items() for value in values] or [{}]
-    common = options.given(given)
+    common = options.specified(parameters)
     try:
         return [
             label(Options(**method, **rate, **common)) for method, rate in product(methods, rates)
@@ -199,37 +233,12 @@ def _labels(given: dict[str, Any]) -> list[str]:
         raise click.UsageError(f"{error}.") from error
 
 
-def _flat(value: Any) -> list[Any]:
-    """Return the values of an option that may be a list and be repeated; or is a flag."""
-    if isinstance(value, tuple):
-        return [one for part in value for one in part]
-    return [value] if value else []
+def _flat(lists: tuple[tuple[Any, ...], ...]) -> list[Any]:
+    """Return the values of an option that takes lists and may be repeated."""
+    return [value for values in lists for value in values]
 
 
-def _given(names: Iterable[str]) -> bool:
-    """Tell whether one of these parameters is on the command line."""
+def _on_command_line(names: Iterable[str]) -> bool:
+    """Return whether one of these parameters is on the command line."""
     source = click.get_current_context().get_parameter_source
     return any(source(name) is ParameterSource.COMMANDLINE for name in names)
-
-
-def _encoding_options() -> list[click.Parameter]:
-    """Return the options of encode that say how to encode, some of them as lists."""
-    names = {field.name for field in fields(Options)}.difference(_OWN)
-    found = [one for one in encode.params if isinstance(one, click.Option) and one.name in names]
-    return [_as_list(one) if one.name in _LISTS and not one.is_flag else one for one in found]
-
-
-def _as_list(option: click.Option) -> click.Option:
-    kind = option.type
-    metavar = "|".join(kind.choices) if isinstance(kind, click.Choice) else option.metavar
-    default = f"  [default: {option.default}]" if isinstance(option.default, str) else ""
-    return click.Option(
-        [*option.opts, str(option.name)],
-        type=options.several(kind),
-        multiple=True,
-        metavar=f"{metavar},...",
-        help=f"{option.help}{default}",
-    )
-
-
-command.params[1:1] = _encoding_options()

@@ -1,4 +1,4 @@
-"""`deltamesh completion`: what a shell needs to complete command lines of deltamesh."""
+"""`deltamesh completion`: a script with which a shell completes command lines of deltamesh."""
 
 from __future__ import annotations
 
@@ -15,29 +15,30 @@ deltamesh completion zsh > ~/.zfunc/_deltamesh
 deltamesh completion fish > ~/.config/fish/completions/deltamesh.fish
 """
 
-_WHERE = (
+_SETUP = (
     """\
-bash reads the file of the first example if ~/.bashrc has the line
+bash loads the file of the first example if ~/.bashrc has the line
   . ~/.deltamesh.bash""",
     """\
-zsh looks into the folder of the second one, which you make, if ~/.zshrc has
+zsh searches the folder of the second example, which you have to create, if
+~/.zshrc has the lines
   fpath+=~/.zfunc
   autoload -Uz compinit && compinit""",
 )
 
 
-@click.command(epilog=options.epilog(_EXAMPLES, *_WHERE))
+@click.command(epilog=options.epilog(_EXAMPLES, *_SETUP))
 @click.argument("shell", type=click.Choice(_SHELLS))
 @click.pass_context
 def command(ctx: click.Context, shell: str) -> None:
     """Print a script that completes command lines.
 
-    With it the TAB key completes commands, options, their values and names of files. It holds for
-    shells that are started afterwards. bash has to be 4.4 or newer.
+    With the script, the TAB key completes commands, options, their values and file names. Shells
+    have to be started anew to use it. bash has to be version 4.4 or newer.
     """
-    found = get_completion_class(shell)
-    if found is None:
-        raise click.ClickException(f"this version of click does not know {shell}")
+    completion = get_completion_class(shell)
+    if completion is None:
+        raise click.ClickException(f"this version of click does not support {shell}")
     group = ctx.find_root().command
-    script = found(group, {}, "deltamesh", "_DELTAMESH_COMPLETE")
+    script = completion(group, {}, "deltamesh", "_DELTAMESH_COMPLETE")
     click.echo(script.source_template % script.source_vars())

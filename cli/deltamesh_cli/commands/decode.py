@@ -1,25 +1,22 @@
-"""`deltamesh decode`: a `.dmesh` in, a mesh file out."""
+"""`deltamesh decode`: a `.dmesh` file becomes a mesh file."""
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from deltamesh_cli import files, options
-from deltamesh_cli.failures import each
-from deltamesh_cli.meshes import container_of, decoded, note_not_kept, write_mesh_file
-from deltamesh_cli.output import print_json, shown
-from deltamesh_cli.progress import Stage, progress
+from deltamesh_cli.decoding import decode_to_file, output_name_and_format
+from deltamesh_cli.failures import process_all_and_exit
+from deltamesh_cli.meshes import note_not_kept, parse_container
+from deltamesh_cli.output import display_name, print_json
+from deltamesh_cli.progress import displayed_progress
+from deltamesh_cli.value_types import FILE
 from deltamesh_formats.meshfiles.formats import FORMATS, format_of_extension
 
 if TYPE_CHECKING:
-    from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
-
-# What a file that names no format of its own is written as: binary, exact, read by everything.
-_FALLBACK_FORMAT = "ply"
 
 _EXAMPLES = """\
 deltamesh decode bunny.ply.dmesh                 writes bunny.ply
@@ -31,12 +28,9 @@ deltamesh decode - --output-format off < mesh.dmesh | wc
 
 
 @click.command(epilog=options.epilog(_EXAMPLES))
-@click.argument("source", type=options.FILE, metavar="IN")
+@click.argument("source", type=FILE, metavar="IN")
 @options.output("IN without .dmesh")
-@options.output_format
-@options.solver
-@options.threads
-@options.limits
+@options.decode_options
 @options.as_json
 @options.verbosity
 @options.debug
@@ -53,86 +47,47 @@ def command(
     show_progress: bool | None,
     **parameters: Any,
 ) -> None:
-    """Rebuild the mesh of a .dmesh file.
+    """Decode a .dmesh file into a mesh file.
 
-    OUT is a mesh file: {formats}. Without OUT it is IN without ".dmesh"; where that has no
-    extension of a mesh file, the format is the one that was encoded, and its extension is added.
+    OUT is a mesh file: {formats}. By default, OUT is IN without ".dmesh". If that name has no
+    extension of a mesh file, OUT has the format that was encoded, and its extension is appended.
 
-    OUT gets all that IN holds and its format has a place for: polygons, attributes, names. What it
-    has no place for is named in a note on standard error. ply holds attributes of any kind, obj
-    objects, groups and materials, glb several placed meshes.
+    OUT receives everything in IN that its format can hold: polygons, attributes, names. A note on
+    standard error lists the rest. ply holds attributes of any kind; obj holds objects, groups and
+    materials; glb holds several meshes with transforms.
 
-    IN stays as it is. An OUT that exists is overwritten only with -f. "-" is standard input or
-    output; from standard input the mesh goes to standard output unless OUT is given.
+    IN is never modified. If OUT exists, it is overwritten only with -f. "-" stands for standard
+    input or output. A mesh from standard input goes to standard output unless OUT is given.
 
-    A damaged file is refused, and so is one that would need more than --max-vertices or --memory
-    allow, before anything is allocated; no OUT is written then.
+    A damaged file is refused. A file that would exceed --max-vertices or --memory is refused before
+    any memory is allocated. In both cases, no OUT is written.
     """
     target = files.chosen_output(target, output)
     if target is None and source == files.STDIO:
         target = files.STDIO
     if target is None and not source.lower().endswith(files.SUFFIX):
-        raise click.UsageError(f"{shown(source)} does not end in {files.SUFFIX}: OUT is needed.")
+        name = display_name(source)
+        raise click.UsageError(f"{name} does not end in {files.SUFFIX}: OUT is needed.")
     known = format_of_extension(files.extension(target or ""))
     if target not in (None, files.STDIO) and output_format is None and known is None:
-        raise click.UsageError(f"{shown(str(target))} names no mesh format: use --output-format.")
-    files.check_usage(target, as_json)
+        name = display_name(str(target))
+        raise click.UsageError(f"{name} names no mesh format: use --output-format.")
+    files.check_stdout_has_one_use(target, as_json)
 
     def decode(source: str) -> None:
-        container = container_of(source, files.read_input(source), "cannot decode")
+        container = parse_container(source, files.read_input(source), "cannot decode")
         stored = container.meta.source if container.meta is not None else ""
-        name, file_format = destination(source, target, output_format, stored)
+        name, file_format = output_name_and_format(source, target, output_format, stored)
         files.check_output(source, name, force=force, text=FORMATS[file_format].is_text)
-        with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
-            mesh, lost = decode_into(
-                name, file_format, source, container, stage, parameters, force=force
+        with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
+            mesh, lost = decode_to_file(
+                name, file_format, source, container, progress, parameters, force=force
             )
         note_not_kept(name, lost, quiet=quiet)
         if as_json or not (quiet or name == files.STDIO):
             _print_summary(source, name, mesh, file_format, as_json)
 
-    each([source], decode, as_json=as_json)
-
-
-def decode_into(
-    target: str,
-    file_format: str,
-    source: str,
-    container: Container,
-    stage: Stage,
-    parameters: dict[str, Any],
-    *,
-    force: bool,
-) -> tuple[PolyMesh, tuple[str, ...]]:
-    """Write the mesh of a `.dmesh` file.
-
-    Returns
-    -------
-    mesh : PolyMesh
-    lost : tuple of str
-        Words for what the format of the target has no place for.
-
-    Raises
-    ------
-    Failure
-    """
-    mesh = decoded(source, container, stage, **parameters)
-    stage("writing")
-    return mesh, write_mesh_file(target, mesh, file_format, force=force)
-
-
-def destination(
-    source: str, target: str | None, output_format: str | None, stored: str
-) -> tuple[str, str]:
-    """Return the name and the format of the output; `stored` is the format that was encoded."""
-    name = source[: -len(files.SUFFIX)] if target is None else target
-    named = format_of_extension(files.extension(name))
-    original = stored if stored in FORMATS else _FALLBACK_FORMAT
-    file_format = output_format or (original if named is None else named.name)
-    if target is not None or (named is not None and named.name == file_format):
-        return name, file_format
-    stem = name if named is None else os.path.splitext(name)[0]
-    return f"{stem}.{FORMATS[file_format].extensions[0]}", file_format
+    process_all_and_exit([source], decode, as_json=as_json)
 
 
 def _print_summary(
@@ -143,4 +98,5 @@ def _print_summary(
         counts = {"vertices": vertices, "faces": faces}
         print_json({"source": source, "file": target, "format": file_format, **counts})
     else:
-        click.echo(f"{shown(source)} -> {shown(target)}: {vertices} vertices, {faces} faces")
+        names = f"{display_name(source)} -> {display_name(target)}"
+        click.echo(f"{names}: {vertices} vertices, {faces} faces")

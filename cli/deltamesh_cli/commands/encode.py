@@ -1,4 +1,4 @@
-"""`deltamesh encode`: a mesh file in, a `.dmesh` out."""
+"""`deltamesh encode`: a mesh file becomes a `.dmesh` file."""
 
 from __future__ import annotations
 
@@ -6,195 +6,39 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from deltamesh._methods import AUTO, LOSSLESS
-from deltamesh._options import (
-    ANCHOR_METHODS,
-    CHOICES,
-    DEFAULT_BITS_NORMAL,
-    DEFAULT_BITS_UV,
-    DEFAULT_EFFORT,
-    MAX_BITS,
-    MAX_BITS_NORMAL,
-    MAX_BITS_UV,
-    MAX_EFFORT,
-    MAX_QUALITY,
-    MIN_BITS_NORMAL,
-    check_together,
-)
-from deltamesh_cli import files, options, summary
-from deltamesh_cli.failures import attempt, each
-from deltamesh_cli.meshes import container_of, note_not_kept, parsed
-from deltamesh_cli.output import print_json, shown
-from deltamesh_cli.progress import Stage, progress
-from deltamesh_cli.signals import interruptible
-from deltamesh_formats.container.texts import texts_of
-from deltamesh_formats.errors import OptionError
+from deltamesh_cli import files, options
+from deltamesh_cli.encode_options import check_encode_options, encode_options
+from deltamesh_cli.encoding import encode_file
+from deltamesh_cli.failures import process_all_and_exit
+from deltamesh_cli.meshes import note_not_kept
+from deltamesh_cli.output import display_name, print_json
+from deltamesh_cli.progress import displayed_progress
+from deltamesh_cli.summary import container_object
+from deltamesh_cli.value_types import FILE
+from deltamesh_formats.container.summary import achieved, counts
 
 if TYPE_CHECKING:
     from deltamesh_formats.container.container import Container
-    from deltamesh_formats.polymesh.mesh import PolyMesh
 
 _EXAMPLES = """\
 deltamesh encode bunny.ply                      writes bunny.ply.dmesh
 deltamesh encode bunny.ply small.dmesh --quality 3
 deltamesh encode scan.obj --normal-error 0.5 --max-error-rel 1e-3
-deltamesh encode part.stl --max-error 0.05      within that of each vertex
+deltamesh encode part.stl --max-error 0.05      moves no vertex further
 deltamesh encode scan.obj --method highpass --bits 6
 deltamesh encode scan.obj --step 0.01 --anchors 500
-deltamesh encode rig.obj --keep-order            arrays alongside still fit
-deltamesh encode part.obj --lossless             everything to the last bit
-deltamesh encode part.obj --drop all             the shape alone
+deltamesh encode rig.obj --keep-order            keeps vertex numbers
+deltamesh encode part.obj --lossless             keeps every bit
+deltamesh encode part.obj --drop all             keeps the shape alone
 deltamesh encode scan.glb --drop normal --bits-uv 14
 cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 """
 
 
 @click.command(epilog=options.epilog(_EXAMPLES))
-@click.argument("source", type=options.FILE, metavar="IN")
+@click.argument("source", type=FILE, metavar="IN")
 @options.output("IN.dmesh")
-@click.option(
-    "--quality",
-    type=options.whole(1, MAX_QUALITY),
-    metavar="1..9",
-    help="How good: 5 keeps the mean deviation of the face normals within 1 degree and the RMS"
-    " distance within 0.15 % of the diagonal of the bounding box; two more halve both."
-    "  [default: 5]",
-)
-@click.option(
-    "--normal-error",
-    type=options.length,
-    metavar="DEG",
-    help="The same in units: the mean deviation of the face normals, in degrees.",
-)
-@click.option(
-    "--dihedral-error",
-    type=options.length,
-    metavar="DEG",
-    help="The mean deviation of the dihedral angles, in degrees.",
-)
-@click.option(
-    "--max-error",
-    type=options.length,
-    metavar="LENGTH",
-    help="No vertex further from where it was than that, in the unit of the mesh.",
-)
-@click.option(
-    "--max-error-rel",
-    type=options.length,
-    metavar="FRACTION",
-    help="Likewise, as a fraction of the diagonal of the bounding box.",
-)
-@click.option(
-    "--effort",
-    type=options.whole(1, MAX_EFFORT),
-    metavar="1..3",
-    help=f"How long to search for the fewest bytes.  [default: {DEFAULT_EFFORT}]",
-)
-@click.option(
-    "--method",
-    type=click.Choice(CHOICES),
-    default=AUTO,
-    show_default=True,
-    help="What is quantized: differential coordinates, coarsely along the surface and finely across"
-    " it (refined; scans, organic shapes); alike (highpass); x, y, z (cartesian; CAD); or nothing"
-    " (lossless). auto is refined or cartesian, whichever takes fewer bytes.",
-)
-@click.option(
-    "--lossless",
-    is_flag=True,
-    help="Keep positions to the last bit, -0.0 and all: short for --method lossless.",
-)
-@click.option(
-    "-b",
-    "--bits",
-    type=options.whole(0, MAX_BITS),
-    metavar="B",
-    help="Instead of a quality, bits per coordinate: the step is the range of what is quantized"
-    " over 2^B. 0 keeps connectivity and anchors alone.  [default: cartesian 11]",
-)
-@click.option(
-    "--step",
-    type=options.length,
-    metavar="LENGTH",
-    help="The step itself, in the unit of the mesh."
-    "  [default: highpass and refined 1/1000 of the diagonal of the bounding box]",
-)
-@click.option(
-    "--coarse",
-    type=options.factor,
-    metavar="C",
-    help="With refined, the step along the surface over that across it, 1 to 64."
-    "  [default: by search]",
-)
-@click.option(
-    "--anchors",
-    type=options.anchor_count,
-    metavar="K|FRACTION",
-    help="Vertices whose position is stored: how many, or which fraction.  [default: 0.001]",
-)
-@click.option(
-    "--anchor-method",
-    type=click.Choice(ANCHOR_METHODS),
-    help="How anchors are chosen: spread over the surface, where the error is largest (slower),"
-    " or at random.  [default: farthest]",
-)
-@click.option(
-    "--diffusion/--no-diffusion",
-    default=None,
-    help="Hand each rounding error on to the neighbours still to come, which lowers the error at"
-    " the same size; or plain rounding.  [default: diffusion]",
-)
-@click.option(
-    "--seed",
-    type=options.whole(0, 2**64 - 1),
-    metavar="N",
-    help="Seed of the random anchors.  [default: 0]",
-)
-@click.option(
-    "--drop-isolated",
-    is_flag=True,
-    default=None,
-    help="Leave out the vertices that belong to no face.",
-)
-@click.option(
-    "--keep-order",
-    is_flag=True,
-    default=None,
-    help="Vertices and faces come back in the order of IN, each face from its first corner on.",
-)
-@click.option(
-    "--drop",
-    multiple=True,
-    callback=lambda context, parameter, names: list(names) or None,
-    metavar="NAME",
-    help="Leave out what has this name: an attribute, a role (uv, normal, colour), a kind of parts"
-    " (object, mesh, group, material, smoothing), a key of metadata, transforms, or all. May come"
-    " several times; what IN does not have is no error.",
-)
-@click.option(
-    "--bits-uv",
-    type=options.whole(1, MAX_BITS_UV),
-    metavar="B",
-    help="Texture coordinates: 2^B steps on the largest of their extents."
-    f"  [default: {DEFAULT_BITS_UV}]",
-)
-@click.option(
-    "--bits-normal",
-    type=options.whole(MIN_BITS_NORMAL, MAX_BITS_NORMAL),
-    metavar="B",
-    help="Unit normals: 2^B steps on both sides of an unfolded octahedron."
-    f"  [default: {DEFAULT_BITS_NORMAL}]",
-)
-@click.option(
-    "--lossless-attributes",
-    is_flag=True,
-    default=None,
-    help="Keep all attributes to the last bit, as --lossless does: texture coordinates, normals"
-    " and colours of floats too, which otherwise are rounded.",
-)
-@options.input_format
-@options.solver
-@options.threads
+@encode_options
 @options.as_json
 @options.verbosity
 @options.debug
@@ -215,123 +59,58 @@ def command(
 
     IN is a mesh file: {formats}.
 
-    Connectivity is kept exactly, whatever it is: polygons, edges of three faces, faces turned over,
-    faces twice, degenerate faces, several vertices at one position. Without --keep-order, vertices
-    and faces come back in another order.
+    Connectivity is lossless, even where it is irregular: polygons, edges with three faces, flipped
+    faces, repeated faces, degenerate faces, several vertices at one position. Without --keep-order,
+    the order of vertices and faces changes.
 
-    Positions come back with a small, smooth error: --quality or bounds in units set it, any of them
-    together. The encoder decodes what it has coded, and takes the smallest file within all bounds
-    that it finds; what became of the errors is printed and stored in the file. A bound that cannot
-    be met is an error (exit code 4) that says what could be had. With --lossless, positions come
-    back as they were.
+    Positions change by a small, smooth error. --quality or bounds in units limit it, and they can
+    be combined. The encoder decodes every file that it tries and keeps the smallest one within all
+    bounds. It prints the errors that it measured and stores them in the file. If a bound cannot be
+    met, encoding fails with exit code 4, and the message gives the smallest errors that were found.
+    With --lossless, positions do not change.
 
-    Attributes of vertices, corners and faces are kept: any numbers to the last bit, but texture
-    coordinates, unit normals and colours of floats, which are rounded (--bits-uv, --bits-normal)
-    unless --lossless-attributes or --lossless is given. Kept are also the names and faces of
-    objects, groups, smoothing groups and materials, the transforms of a scene, and comments. --drop
-    leaves out what is not wanted.
+    Attributes of vertices, corners and faces are kept. All numbers are kept to the last bit, except
+    texture coordinates, unit normals and floating-point colours, which are rounded (--bits-uv,
+    --bits-normal) unless --lossless-attributes or --lossless is given. The names and faces of
+    objects, groups, smoothing groups and materials, the transforms of a scene, and comments are
+    kept, too. --drop leaves out content that you do not need.
 
-    Not kept are pictures, what materials look like, animations, lines, points, and what else is no
-    mesh of faces. What of these IN has is named in a note on standard error, in the output of
-    --json as "not_kept", and by deltamesh info.
+    Pictures, the appearance of materials, animations, lines, points and everything else that is not
+    a mesh of faces are not kept. If IN has any of these, a note on standard error lists them, and
+    so do the key "not_kept" of --json and deltamesh info.
 
-    IN stays as it is. An OUT that exists is overwritten only with -f. "-" is standard input or
-    output; reading from standard input needs --input-format, and writes to standard output unless
-    OUT is given.
+    IN is never modified. If OUT exists, it is overwritten only with -f. "-" stands for standard
+    input or output. Reading from standard input needs --input-format, and writes to standard output
+    unless OUT is given.
     """
     target = files.chosen_output(target, output)
     if target is None:
         target = source if source == files.STDIO else source + files.SUFFIX
-    check_parameters(parameters)
+    check_encode_options(parameters)
     if source == files.STDIO and input_format is None:
         raise click.UsageError("Reading from standard input needs --input-format.")
-    files.check_usage(target, as_json)
+    files.check_stdout_has_one_use(target, as_json)
 
     def encode(source: str) -> None:
         files.check_input(source)
         files.check_output(source, target, force=force)
-        with progress(show_progress, verbose=verbose, quiet=quiet) as stage:
+        with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
             size, container, lost = encode_file(
-                source, target, input_format, stage, parameters, force=force
+                source, target, input_format, progress, parameters, force=force
             )
         note_not_kept(source, lost, quiet=quiet)
-        if as_json or not (quiet or target == files.STDIO):
-            _print_summary((source, size), target, container, as_json=as_json)
+        if as_json:
+            sizes = {"source": source, "source_bytes": size}
+            print_json({**sizes, **container_object(target, container)})
+        elif not (quiet or target == files.STDIO):
+            _print_summary(source, size, target, container)
 
-    each([source], encode, as_json=as_json)
-
-
-def check_parameters(parameters: dict[str, Any]) -> None:
-    """Refuse options that do not go together; what is left are keywords of `deltamesh.encode`."""
-    if parameters.pop("lossless"):
-        _choose_lossless(parameters)
-    try:
-        check_together(parameters["method"], options.given(parameters), options.shown)
-    except OptionError as error:
-        raise click.UsageError(f"{error}.") from error
+    process_all_and_exit([source], encode, as_json=as_json)
 
 
-def _choose_lossless(parameters: dict[str, Any]) -> None:
-    source = click.get_current_context().get_parameter_source("method")
-    method = parameters["method"]
-    if source is not click.core.ParameterSource.DEFAULT and method != LOSSLESS.name:
-        raise click.UsageError(f"--lossless and --method {method} exclude each other.")
-    parameters["method"] = LOSSLESS.name
-
-
-def encode_file(
-    source: str,
-    target: str,
-    input_format: str | None,
-    stage: Stage,
-    parameters: dict[str, Any],
-    *,
-    force: bool,
-) -> tuple[int, Container, tuple[str, ...]]:
-    """Compress one file into another.
-
-    Returns
-    -------
-    size : int
-        Bytes of the first.
-    container : Container
-        Of the second.
-    lost : tuple of str
-        Words for what is not kept.
-
-    Raises
-    ------
-    Failure
-    """
-    original = files.read_input(source)
-    mesh = parsed(source, original, input_format, stage)
-    with attempt(source, "cannot encode"):
-        data = interruptible(lambda: _encoded(mesh, stage, parameters))
-    files.write_output(target, data, force=force)
-    container = container_of(target, data, "cannot encode")
-    return len(original), container, texts_of(container).lost
-
-
-def _encoded(mesh: PolyMesh, stage: Stage, parameters: dict[str, Any]) -> bytes:
-    import deltamesh
-
-    return deltamesh.encode(
-        mesh,
-        source_format=mesh.format,
-        progress=stage,
-        **options.given(parameters),
-    )
-
-
-def _print_summary(
-    source: tuple[str, int], target: str, container: Container, *, as_json: bool
-) -> None:
-    """Print what became of `source`, a name and a size in bytes."""
-    name, size = source
-    if as_json:
-        print_json({"source": name, "source_bytes": size, **summary.as_object(target, container)})
-        return
-    click.echo(f"{shown(name)}: {size} bytes")
-    click.echo(f"{shown(target)}: {container.size} bytes, {summary.counts(container)}")
+def _print_summary(source: str, size: int, target: str, container: Container) -> None:
+    """Print the sizes of the input and the output, and the errors that the encoder measured."""
+    click.echo(f"{display_name(source)}: {size} bytes")
+    click.echo(f"{display_name(target)}: {container.size} bytes, {counts(container)}")
     if container.meta is not None:
-        click.echo(f"achieved: {summary.achieved(container.meta)}")
+        click.echo(f"achieved: {achieved(container.meta)}")

@@ -1,13 +1,15 @@
-"""`deltamesh info`: what a `.dmesh` file says about itself, without decoding it."""
+"""`deltamesh info`: the description of a `.dmesh` file, without decoding it."""
 
 from __future__ import annotations
 
 import click
 
-from deltamesh_cli import files, options, summary
-from deltamesh_cli.failures import attempt, each
-from deltamesh_cli.meshes import container_of
+from deltamesh_cli import files, options
+from deltamesh_cli.failures import attempt, process_all_and_exit
+from deltamesh_cli.meshes import parse_container
 from deltamesh_cli.output import print_json
+from deltamesh_cli.summary import container_object, described_container
+from deltamesh_cli.value_types import FILE
 
 _EXAMPLES = """\
 deltamesh info bunny.ply.dmesh
@@ -18,30 +20,32 @@ deltamesh info --json scene.dmesh | jq '.parts[] | {kind, names}'
 
 
 @click.command(epilog=options.epilog(_EXAMPLES))
-@click.argument("sources", type=options.FILE, metavar="FILE...", nargs=-1, required=True)
+@click.argument("sources", type=FILE, metavar="FILE...", nargs=-1, required=True)
 @options.as_json
 @options.debug
 def command(sources: tuple[str, ...], as_json: bool) -> None:
-    """Show what .dmesh files hold, without decoding.
+    """Describe .dmesh files without decoding them.
 
-    That is parameters, sizes, attributes, names of parts, metadata, what of the source was not
-    kept, and errors. The errors are those that the encoder measured: RMS and largest distance of
-    the vertices, as fractions of the bounding box diagonal, mean deviation of the face normals and
-    of the dihedral angles, in degrees. Of each attribute, it is the largest error of any number; of
-    unit normals, the largest angle. Of long lists of names the first are shown; --json, which
-    prints one object a file, has them all, and lengths in the unit of the mesh too.
+    The description has parameters, sizes, attributes, names of parts, metadata, the content of the
+    source that was not kept, and errors. The encoder measured these errors: the RMS distance and
+    the largest distance of the vertices as fractions of the diagonal of the bounding box, and the
+    mean deviation of the face normals and of the dihedral angles in degrees. The error of an
+    attribute is the largest error of any of its numbers or, for unit normals, the largest angle.
+    Only the first names of a long list are shown. --json prints one object per file, which has all
+    names, and lengths in the unit of the mesh as well.
 
-    The checksums of all sections are verified, but nothing is decoded: that is deltamesh test. A
-    file that cannot be read is reported, and the others are shown.
+    The checksums of all sections are verified, but only deltamesh test decodes the files. A file
+    that cannot be read is reported, and the others are described.
     """
 
     def info(source: str) -> None:
-        container = container_of(source, files.read_input(source), "cannot read")
+        container = parse_container(source, files.read_input(source), "cannot read")
         with attempt(source, "cannot read"):
-            found = (summary.as_object if as_json else summary.as_text)(source, container)
-        if isinstance(found, str):
-            click.echo(found)
+            describe = container_object if as_json else described_container
+            description = describe(source, container)
+        if isinstance(description, str):
+            click.echo(description)
         else:
-            print_json(found)
+            print_json(description)
 
-    each(sources, info, as_json=as_json)
+    process_all_and_exit(sources, info, as_json=as_json)

@@ -1,4 +1,4 @@
-"""`deltamesh test`: whether `.dmesh` files are whole."""
+"""`deltamesh test`: a check that `.dmesh` files are intact."""
 
 from __future__ import annotations
 
@@ -7,19 +7,20 @@ from typing import Any
 import click
 
 from deltamesh_cli import files, options
-from deltamesh_cli.failures import attempt, each
-from deltamesh_cli.output import print_json, shown
-from deltamesh_cli.progress import progress
+from deltamesh_cli.failures import attempt, process_all_and_exit
+from deltamesh_cli.output import display_name, print_json
+from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.signals import interruptible
+from deltamesh_cli.value_types import FILE
 
 _EXAMPLES = """\
 deltamesh test bunny.ply.dmesh
-deltamesh test -q archive/*.dmesh && echo all whole
+deltamesh test -q archive/*.dmesh && echo all intact
 """
 
 
 @click.command(epilog=options.epilog(_EXAMPLES))
-@click.argument("sources", type=options.FILE, metavar="FILE...", nargs=-1, required=True)
+@click.argument("sources", type=FILE, metavar="FILE...", nargs=-1, required=True)
 @options.solver
 @options.threads
 @options.limits
@@ -34,28 +35,28 @@ def command(
     show_progress: bool | None,
     **parameters: Any,
 ) -> None:
-    """Tell whether .dmesh files are whole.
+    """Check that .dmesh files are intact.
 
-    Each is decoded completely, and nothing is written. The checksum of every section and that of
-    the decoded integers must agree, and the mesh must come out. All files are tested, whatever
-    becomes of each; the exit code is the worst. Attributes, names and the order are decoded and
-    checked as all else is.
+    Each file is decoded completely, including its attributes, names and order, and nothing is
+    written. The checksums of every section and of the decoded integers have to match, and decoding
+    has to yield a mesh. A damaged file does not keep the others from being checked; the exit code
+    is the worst one.
     """
 
     def test(source: str) -> None:
         data = files.read_input(source)
         with (
-            progress(show_progress, verbose=verbose, quiet=quiet) as stage,
+            displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress,
             attempt(source, "damaged or refused"),
         ):
             import deltamesh
 
-            given = options.given(parameters)
-            container = interruptible(lambda: deltamesh.verify(data, progress=stage, **given))
+            keywords = options.specified(parameters)
+            container = interruptible(lambda: deltamesh.verify(data, progress=progress, **keywords))
         if as_json:
             counts = {"vertices": container.vertices, "faces": container.triangles}
             print_json({"file": source, "ok": True, "bytes": container.size, **counts})
         elif not quiet:
-            click.echo(f"{shown(source)}: OK")
+            click.echo(f"{display_name(source)}: OK")
 
-    each(sources, test, as_json=as_json)
+    process_all_and_exit(sources, test, as_json=as_json)

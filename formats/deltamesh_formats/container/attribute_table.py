@@ -25,7 +25,7 @@ _DOMAINS: Final = {code: name for name, code in layout.DOMAINS.items()}
 _ROLES: Final = {code: name for name, code in layout.ROLES.items()}
 _CODINGS: Final = {code: name for name, code in layout.CODINGS.items()}
 _TYPES: Final = {code: np.dtype(name) for name, code in layout.TYPES.items()}
-# Surrogates, which stand for bytes of a name that was no UTF-8, are spelled like other code points.
+# Surrogates stand for bytes of a name that was no UTF-8; they are encoded as other code points are.
 _NAMES: Final = "surrogatepass"
 # Kinds of numpy types that each coding is for.
 _FITTING: Final = {"integer": "bui", "exact": "fc", "grid": "f", "octahedral": "f"}
@@ -46,7 +46,7 @@ class Entry:
     ----------
     name : str
     domain, role, normalized
-        As in `polymesh.Attribute`.
+        As those of an `Attribute`.
     dtype : numpy dtype, in the byte order of the machine
     width : int
         Numbers a row.

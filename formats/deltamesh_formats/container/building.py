@@ -44,7 +44,7 @@ def build_container(
         `layout.required` that the mesh needs. Ids unknown to this version must be optional ones;
         they come last, in their order.
     meta : Meta or None
-        Rounded likewise.
+        Rounded in the same way.
     digest : bytes, 8
         Of the decoded integers.
 

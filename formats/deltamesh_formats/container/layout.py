@@ -77,7 +77,7 @@ MAX_SECTIONS: Final = 64
 PARAMETERS: Final = "PARM"
 CONNECTIVITY: Final = "CONN"
 STITCHES: Final = "STCH"
-COPIES: Final = "COPY"
+SPLIT_VERTICES: Final = "COPY"
 POLYGONS: Final = "POLY"
 ANCHORS: Final = "ANCH"
 DELTAS: Final = "DELT"
@@ -91,7 +91,7 @@ CORRECTIONS: Final = "FIXS"
 META: Final = "meta"
 CHECK: Final = "CHEK"
 # Sections that follow `CONN`, and those that follow the geometry, in this order, where needed.
-AFTER_CONNECTIVITY: Final = (STITCHES, COPIES, POLYGONS)
+AFTER_CONNECTIVITY: Final = (STITCHES, SPLIT_VERTICES, POLYGONS)
 AFTER_GEOMETRY: Final = (ATTRIBUTES, PARTS, ORDER)
 
 
@@ -291,7 +291,7 @@ MAX_LIMB_BITS: Final = 29
 
 # SPEC.md#515-part
 
-# Forms of a block.
+# Encodings of a block.
 BLOCK_PLAIN: Final = 0
 BLOCK_DEFLATED: Final = 1
 # A byte for each division: bits 0 to 2, its kind.

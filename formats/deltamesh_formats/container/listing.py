@@ -1,4 +1,4 @@
-"""The names, metadata and losses that a `.dmesh` file tells of, for `deltamesh info`.
+"""Names, metadata and losses of a `.dmesh` file, for `deltamesh info`.
 
 They come from users' files: control characters, which could steer a terminal, are escaped.
 """
@@ -41,10 +41,10 @@ def texts_object(texts: Texts) -> dict[str, object]:
 
 
 def _listed(names: Sequence[str]) -> str:
-    words = [f'"{_cut(name)}"' for name in names[:_MOST_SHOWN]]
+    shown = [f'"{_cut(name)}"' for name in names[:_MOST_SHOWN]]
     if len(names) > _MOST_SHOWN:
-        words.append(f"and {len(names) - _MOST_SHOWN} more")
-    return ", ".join(words) or "none"
+        shown.append(f"and {len(names) - _MOST_SHOWN} more")
+    return ", ".join(shown) or "none"
 
 
 def _cut(name: str) -> str:

@@ -1,4 +1,4 @@
-"""Bytes to `Container`: the mirror of `writer`, for bytes from anywhere.
+"""Reader of the `.dmesh` container: bytes from anywhere become a `Container`, or are refused.
 
 Small functions (view, position) -> (value, position), after tomli. Nothing is indexed before its
 bytes are known to be there, nothing is allocated by a number that a file announces, payloads are
@@ -226,9 +226,9 @@ def _check_order(sections: dict[str, Section], method: str) -> None:
     """Refuse a section that is missing or not in its place; SPEC.md 3.2 has the order."""
     ids, required = list(sections), layout.required(method, sections)
     # `CHEK` ends the ids and is not among the required, so a shorter list meets it here.
-    for wanted, found in zip(required, ids, strict=False):
-        if found != wanted:
-            message = f"section {wanted} is missing, {found} is in its place"
+    for expected, found in zip(required, ids, strict=False):
+        if found != expected:
+            message = f"section {expected} is missing, {found} is in its place"
             raise FormatError(message, sections[found].offset)
     for i, name in enumerate(ids[len(required) : -1]):
         if name[0].isupper() or (name == layout.META and i > 0):

@@ -1,4 +1,4 @@
-"""What a `.dmesh` file or a mesh is, for people: as text and, for notebooks, as HTML.
+"""Summaries of `.dmesh` files and meshes for people: as text and, for notebooks, as HTML.
 
 Names in it come from files: control characters are escaped in the text, and all in the HTML.
 """
@@ -106,14 +106,14 @@ def _lines(container: Container) -> Iterator[str]:
 
 def _described(parameters: Parameters) -> Iterator[str]:
     method = METHODS[parameters.method]
-    words = [] if parameters.bits is None else [f"{parameters.bits} bits"]
+    facts = [] if parameters.bits is None else [f"{parameters.bits} bits"]
     if parameters.step:
-        words.append(f"step {number(parameters.step)}")
+        facts.append(f"step {number(parameters.step)}")
         if method.coarse:
-            words.append(f"deltas {number(parameters.coarse)} times as coarse")
+            facts.append(f"deltas {number(parameters.coarse)} times as coarse")
         if method.anchored:
-            words.append("error diffusion" if parameters.diffusion else "plain rounding")
-    yield ": ".join(filter(None, (method.title, ", ".join(words))))
+            facts.append("error diffusion" if parameters.diffusion else "plain rounding")
+    yield ": ".join(filter(None, (method.title, ", ".join(facts))))
     if parameters.anchor_method is not None:
         seed = f", seed {parameters.seed}" if parameters.anchor_method == "random" else ""
         yield f"anchors: {parameters.anchor_count}, {parameters.anchor_method}{seed}"
@@ -122,7 +122,7 @@ def _described(parameters: Parameters) -> Iterator[str]:
 
 
 def attributes_of(container: Container) -> Sequence[Entry]:
-    """Return what a file tells of its attributes.
+    """Return the entries of the attributes of a file.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Text of a `.dmesh` file: names of parts, metadata, words for what is lost; SPEC.md 5.15.
+"""Text of a `.dmesh` file: names of parts, metadata, descriptions of losses; SPEC.md 5.15.
 
 It can be read without decoding anything else, and without numpy: `deltamesh info` does. Text comes
 from users' files and may hold anything, control characters too: whoever prints it escapes them.
@@ -56,7 +56,7 @@ class Texts:
     divisions : tuple of Division, at most one of each kind
     metadata : mapping of str to tuple of str
     lost : tuple of str
-        What of the source is not in the file, in words.
+        Descriptions of what the source had and the file has not.
     """
 
     divisions: tuple[Division, ...]

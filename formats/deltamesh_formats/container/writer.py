@@ -1,4 +1,4 @@
-"""`Container` to bytes: the mirror of `reader`."""
+"""Writer of the `.dmesh` container: a `Container` becomes bytes."""
 
 from __future__ import annotations
 

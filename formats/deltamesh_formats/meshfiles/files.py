@@ -1,4 +1,4 @@
-"""Reading and writing of mesh files in any of the formats, by path or file object.
+"""Reader and writer of mesh files in any of the formats, by path or file object.
 
 `deltamesh_formats.meshfiles.formats` has the table of the formats. A reader names in the mesh what
 it has to leave out (`lost`); a writer returns descriptions of what its format has no place for.

@@ -54,7 +54,7 @@ def from_arrays(
     Returns
     -------
     PolyMesh
-        `mesh.vertex_data` and so on are these mappings again.
+        `PolyMesh.vertex_data` and so on are these mappings again.
 
     Raises
     ------
@@ -189,7 +189,7 @@ def _numbers(values: ArrayLike, name: str, kinds: str, size: int = 8) -> NDArray
 
 
 def _counts(values: NDArray[Any]) -> bool:
-    """Tell whether the numbers are those of an image: bytes, or two bytes each."""
+    """Return whether the numbers are those of an image: bytes, or two bytes each."""
     return values.dtype.kind == "u" and values.dtype.itemsize <= 2
 
 

@@ -11,7 +11,7 @@ from deltamesh_formats.polymesh.mesh import Attribute
 
 
 def is_rgb(attribute: Attribute) -> bool:
-    """Tell whether an attribute has three or four channels that are or stand for fractions."""
+    """Return whether an attribute has three or four channels that are or stand for fractions."""
     are_fractions = attribute.normalized or attribute.values.dtype.kind == "f"
     return attribute.role == "colour" and attribute.width in (3, 4) and are_fractions
 

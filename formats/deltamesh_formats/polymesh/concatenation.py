@@ -47,7 +47,7 @@ def concatenate(meshes: Sequence[PolyMesh]) -> PolyMesh:
         offsets=np.concatenate([np.zeros(1, dtype=np.int64), *offsets]),
         attributes=tuple(_attribute(some, counts[key[0]]) for key, some in same.items()),
         parts=tuple(_parts(kind, meshes) for kind in kinds),
-        lost=tuple(dict.fromkeys(words for mesh in meshes for words in mesh.lost)),
+        lost=tuple(dict.fromkeys(description for mesh in meshes for description in mesh.lost)),
     )
 
 

@@ -48,7 +48,7 @@ def losses_of(
     Returns
     -------
     tuple of str
-        Each once; those of `mesh.lost` come first.
+        Each once; those of `PolyMesh.lost` come first.
     """
     losses = dict.fromkeys(mesh.lost)
     if not polygons and (mesh.sizes != 3).any():

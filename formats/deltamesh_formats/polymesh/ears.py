@@ -120,7 +120,7 @@ class _Outlines:
         return clear
 
     def _is_best(self, ears: Ints) -> Bools:
-        """Tell which ears are better than those beside them, the first of equal ones."""
+        """Return which ears are better than those beside them, the first of equal ones."""
         best = self._beats(ears, self.before[ears]) & self._beats(ears, self.after[ears])
         # Of four corners, two that are opposite must not both go.
         four = np.flatnonzero(self.size[self.polygon[ears]] == 4)

@@ -1,4 +1,4 @@
-"""Inverses of permutations."""
+"""Inverses of permutations, and numbers of values by first appearance."""
 
 from __future__ import annotations
 
@@ -7,8 +7,27 @@ import numpy as np
 from deltamesh_formats.array_types import Ints
 
 
-def rank_of(order: Ints) -> Ints:
-    """Return the place of each element in an order, int64 (n,): the inverse of a permutation."""
+def inverse(order: Ints) -> Ints:
+    """Return the rank of each element in an order (n,): the inverse of a permutation."""
     rank = np.empty(len(order), dtype=np.int64)
     rank[order] = np.arange(len(order))
     return rank
+
+
+def numbered(values: Ints) -> tuple[Ints, Ints]:
+    """Return values as numbers, in the order in which they first appear.
+
+    Parameters
+    ----------
+    values : int64 (count,)
+
+    Returns
+    -------
+    labels : int64 (count,)
+        0 for the first value, 1 for the next one that differs, and so on.
+    order : int64 (k,)
+        The value of each label.
+    """
+    distinct, first, label = np.unique(values, return_index=True, return_inverse=True)
+    by_appearance = np.argsort(first)
+    return inverse(by_appearance)[label.ravel()], distinct[by_appearance]

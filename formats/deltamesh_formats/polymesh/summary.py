@@ -14,13 +14,13 @@ _FACES: Final = {3: "triangles", 4: "quads"}
 
 def mesh_text(mesh: PolyMesh) -> str:
     """Return one line about a mesh: counts, and what else it holds."""
-    facts = [f"{what} {words}" for what, words in _mesh_facts(mesh)]
+    facts = [f"{what} {text}" for what, text in _mesh_facts(mesh)]
     return f"<PolyMesh: {'; '.join([_mesh_counts(mesh), *facts])}>"
 
 
 def mesh_html(mesh: PolyMesh) -> str:
     """Return the same for a notebook."""
-    rows = [(what.removesuffix(":"), words) for what, words in _mesh_facts(mesh)]
+    rows = [(what.removesuffix(":"), text) for what, text in _mesh_facts(mesh)]
     return f"<div>\n{escape(_mesh_counts(mesh))}\n{html_table(rows)}\n</div>"
 
 
@@ -35,9 +35,9 @@ def _mesh_counts(mesh: PolyMesh) -> str:
 
 def _mesh_facts(mesh: PolyMesh) -> Iterator[tuple[str, str]]:
     for domain in ("vertex", "corner", "face"):
-        words = [_array(a.name, a.values) for a in mesh.attributes if a.domain == domain]
-        if words:
-            yield f"{domain} data:", ", ".join(words)
+        arrays = [_array(a.name, a.values) for a in mesh.attributes if a.domain == domain]
+        if arrays:
+            yield f"{domain} data:", ", ".join(arrays)
     for parts in mesh.parts:
         yield f"{parts.kind}:", f"{len(parts.names)} parts"
     if mesh.metadata:

@@ -20,7 +20,7 @@ TOP_LEFT: Final = ("top left",)
 
 
 def is_top_left(mesh: PolyMesh) -> bool:
-    """Tell whether the texture coordinates of a mesh begin at the top left."""
+    """Return whether the texture coordinates of a mesh begin at the top left."""
     return mesh.metadata.get(KEY) == TOP_LEFT
 
 
@@ -38,7 +38,7 @@ def with_origin(mesh: PolyMesh, *, top_left: bool) -> PolyMesh:
     """
     if is_top_left(mesh) == top_left:
         return mesh
-    metadata = {key: words for key, words in mesh.metadata.items() if key != KEY}
+    metadata = {key: texts for key, texts in mesh.metadata.items() if key != KEY}
     attributes = tuple(_flipped(a) if a.role == "uv" else a for a in mesh.attributes)
     flipped = replace(mesh, attributes=attributes, metadata=metadata)
     return marked_top_left(flipped) if top_left else flipped

@@ -175,7 +175,7 @@ def _dot(a: Floats, b: Floats) -> Floats:
 
 
 def _convex(x: Floats, y: Floats, offsets: Ints) -> Bools:
-    """Tell which polygons turn to the left at every corner, and once in all, bool (p,)."""
+    """Return which polygons turn to the left at every corner, and once in all, bool (p,)."""
     first, after = offsets[:-1], following(offsets)
     ax, ay = x[after] - x, y[after] - y
     bx, by = ax[after], ay[after]

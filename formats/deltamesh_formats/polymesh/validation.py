@@ -73,8 +73,8 @@ def _check_indices(mesh: PolyMesh) -> None:
 
 def _also(mesh: PolyMesh) -> str:
     """Return the contents of a file that has no mesh, fit for a message."""
-    words = ", ".join(mesh.lost)
-    return f" (and {words if words.isprintable() else ascii(words)[1:-1]})" if words else ""
+    lost = ", ".join(mesh.lost)
+    return f" (and {lost if lost.isprintable() else ascii(lost)[1:-1]})" if lost else ""
 
 
 def _check_shapes(mesh: PolyMesh) -> None:
@@ -114,7 +114,7 @@ def _check_attribute(attribute: Attribute, counts: Mapping[str, int]) -> None:
 
 
 def _is_numeric(dtype: np.dtype[Any]) -> bool:
-    """Tell whether numbers, or the two real numbers of a complex one, have up to 64 bits."""
+    """Return whether numbers, or the two real numbers of a complex one, have up to 64 bits."""
     size = dtype.itemsize // (2 if dtype.kind == "c" else 1)
     return dtype.kind in "biufc" and size <= 8
 

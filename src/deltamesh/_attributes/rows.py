@@ -10,7 +10,6 @@ import numpy as np
 from deltamesh._attributes.codings import check_codes, mixed, unmixed
 from deltamesh._attributes.owners import Owners
 from deltamesh._graph.elements import Elements, alone, among
-from deltamesh._graph.permutations import numbered
 from deltamesh._limits import PER_BYTE
 from deltamesh._streams.columns import decode_columns, encode_columns
 from deltamesh._streams.floats import decode_floats, encode_floats
@@ -18,6 +17,7 @@ from deltamesh._streams.labels import decode_labels, encode_labels
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.attribute_table import Entry
 from deltamesh_formats.errors import FormatError, located
+from deltamesh_formats.polymesh.permutations import numbered
 
 # A palette is tried for at most so many different rows, and at most one for so many of all.
 _MOST_DIFFERENT: Final = 4096

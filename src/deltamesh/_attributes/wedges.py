@@ -11,14 +11,12 @@ import numpy as np
 
 from deltamesh._kernels.coding import wedges as kernels
 from deltamesh._kernels.coding.coder import Coder
-from deltamesh._kernels.coding.models import Model
 from deltamesh._shape.polygons import Polygons
 from deltamesh._shape.structure import Structure
 from deltamesh._shape.wedges import code_wedges
 from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.array_types import Ints
 
-_MODEL: Final = Model(kernels.SLOTS, kernels.MIXERS)
 _UNKNOWN: Final = np.zeros(0, dtype=np.int64)
 
 
@@ -37,7 +35,7 @@ def encode_wedges(structure: Structure, polygons: Polygons, rows: Ints) -> tuple
     def run(coder: Coder) -> None:
         wedges[:] = code_wedges(coder, structure.corners, wedges)
 
-    return encode_with(_MODEL, len(wedges), run), wedges
+    return encode_with(kernels.MODEL, len(wedges), run), wedges
 
 
 def decode_wedges(payload: memoryview, begin: int, end: int, structure: Structure) -> Ints:
@@ -51,4 +49,4 @@ def decode_wedges(payload: memoryview, begin: int, end: int, structure: Structur
     def run(coder: Coder) -> Ints:
         return code_wedges(coder, structure.corners, _UNKNOWN)
 
-    return decode_with(_MODEL, payload[begin:end], run, begin)
+    return decode_with(kernels.MODEL, payload[begin:end], run, begin)

@@ -1,4 +1,4 @@
-"""Which vertex is which, in two meshes that are equal up to the order of vertices and faces.
+"""Correspondence of the vertices of two meshes that are equal up to the order of their elements.
 
 Decoding gives vertices and faces in another order and, with losses, in other places; metrics need
 pairs. Colours that depend on connectivity alone (B. Weisfeiler, A. Leman, "The reduction of a graph
@@ -32,7 +32,7 @@ _ISOLATED_ROUNDS = 16
 
 
 def match(reference: TriangleMesh, other: TriangleMesh) -> Ints | None:
-    """Return a map such that `other.vertices[map]` and `reference.faces` are the other mesh again.
+    """Return the vertex of the other mesh that each vertex of the reference is, where there is one.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def _starred(mesh: PolyMesh) -> TriangleMesh:
 
 
 def same_faces(faces: Ints, others: Ints) -> bool:
-    """Tell whether two face arrays (m, 3) are equal up to the order and the rotation of faces."""
+    """Return whether two face arrays (m, 3) are equal up to the order and the rotation of faces."""
     if faces.shape != others.shape:
         return False
     faces, others = canonical(faces), canonical(others)

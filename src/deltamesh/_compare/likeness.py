@@ -1,4 +1,4 @@
-"""What two meshes have in common: which elements correspond, and how far attributes differ.
+"""Likeness of two meshes: the elements that correspond, and the differences of attributes.
 
 Vertices may be in another order, several at one position in one mesh and once in the other, in no
 face here and gone there. What is compared is what a viewer sees: positions, and attributes at the
@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from deltamesh._compare import correspondence
 from deltamesh._graph.halfedges import weld
-from deltamesh._graph.permutations import inverse
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh._vectors import angles
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.polymesh.kinds import Kind
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
+from deltamesh_formats.polymesh.permutations import inverse
 from deltamesh_formats.polymesh.texture_origin import is_top_left, with_origin
 
 # Corners of polygons (c,) of one mesh, and the same of another.
@@ -132,12 +133,12 @@ def _same_parts(p: Parts, q: Parts | None, a: PolyMesh, b: PolyMesh, pairs: Pair
         return False
     one = np.repeat(p.of_face, a.sizes)[pairs[0]]
     two = np.repeat(q.of_face, b.sizes)[pairs[1]]
-    told = np.unique(np.stack([one, two]), axis=1)
+    parts = np.unique(np.stack([one, two]), axis=1)
     # Each part has one counterpart, of the same name.
-    if len(np.unique(told[0])) < told.shape[1] or len(np.unique(told[1])) < told.shape[1]:
+    if len(np.unique(parts[0])) < parts.shape[1] or len(np.unique(parts[1])) < parts.shape[1]:
         return False
     names, others = ("", *p.names), ("", *q.names)
-    return all((i < 0) == (j < 0) and names[i + 1] == others[j + 1] for i, j in told.T.tolist())
+    return all((i < 0) == (j < 0) and names[i + 1] == others[j + 1] for i, j in parts.T.tolist())
 
 
 def _pairs(a: PolyMesh, b: PolyMesh, exact: bool) -> Iterator[tuple[Sites, Sites]]:
@@ -167,10 +168,10 @@ def _welded(mesh: PolyMesh, exact: bool) -> Sites:
 
 def _in_faces(sites: Sites) -> Sites:
     used, corners = np.unique(sites.mesh.corners, return_inverse=True)
-    place = np.full(len(sites.mesh.vertices), -1, dtype=np.int64)
-    place[used] = np.arange(len(used))
+    number = np.full(len(sites.mesh.vertices), -1, dtype=np.int64)
+    number[used] = np.arange(len(used))
     bare = replace(sites.mesh, vertices=sites.mesh.vertices[used], corners=corners)
-    return Sites(bare, place[sites.of_vertices])
+    return Sites(bare, number[sites.of_vertices])
 
 
 def _corner_pairs(offsets: Ints, corners: Ints, other_offsets: Ints, others: Ints) -> Pairs | None:
@@ -200,9 +201,9 @@ def _canonical(at: Ints, corners: Ints) -> Ints:
     for shift in range(1, size):
         turned = np.roll(begun, -shift, axis=1)
         unlike = corners[turned] != corners[best]
-        place = np.argmax(unlike, axis=1)[:, None]
-        one = np.take_along_axis(corners[turned], place, axis=1)
-        other = np.take_along_axis(corners[best], place, axis=1)
+        column = np.argmax(unlike, axis=1)[:, None]
+        one = np.take_along_axis(corners[turned], column, axis=1)
+        other = np.take_along_axis(corners[best], column, axis=1)
         best = np.where(one < other, turned, best)
     return best
 
@@ -240,15 +241,9 @@ def _largest(values: NDArray[Any], others: NDArray[Any], role: str) -> float:
     if same.all():
         return 0.0
     if role == "normal":
-        return _largest_angle(values.astype(float), others.astype(float))
+        return float(np.nanmax(angles(values.astype(float), others.astype(float))))
     if "c" in (values.dtype.kind, others.dtype.kind):
         away = np.abs(values.astype(complex) - others.astype(complex))
     else:
         away = np.abs(values.astype(np.longdouble) - others.astype(np.longdouble))
     return float(away[~same].max())
-
-
-def _largest_angle(values: Floats, others: Floats) -> float:
-    cross = np.linalg.norm(np.cross(values, others), axis=1)
-    angles = np.degrees(np.arctan2(cross, (values * others).sum(axis=1)))
-    return float(np.nanmax(angles))

@@ -1,4 +1,4 @@
-"""A mesh as an encoder sees it: each position once, and no vertex without a face."""
+"""Welding of a mesh as the encoder does it: each position once, and no vertex without a face."""
 
 from __future__ import annotations
 

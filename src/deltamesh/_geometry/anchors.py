@@ -86,11 +86,11 @@ def farthest(indptr: Ints, indices: Ints, labels: Ints, k: int) -> Ints:
     ----------
     indptr : int64 (n + 1,)
     indices : int64 (2 e,)
-        Neighbour lists, from `laplacian.adjacency`.
+        Neighbour lists, from `adjacency.adjacency`.
     labels : int64 (n,)
-        From `laplacian.component_labels`.
+        From `adjacency.components`.
     k : int
-        Wanted; the number of components when that is more, n when that is less.
+        The number asked for; the number of components when that is more, n when that is less.
 
     Returns
     -------
@@ -116,9 +116,9 @@ def random(labels: Ints, k: int, seed: int) -> Ints:
     Parameters
     ----------
     labels : int64 (n,)
-        From `laplacian.component_labels`.
+        From `adjacency.components`.
     k : int
-        Wanted; the number of components when that is more, n when that is less.
+        The number asked for; the number of components when that is more, n when that is less.
     seed : int
         In [0, 2**64).
 
@@ -160,7 +160,7 @@ def greedy(
     delta : float64 (n, 3)
         What the decoder will have for L @ vertices: quantized, or zero for a least-squares mesh.
     k : int
-        Wanted; the number of components when that is more, n when that is less.
+        The number asked for; the number of components when that is more, n when that is less.
     positions : float64 (n, 3), optional
         What the decoder will have for the position of an anchor. Default: `vertices`.
     factor : callable, optional
@@ -184,8 +184,8 @@ def greedy(
     while len(anchors) < k:
         base = factor(anchors)
         x = base.solve(delta, positions[anchors])
-        wanted = min(k - len(anchors), MAX_UPDATES)
-        chosen = _updates(base, graph, anchors, x, vertices, positions, wanted)
+        count = min(k - len(anchors), MAX_UPDATES)
+        chosen = _updates(base, graph, anchors, x, vertices, positions, count)
         anchors = np.concatenate((anchors, chosen))
     return anchors
 
@@ -197,19 +197,19 @@ def _updates(
     x: Floats,
     vertices: Floats,
     positions: Floats,
-    wanted: int,
+    count: int,
 ) -> Ints:
-    """Return `wanted` more anchors by updates of one factorization; x is brought up to date."""
-    W = np.empty((len(x), wanted))
+    """Return `count` more anchors by updates of one factorization; x is brought up to date."""
+    W = np.empty((len(x), count))
     chosen: list[int] = []
     free = np.ones(len(x), dtype=bool)
     free[anchors] = False
     error = _squared_error(x, vertices, free)
-    while len(chosen) < wanted:
-        candidates = _candidates(graph, error, free, min(CANDIDATES, wanted - len(chosen)))
+    while len(chosen) < count:
+        candidates = _candidates(graph, error, free, min(CANDIDATES, count - len(chosen)))
         solved = base.solve_normal(_units(candidates, len(x)))
         distance.subtract_product(solved, W, len(chosen), candidates)
-        while len(chosen) < wanted:
+        while len(chosen) < count:
             best = int(np.argmax(error[candidates]))
             a, z = int(candidates[best]), solved[:, best].copy()
             if not free[a] or error[a] < SHARE**2 * error.max():

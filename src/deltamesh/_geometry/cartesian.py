@@ -12,13 +12,11 @@ import numpy as np
 from deltamesh._geometry.integers import Integers, Quantized
 from deltamesh._geometry.quantize import from_grid, grid_step, to_grid
 from deltamesh._geometry.solve import Factor
-from deltamesh._kernels.coding import parallelogram
-from deltamesh._kernels.coding.coder import Coder
 from deltamesh._methods import CARTESIAN
 from deltamesh._options import DEFAULT_CARTESIAN_BITS, Settings
 from deltamesh._shape.surface import Surface
-from deltamesh._streams import entropy
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh._streams.columns import decode_three, encode_three
+from deltamesh_formats.array_types import Floats
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.reader import payload_of
@@ -57,21 +55,10 @@ def reconstruct(
 
 def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
     """Return the payload of CART."""
-    coder = entropy.encoder(len(integers.values), parallelogram.SLOTS, parallelogram.MIXERS)
-    _code(coder, surface, integers.values.copy())
-    return {layout.CARTESIAN: entropy.finish(coder)}
+    return {layout.CARTESIAN: encode_three(surface.elements, integers.values)}
 
 
 def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
     """Return the grid points."""
-    values = np.zeros((surface.vertex_count + surface.isolated_count, 3), dtype=np.int64)
     with payload_of(sections[layout.CARTESIAN]) as payload:
-        coder = entropy.decoder(payload, parallelogram.SLOTS, parallelogram.MIXERS)
-        _code(coder, surface, values)
-        entropy.check_end(coder, 0)
-    return Integers(values)
-
-
-def _code(coder: Coder, surface: Surface, values: Ints) -> None:
-    e = surface.elements
-    parallelogram.code_positions(coder, e.indptr, e.indices, e.first, e.corners, e.within, values)
+        return Integers(decode_three(payload, surface.elements))

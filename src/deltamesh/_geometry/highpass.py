@@ -15,12 +15,13 @@ from deltamesh._geometry import anchors as choice
 from deltamesh._geometry.integers import Integers, Quantized
 from deltamesh._geometry.quantize import delta_step, from_grid, quantize_delta, to_delta, to_grid
 from deltamesh._geometry.solve import Factor
-from deltamesh._kernels.coding import delta as delta_kernels
 from deltamesh._kernels.coding import points, residual
+from deltamesh._kernels.coding.coder import Coder
+from deltamesh._kernels.coding.delta import code_deltas
 from deltamesh._measures.metrics import diagonal
 from deltamesh._options import DEFAULT_HIGHPASS_STEP, Settings
 from deltamesh._shape.surface import Surface
-from deltamesh._streams import entropy
+from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Parameters, Section
@@ -210,13 +211,15 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
 def _encode_anchors(surface: Surface, parameters: Parameters, integers: Integers) -> bytes:
     both = np.concatenate([integers.positions, integers.isolated])
     bits = [int(size).bit_length() for size in both.max(axis=0, initial=0)]
-    coder = entropy.encoder(len(both), points.SLOTS, points.MIXERS)
-    if parameters.anchor_method == "greedy":
-        points.code_gaps(coder, integers.anchors.copy(), surface.vertex_count)
-    points.code_points(coder, integers.positions.copy(), np.array(bits))
-    if len(integers.isolated):  # most meshes have none, and need not wait for this kernel
-        points.code_sorted_points(coder, integers.isolated.copy(), np.array(bits))
-    return bytes(bits) + entropy.finish(coder)
+
+    def run(coder: Coder) -> None:
+        if parameters.anchor_method == "greedy":
+            points.code_gaps(coder, integers.anchors.copy(), surface.vertex_count)
+        points.code_points(coder, integers.positions.copy(), np.array(bits))
+        if len(integers.isolated):  # most meshes have none, and need not wait for this kernel
+            points.code_sorted_points(coder, integers.isolated.copy(), np.array(bits))
+
+    return bytes(bits) + encode_with(points.MODEL, len(both), run)
 
 
 def _decode_anchors(
@@ -225,35 +228,36 @@ def _decode_anchors(
     bits = np.array(take(payload, 0, 3), dtype=np.int64)
     if bits.max() > layout.MAX_GRID_BITS:
         raise FormatError(f"a grid of more than {layout.MAX_GRID_BITS} bits", int(np.argmax(bits)))
-    coder = entropy.decoder(payload[3:], points.SLOTS, points.MIXERS)
     k, n = parameters.anchor_count, surface.vertex_count
-    anchors = np.zeros(k, dtype=np.int64)
-    positions = np.zeros((k, 3), dtype=np.int64)
-    isolated = np.zeros((surface.isolated_count, 3), dtype=np.int64)
-    if parameters.anchor_method == "greedy":
-        if not points.code_gaps(coder, anchors, n):
-            raise FormatError("an anchor beyond the last vertex", 3)
-    else:
-        anchors = _computed(surface, str(parameters.anchor_method), k, parameters.seed)
-    labels = surface.labels
-    if len(np.unique(labels[anchors])) <= labels.max(initial=-1) or len(anchors) != k:
-        raise FormatError("a component without an anchor", 3)
-    points.code_points(coder, positions, bits)
-    if len(isolated) and not points.code_sorted_points(coder, isolated, bits):
-        raise FormatError("an isolated vertex outside the grid", 3)
-    entropy.check_end(coder, 3)
-    return anchors, positions, isolated
+
+    def run(coder: Coder) -> tuple[Ints, Ints, Ints]:
+        anchors = np.zeros(k, dtype=np.int64)
+        positions = np.zeros((k, 3), dtype=np.int64)
+        isolated = np.zeros((surface.isolated_count, 3), dtype=np.int64)
+        if parameters.anchor_method == "greedy":
+            if not points.code_gaps(coder, anchors, n):
+                raise FormatError("an anchor beyond the last vertex", 3)
+        else:
+            anchors = _computed(surface, str(parameters.anchor_method), k, parameters.seed)
+        labels = surface.labels
+        if len(np.unique(labels[anchors])) <= labels.max(initial=-1) or len(anchors) != k:
+            raise FormatError("a component without an anchor", 3)
+        points.code_points(coder, positions, bits)
+        if len(isolated) and not points.code_sorted_points(coder, isolated, bits):
+            raise FormatError("an isolated vertex outside the grid", 3)
+        return anchors, positions, isolated
+
+    return decode_with(points.MODEL, payload[3:], run, 3)
 
 
 def _encode_vectors(surface: Surface, values: Ints) -> bytes:
-    coder = entropy.encoder(len(values), residual.SLOTS, residual.MIXERS)
-    delta_kernels.code_deltas(coder, *surface.graph, values.copy())
-    return entropy.finish(coder)
+    coded = values.copy()
+    return encode_with(
+        residual.MODEL, len(values), lambda coder: code_deltas(coder, *surface.graph, coded)
+    )
 
 
 def _decode_vectors(surface: Surface, payload: memoryview) -> Ints:
     values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
-    coder = entropy.decoder(payload, residual.SLOTS, residual.MIXERS)
-    delta_kernels.code_deltas(coder, *surface.graph, values)
-    entropy.check_end(coder, 0)
+    decode_with(residual.MODEL, payload, lambda coder: code_deltas(coder, *surface.graph, values))
     return values

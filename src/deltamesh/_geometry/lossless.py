@@ -70,11 +70,11 @@ def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict
     formats = integers.formats.astype(np.uint8).tobytes()
     width, axes, _ = unpack_formats(memoryview(formats))
     n, bits = len(integers.values), integers.values
-    classes, values = np.empty((n, 3), dtype=np.int64), np.empty((n, 3), dtype=np.int64)
-    for a, how in enumerate(axes):
+    choices, values = np.empty((n, 3), dtype=np.int64), np.empty((n, 3), dtype=np.int64)
+    for a, column in enumerate(axes):
         one = bits[:, a].copy().view(np.float64)
-        classes[:, a], values[:, a] = to_indices(one, how, width == SINGLE)
-    stream = encode_indices(surface.elements, width, axes, classes, values)
+        choices[:, a], values[:, a] = to_indices(one, column, width == SINGLE)
+    stream = encode_indices(surface.elements, width, axes, choices, values)
     return {EXACT: formats + stream}
 
 
@@ -84,9 +84,9 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
     V = np.empty((elements.count, 3))
     with payload_of(sections[EXACT]) as payload:
         width, axes, at = unpack_formats(payload)
-        classes, values = decode_indices(payload, at, elements, width, axes)
-        for a, how in enumerate(axes):
-            V[:, a] = from_indices(classes[:, a], values[:, a], how, width == SINGLE)
+        choices, values = decode_indices(payload, at, elements, width, axes)
+        for a, column in enumerate(axes):
+            V[:, a] = from_indices(choices[:, a], values[:, a], column, width == SINGLE)
         if not (np.abs(V) <= LARGEST).all():
             raise FormatError("a position that no mesh has", at)
         return exactly(V.view(np.int64), bytes(payload[:at]))

@@ -20,7 +20,7 @@ def vertex_normals(V: Floats, F: Ints, step: float) -> Floats:
     V : float64 (n, 3)
     F : int64 (m, 3)
     step : float
-        What the deltas of the surface were quantized with.
+        The step of the deltas of the surface.
 
     Returns
     -------

@@ -74,7 +74,7 @@ def quantize_delta(
     ----------
     delta : float64 (n, 3)
     graph : pair of int64 arrays
-        Neighbours, from `laplacian.adjacency`.
+        Neighbours, from `adjacency.adjacency`.
     step : float
     carry : (float, float)
         Which shares of the error go on, along the surface and across it; without normals, the

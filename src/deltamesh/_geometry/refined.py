@@ -22,11 +22,11 @@ from deltamesh._geometry.integers import Integers, Quantized
 from deltamesh._geometry.normals import vertex_normals
 from deltamesh._geometry.quantize import quantize_delta
 from deltamesh._geometry.solve import Factor
-from deltamesh._kernels.coding import delta as kernels
 from deltamesh._kernels.coding import residual
+from deltamesh._kernels.coding.delta import code_refinements
 from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
-from deltamesh._streams import entropy
+from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.layout import NORMALS
@@ -95,10 +95,13 @@ def _stage(
 
 def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
     """Return the payloads of ANCH, DELT and NORM."""
-    coder = entropy.encoder(surface.vertex_count, residual.SLOTS, residual.MIXERS)
     values = integers.refinements.copy()
-    kernels.code_refinements(coder, *surface.graph, integers.values, values)
-    return {**highpass.encode(surface, parameters, integers), NORMALS: entropy.finish(coder)}
+    stream = encode_with(
+        residual.MODEL,
+        surface.vertex_count,
+        lambda coder: code_refinements(coder, *surface.graph, integers.values, values),
+    )
+    return {**highpass.encode(surface, parameters, integers), NORMALS: stream}
 
 
 def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
@@ -106,7 +109,9 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
     integers = highpass.decode(surface, parameters, sections)
     refinements = np.zeros((surface.vertex_count, 1), dtype=np.int64)
     with payload_of(sections[NORMALS]) as payload:
-        coder = entropy.decoder(payload, residual.SLOTS, residual.MIXERS)
-        kernels.code_refinements(coder, *surface.graph, integers.values, refinements)
-        entropy.check_end(coder, 0)
+        decode_with(
+            residual.MODEL,
+            payload,
+            lambda coder: code_refinements(coder, *surface.graph, integers.values, refinements),
+        )
     return replace(integers, refinements=refinements)

@@ -7,8 +7,8 @@ import scipy.sparse as sparse
 from scipy.sparse import csgraph
 
 from deltamesh._graph.halfedges import ends
-from deltamesh._graph.permutations import numbered
 from deltamesh_formats.array_types import Ints
+from deltamesh_formats.polymesh.permutations import numbered
 
 
 def edges(faces: Ints, n: int) -> Ints:

@@ -43,7 +43,7 @@ def parallelograms(
     opposite = pair_halfedges(faces) if opposite is None else opposite
     (a, b), apex = ends(faces), np.roll(faces, -2, axis=1).ravel()
     across = np.where(opposite >= 0, apex[opposite], n)
-    sides = [np.roll(quads, -turn, axis=1).ravel() for turn in (3, 1, 2, 0)]
+    sides = [np.roll(quads, -shift, axis=1).ravel() for shift in (3, 1, 2, 0)]
     a, b, across, apex = (
         np.concatenate(both) for both in zip(sides, (a, b, across, apex), strict=True)
     )

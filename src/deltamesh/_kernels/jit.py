@@ -1,4 +1,4 @@
-"""How a kernel is compiled, and where the machine code is kept.
+"""Compilation of kernels, and the cache of their machine code.
 
 numba's own cache notices an edit of a kernel, but not of a kernel that it calls in another file
 (numba manual, "Notes on Caching"). A codec that runs a stale kernel writes wrong bytes, so the
@@ -21,7 +21,7 @@ from numba.core import config
 # An integer in a kernel. mypy knows no type that is int and np.int64 both, as all are to numba.
 # A constant argument is written np.int64(C): numba compiles a function anew for each literal one.
 Int: TypeAlias = Any
-Flag: TypeAlias = Any  # likewise, a bool
+Flag: TypeAlias = Any  # a bool for the same reason
 
 _Function = TypeVar("_Function", bound=Callable[..., object])
 

@@ -1,4 +1,4 @@
-"""The Hausdorff distance of two triangle soups, from samples of one to the surface of the other.
+"""Hausdorff distance of two triangle soups, from samples of one to the surface of the other.
 
 Sources: P. Cignoni, C. Rocchini, R. Scopigno, "Metro: measuring error on simplified surfaces",
 Comput. Graph. Forum 17(2), 1998 (samples by area); A. A. Taha, A. Hanbury, "An efficient algorithm
@@ -77,7 +77,7 @@ def _surface_samples(triangles: Floats) -> tuple[Ints, Floats]:
 def _tree_order(points: Floats, leaves: int) -> Ints:
     """Return the order of points (m, 3) in a tree that halves each box along its longest side.
 
-    Every level sorts all of its boxes at once; the halves are those of `kernels.closest`.
+    Every level sorts all of its boxes at once, as `mesh.closest` does.
     """
     order = np.arange(len(points))
     size = leaves * closest.LEAF

@@ -16,6 +16,7 @@ from deltamesh._graph.adjacency import edges
 from deltamesh._graph.halfedges import by_edge, edges_of_two, ends
 from deltamesh._measures.hausdorff import squared_hausdorff
 from deltamesh._mesh import TriangleMesh
+from deltamesh._vectors import angles, crosses, dots, lengths
 from deltamesh_formats.array_types import Bools, Floats, Ints
 
 # Of Mq in the visual error (Sorkine, Cohen-Or and Toledo 2003, section 5).
@@ -106,18 +107,18 @@ def errors_from(V: Floats, F: Ints) -> Callable[[Floats], VertexErrors]:
     V = (V - centre) / unit
     m = _face_normals(V, F)
     pairs = _interior_edges(F)
-    angles = _dihedral_angles(V, m, *pairs)
+    dihedral = _dihedral_angles(V, m, *pairs)
 
     def errors(W: Floats) -> VertexErrors:
         if V.shape != W.shape:
             raise ValueError(f"{len(V)} and {len(W)} vertices cannot be compared one by one")
         W = (W - centre) / unit
-        distance, k = _norm(W - V), _face_normals(W, F)
+        distance, k = lengths(W - V), _face_normals(W, F)
         return VertexErrors(
             rms=unit * _rms(distance),
             max=unit * float(distance.max(initial=0.0)),
             normal_deviation=_normal_deviation(m, k),
-            dihedral=_mean_change(angles, _dihedral_angles(W, k, *pairs)),
+            dihedral=_mean_change(dihedral, _dihedral_angles(W, k, *pairs)),
         )
 
     return errors
@@ -130,8 +131,8 @@ def diagonal(V: Floats) -> float:
 
 def mean_edge(V: Floats, F: Ints) -> float:
     """Return the mean length of the edges, those of two faces counted twice; 0 without faces."""
-    lengths = [_norm(V[F[:, i]] - V[F[:, i - 1]]) for i in range(3)]
-    return float(np.mean(lengths)) if len(F) else 0.0
+    sides = [lengths(V[F[:, i]] - V[F[:, i - 1]]) for i in range(3)]
+    return float(np.mean(sides)) if len(F) else 0.0
 
 
 def visual_error(V: Floats, W: Floats, F: Ints) -> float:
@@ -141,8 +142,8 @@ def visual_error(V: Floats, W: Floats, F: Ints) -> float:
     """
     V, W, unit = _normalized(V, W)
     pairs = edges(F, len(V))
-    mq = _rms(_norm(W - V))
-    sq = _rms(_norm(geometric_laplacian(W, pairs) - geometric_laplacian(V, pairs)))
+    mq = _rms(lengths(W - V))
+    sq = _rms(lengths(geometric_laplacian(W, pairs) - geometric_laplacian(V, pairs)))
     return unit * (VISUAL_WEIGHT * mq + (1 - VISUAL_WEIGHT) * sq)
 
 
@@ -165,7 +166,7 @@ def geometric_laplacian(V: Floats, pairs: Ints) -> Floats:
     """
     i, j = pairs[:, 0], pairs[:, 1]
     difference = V[i] - V[j]
-    weight = 1.0 / np.maximum(_norm(difference), 1e-30)
+    weight = 1.0 / np.maximum(lengths(difference), 1e-30)
     total = np.bincount(i, weight, len(V)) + np.bincount(j, weight, len(V))
     weighted = difference * weight[:, None]
     laplacian = np.stack(
@@ -212,43 +213,25 @@ def _frame(V: Floats) -> tuple[Floats, float]:
     return centre, diagonal(V) or 1.0
 
 
-def _norm(x: Floats) -> Floats:
-    return np.sqrt(x[:, 0] * x[:, 0] + x[:, 1] * x[:, 1] + x[:, 2] * x[:, 2])
-
-
 def _rms(x: Floats) -> float:
     return float(np.sqrt(np.mean(x * x))) if len(x) else 0.0
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    """Return the rows' cross products; np.cross takes three times as long."""
-    x = a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1]
-    y = a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2]
-    z = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    return np.stack((x, y, z), axis=1)
 
 
 def _face_normals(V: Floats, F: Ints) -> Floats:
     """Return the faces' normals (m, 3), as long as twice the area."""
     a, b, c = V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
-    return _cross(b - a, c - a)
-
-
-def _angle(m: Floats, k: Floats) -> Floats:
-    """Return the angles between vectors of any length in degrees, 0 for zero vectors."""
-    dot = m[:, 0] * k[:, 0] + m[:, 1] * k[:, 1] + m[:, 2] * k[:, 2]
-    return np.degrees(np.arctan2(_norm(_cross(m, k)), dot))
+    return crosses(b - a, c - a)
 
 
 def _normal_deviation(m: Floats, k: Floats) -> float:
-    area, lost = _norm(m), ~k.any(axis=1)
-    angle = np.where(lost, 90.0, _angle(m, k))
+    area, lost = lengths(m), ~k.any(axis=1)
+    angle = np.where(lost, 90.0, angles(m, k))
     total = float(area.sum())
     return float(area @ angle) / total if total > 0 else 0.0
 
 
-def _mean_change(angles: Floats, others: Floats) -> float:
-    change = np.abs(angles - others)
+def _mean_change(one: Floats, other: Floats) -> float:
+    change = np.abs(one - other)
     return float(np.minimum(change, 360 - change).mean()) if len(change) else 0.0
 
 
@@ -257,10 +240,9 @@ def _dihedral_angles(
 ) -> Floats:
     """Return the angles (e,) from the left faces' normals to the right ones', convex: positive."""
     a, b = m[left], np.where(same[:, None], -m[right], m[right])
-    turn = _cross(a, b)
+    axis = crosses(a, b)
     along = V[pairs[:, 1]] - V[pairs[:, 0]]
-    side = turn[:, 0] * along[:, 0] + turn[:, 1] * along[:, 1] + turn[:, 2] * along[:, 2]
-    return np.where(side < 0, -1.0, 1.0) * _angle(a, b)
+    return np.where(dots(axis, along) < 0, -1.0, 1.0) * angles(a, b)
 
 
 def _interior_edges(F: Ints) -> tuple[Ints, Ints, Ints, Bools]:

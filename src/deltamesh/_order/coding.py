@@ -17,7 +17,6 @@ from typing import NamedTuple
 import numpy as np
 
 from deltamesh._graph.adjacency import adjacency_of_edges, edges_between
-from deltamesh._graph.permutations import inverse
 from deltamesh._kernels.coding import face_order, steps, vertex_order
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._order.reordering import Order, permuted_corners
@@ -33,6 +32,7 @@ from deltamesh_formats.container.layout import (
 from deltamesh_formats.container.reader import read_varint, take
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
+from deltamesh_formats.polymesh.permutations import inverse
 
 _Code = Callable[["_Rows", Order, int, int, int | None], bytes]
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from deltamesh._graph.permutations import inverse
 from deltamesh._shape.polygons import Polygons
 from deltamesh._shape.provenance import Provenance
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
+from deltamesh_formats.polymesh.permutations import inverse
 
 
 @dataclass(frozen=True)

@@ -163,7 +163,7 @@ def _decode_order(payload: memoryview, container: Container, content: Content) -
 SECTIONS: Final = (
     _of_shape(layout.CONNECTIVITY, "connectivity", connectivity),
     _of_shape(layout.STITCHES, "stitches", stitches),
-    _of_shape(layout.COPIES, "split vertices", split_vertices),
+    _of_shape(layout.SPLIT_VERTICES, "split vertices", split_vertices),
     _of_shape(layout.POLYGONS, "polygons", merging),
     Section("geometry", lambda _: True, geometry.encode, lambda _: True, geometry.decode),
     _single(

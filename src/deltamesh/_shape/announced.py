@@ -6,7 +6,7 @@ from deltamesh._limits import Counts
 from deltamesh._shape.split_vertices import read_point_count
 from deltamesh._shape.stitches import read_manifold_counts
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.layout import COPIES, STITCHES
+from deltamesh_formats.container.layout import SPLIT_VERTICES, STITCHES
 from deltamesh_formats.container.reader import payload_of
 
 
@@ -20,8 +20,8 @@ def announced(container: Container) -> Counts:
     """
     sections, isolated = container.sections, container.parameters.isolated
     points, faces = container.vertices, container.triangles
-    if COPIES in sections:
-        with payload_of(sections[COPIES]) as payload:
+    if SPLIT_VERTICES in sections:
+        with payload_of(sections[SPLIT_VERTICES]) as payload:
             points = read_point_count(payload, container.vertices, isolated)
     vertices = points - isolated
     if STITCHES in sections:

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from deltamesh._graph.permutations import inverse
 from deltamesh._shape.complexes import Cut
 from deltamesh._shape.draft import ShapeDraft
 from deltamesh._shape.manifold import REVERSED, CodedManifold, Stitches, trivial
 from deltamesh._shape.provenance import TriangleProvenance
 from deltamesh._shape.structure import Complex, structure_of
 from deltamesh_formats.array_types import Ints
+from deltamesh_formats.polymesh.permutations import inverse
 
 
 def in_coding_order(draft: ShapeDraft, coded: CodedManifold) -> ShapeDraft:

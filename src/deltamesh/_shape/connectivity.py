@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.connectivity import (
     HALFEDGE,
     NEW_VERTEX,
@@ -19,24 +20,24 @@ from deltamesh._kernels.coding.connectivity import (
     Region,
     grow,
 )
-from deltamesh._kernels.coding.front import JOINS, new_front
-from deltamesh._kernels.coding.valence import MIXERS, MODEL_SIZE, PRIOR, SLOTS
+from deltamesh._kernels.coding.front import JOINS, Front, new_front
+from deltamesh._kernels.coding.valence import MODEL, MODEL_SIZE, PRIOR
 from deltamesh._shape.announced import announced
 from deltamesh._shape.coding_order import in_coding_order
 from deltamesh._shape.draft import ShapeDraft
 from deltamesh._shape.manifold import CodedManifold, Manifold, trivial
 from deltamesh._shape.structure import Complex, Structure, structure_of
 from deltamesh._shape.topology import Topology, build_topology
-from deltamesh._streams import entropy
+from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.array_types import Bools, Ints
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.layout import ATTRIBUTES, COPIES, POLYGONS, STITCHES
+from deltamesh_formats.container.layout import ATTRIBUTES, POLYGONS, SPLIT_VERTICES, STITCHES
 from deltamesh_formats.container.reader import read_varint
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
 
 # The sections whose decoders walk from half-edge to half-edge.
-_NEED_MANIFOLD: Final = frozenset({STITCHES, COPIES, POLYGONS, ATTRIBUTES})
+_NEED_MANIFOLD: Final = frozenset({STITCHES, SPLIT_VERTICES, POLYGONS, ATTRIBUTES})
 
 
 def applies(draft: ShapeDraft) -> bool:
@@ -74,21 +75,23 @@ def encode_connectivity(topology: Topology) -> tuple[bytes, CodedManifold]:
     """Code the faces of a topology; return the payload and the manifold in coding order."""
     face_count, degree = len(topology.faces), topology.valence
     halfedges = np.empty(3 * face_count, dtype=HALFEDGE)
-    halfedges["origin"], halfedges["opposite"] = topology.faces.ravel(), topology.opposite
+    halfedges["start"], halfedges["opposite"] = topology.faces.ravel(), topology.opposite
     halfedges["node"] = -1
     old = np.empty(len(degree), dtype=OLD_VERTEX)
     old["degree"], old["new"] = degree, -1
     region = _region(halfedges, old, int(np.count_nonzero(degree)), face_count)
     front = new_front(len(region.vertices) + face_count)
-    coder = entropy.encoder(face_count, SLOTS, MIXERS)
-    coder.memory[: len(PRIOR)] = PRIOR
-    if grow(coder, front, region, topology.loop_count, topology.vertex_count) != OK:
-        raise AssertionError("the region grower failed on a manifold")
+
+    def run(coder: Coder) -> None:
+        if not _grow(coder, front, region, topology.loop_count, topology.vertex_count):
+            raise AssertionError("the region grower failed on a manifold")
+
+    stream = encode_with(MODEL, face_count, run)
     counts = (topology.loop_count, topology.boundary_edge_count, int(front.counts[JOINS]))
     faces, is_open = _open(region)
     starts, order = region.starts[is_open], region.vertices["old"][~region.vertices["is_loop"]]
     manifold = Manifold(faces, len(order), _reordered(topology.opposite, starts))
-    payload = b"".join(map(write_varint, counts)) + entropy.finish(coder)
+    payload = b"".join(map(write_varint, counts)) + stream
     return payload, CodedManifold(manifold, order, starts)
 
 
@@ -117,18 +120,25 @@ def decode_connectivity(payload: memoryview, vertex_count: int, face_count: int)
     halfedges, old = np.empty(0, dtype=HALFEDGE), np.empty(0, dtype=OLD_VERTEX)
     region = _region(halfedges, old, vertex_count + loops, face_count + border)
     front = new_front(vertex_count + loops + joins)
-    coder = entropy.decoder(payload[at:], SLOTS, MIXERS)
-    coder.memory[: len(PRIOR)] = PRIOR
-    status = grow(coder, front, region, loops, vertex_count)
-    if status != OK or front.counts[JOINS] != joins:
-        raise FormatError("the connectivity is corrupt", at)
-    entropy.check_end(coder, at)
+
+    def run(coder: Coder) -> None:
+        sound = _grow(coder, front, region, loops, vertex_count)
+        if not sound or front.counts[JOINS] != joins:
+            raise FormatError("the connectivity is corrupt", at)
+
+    decode_with(MODEL, payload[at:], run, at)
     faces, _ = _open(region)
     if len(faces) != face_count:
         raise FormatError("the connectivity has another number of faces than the header", at)
     if np.bincount(faces.ravel(), minlength=vertex_count).min(initial=1) == 0:
         raise FormatError("a vertex of the connectivity is in no face", at)
     return faces
+
+
+def _grow(coder: Coder, front: Front, region: Region, loops: int, vertices: int) -> bool:
+    """Code a region from the prior probabilities; return whether it is that of a manifold."""
+    coder.memory[: len(PRIOR)] = PRIOR
+    return bool(grow(coder, front, region, loops, vertices) == OK)
 
 
 def _region(

@@ -79,7 +79,7 @@ def middles(vertices: Floats, corners: Ints, offsets: Ints) -> Ints:
 
 
 def _folds(points: Floats, corner: int) -> Bools:
-    """Tell which polygons of one size, (q, size, 3), the fan around a corner folds, bool (q,)."""
+    """Return which polygons of one size, (q, size, 3), the fan around a corner folds, bool (q,)."""
     with np.errstate(all="ignore"):
         return ~(_worst(np.roll(points, -corner, axis=1)) > 0)
 

@@ -20,7 +20,7 @@ from deltamesh._kernels.coding.merged_pairs import code_explicit_pairs
 from deltamesh._shape.draft import ShapeDraft
 from deltamesh._shape.merge_candidates import merged_halfedges
 from deltamesh._shape.structure import Structure
-from deltamesh._streams import entropy
+from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_varint
@@ -70,11 +70,13 @@ def encode_merged(faces: Ints, candidate: Ints, merged: Ints, sizes: Ints) -> by
     m, least, most = len(faces), int(sizes.min()), int(sizes.max())
     explicit = (merged >= 0) & (merged != candidate)
     total = int(np.count_nonzero(explicit)) // 2
-    coder = entropy.encoder(3 * m, kernels.SLOTS, kernels.MIXERS)
-    pairs = np.where(explicit, merged, -1)
-    _code(coder, faces, candidate, np.where(explicit, -1, merged), pairs, least, most, total)
-    header = b"".join(map(write_varint, (len(sizes), least, most, total)))
-    return header + entropy.finish(coder)
+    pairs, others = np.where(explicit, merged, -1), np.where(explicit, -1, merged)
+    stream = encode_with(
+        kernels.MODEL,
+        3 * m,
+        lambda coder: _code(coder, faces, candidate, others, pairs, least, most, total),
+    )
+    return b"".join(map(write_varint, (len(sizes), least, most, total))) + stream
 
 
 def decode_merged(payload: memoryview, faces: Ints, candidate: Ints) -> Ints:
@@ -92,13 +94,16 @@ def decode_merged(payload: memoryview, faces: Ints, candidate: Ints) -> Ints:
     m = len(faces)
     if not 0 < count < m or not 3 <= least <= most <= m + 2 or total > m - count:
         raise FormatError("the counts of the polygons contradict those of the header", 0)
-    coder = entropy.decoder(payload[at:], kernels.SLOTS, kernels.MIXERS)
     merged = np.full(3 * m, -1, dtype=np.int64)
     none = np.zeros(0, dtype=np.int64)
-    sizes = _code(coder, faces, candidate, merged, none, least, most, total)
-    if sizes is None:
-        raise FormatError("explicit pairs: a half-edge that cannot be merged, or too few", at)
-    entropy.check_end(coder, at)
+
+    def run(coder: Coder) -> Ints:
+        sizes = _code(coder, faces, candidate, merged, none, least, most, total)
+        if sizes is None:
+            raise FormatError("explicit pairs: a half-edge that cannot be merged, or too few", at)
+        return sizes
+
+    sizes = decode_with(kernels.MODEL, payload[at:], run, at)
     if len(sizes) != count or sizes.min() != least or sizes.max() != most:
         raise FormatError("the polygons have other numbers of corners than announced", at)
     return merged

@@ -12,11 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from deltamesh._kernels.coding import wedges as kernels
+from deltamesh._kernels.coding.coder import Coder
 from deltamesh._shape.draft import ShapeDraft
 from deltamesh._shape.provenance import TriangleProvenance
 from deltamesh._shape.structure import Structure
 from deltamesh._shape.wedges import Corners, code_wedges
-from deltamesh._streams import entropy
+from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_varint
@@ -75,12 +76,15 @@ def _encode(corners: Corners, wedges: Ints, further: Ints) -> tuple[bytes, Ints]
     """
     total = int(further.sum())
     elements = len(wedges) + len(further) + total
-    coder = entropy.encoder(elements, kernels.SLOTS, kernels.MIXERS)
-    wedges = code_wedges(coder, corners, wedges)
-    if total:
-        kernels.code_isolated(coder, further.copy(), total)
+    coded = np.empty_like(wedges)
+
+    def run(coder: Coder) -> None:
+        coded[:] = code_wedges(coder, corners, wedges)
+        if total:
+            kernels.code_isolated(coder, further.copy(), total)
+
     counts = write_varint(len(further)) + write_varint(total)
-    return counts + entropy.finish(coder), wedges
+    return counts + encode_with(kernels.MODEL, elements, run), coded
 
 
 def read_point_count(payload: memoryview, vertices: int, isolated: int) -> int:
@@ -109,12 +113,17 @@ def decode(payload: memoryview, container: Container, structure: Structure) -> S
     corners = structure.complex.corners
     count, at = read_varint(payload, 0)
     total, at = read_varint(payload, at)
-    coder = entropy.decoder(payload[at:], kernels.SLOTS, kernels.MIXERS)
-    wedges = code_wedges(coder, corners, np.zeros(0, dtype=np.int64))
     further = np.zeros(count, dtype=np.int64)
-    if total and not kernels.code_isolated(coder, further, total):
-        raise FormatError("split vertices: another number of isolated vertices than announced", at)
-    entropy.check_end(coder, at)
+
+    def run(coder: Coder) -> Ints:
+        wedges = code_wedges(coder, corners, np.zeros(0, dtype=np.int64))
+        if total and not kernels.code_isolated(coder, further, total):
+            raise FormatError(
+                "split vertices: another number of isolated vertices than announced", at
+            )
+        return wedges
+
+    wedges = decode_with(kernels.MODEL, payload[at:], run, at)
     split = split_vertices(corners, wedges, further)
     if len(split.points) != container.vertices:
         raise FormatError("split vertices: another number of vertices than in the header", at)

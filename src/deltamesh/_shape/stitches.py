@@ -1,4 +1,4 @@
-"""Section STCH: what was cut, reversed and set aside to make a manifold of a complex.
+"""Section STCH: the cuts, reversed and repeated faces that make a manifold of a complex.
 
 The payload is the numbers of vertices and faces of the manifold, whether faces are reversed, and
 the number of repeated faces, then a range coded stream (`deltamesh._kernels.coding.stitching`).
@@ -17,7 +17,7 @@ from deltamesh._kernels.coding.coder import Coder
 from deltamesh._shape.draft import ShapeDraft
 from deltamesh._shape.manifold import Manifold, Stitches
 from deltamesh._shape.structure import Structure, structure_of
-from deltamesh._streams import entropy
+from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_varint
@@ -44,17 +44,19 @@ def _encode(manifold: Manifold, stitches: Stitches, point_count: int) -> bytes:
     s, m = stitches, len(manifold.faces)
     numbers = (manifold.vertex_count, m, int(s.reversed.any()), len(s.repeated))
     elements = manifold.vertex_count + m + len(s.repeated) + len(s.degenerate)
-    coder = entropy.encoder(elements, kernels.SLOTS, kernels.MIXERS)
-    used = _code_points(coder, manifold, s.points.copy())
-    if s.reversed.any():
-        kernels.code_reversed(coder, manifold.opposite, s.reversed.copy())
-    if len(s.repeated):
-        repeats = np.bincount(2 * s.repeated + s.against, minlength=2 * m).reshape(-1, 2)
-        kernels.code_repeats(coder, manifold.opposite, repeats, len(s.repeated))
-    if len(s.degenerate):
-        graph = adjacency(s.points[manifold.faces], used)
-        kernels.code_degenerate(coder, *graph, s.degenerate.copy(), point_count)
-    return b"".join(map(write_varint, numbers)) + entropy.finish(coder)
+
+    def run(coder: Coder) -> None:
+        used = _code_points(coder, manifold, s.points.copy())
+        if s.reversed.any():
+            kernels.code_reversed(coder, manifold.opposite, s.reversed.copy())
+        if len(s.repeated):
+            repeats = np.bincount(2 * s.repeated + s.against, minlength=2 * m).reshape(-1, 2)
+            kernels.code_repeats(coder, manifold.opposite, repeats, len(s.repeated))
+        if len(s.degenerate):
+            graph = adjacency(s.points[manifold.faces], used)
+            kernels.code_degenerate(coder, *graph, s.degenerate.copy(), point_count)
+
+    return b"".join(map(write_varint, numbers)) + encode_with(kernels.MODEL, elements, run)
 
 
 def read_manifold_counts(payload: memoryview, used: int, faces: int) -> tuple[int, int]:
@@ -100,24 +102,26 @@ def _decode(
     r, at = read_varint(payload, at)
     if any_reversed > 1 or r > face_count - m:
         raise FormatError("the counts of faces contradict those of the header", 0)
-    coder = entropy.decoder(payload[at:], kernels.SLOTS, kernels.MIXERS)
     points = np.zeros(n, dtype=np.int64)
     reversed_ = np.zeros(m, dtype=bool)
     repeats = np.zeros((m, 2), dtype=np.int64)
     degenerate = np.zeros((face_count - m - r, 2), dtype=np.int64)
-    if _code_points(coder, manifold, points) != used:
-        raise FormatError("stitches: another number of points than in the header", at)
-    if any_reversed:
-        kernels.code_reversed(coder, manifold.opposite, reversed_)
-        if not reversed_.any():
-            raise FormatError("reversed faces: announced, but there are none", at)
-    if r and not kernels.code_repeats(coder, manifold.opposite, repeats, r):
-        raise FormatError("repeated faces: another number than announced", at)
-    if len(degenerate):
-        graph = adjacency(points[manifold.faces], used)
-        if not kernels.code_degenerate(coder, *graph, degenerate, point_count):
-            raise FormatError("degenerate faces: a point out of range or out of order", at)
-    entropy.check_end(coder, at)
+
+    def run(coder: Coder) -> None:
+        if _code_points(coder, manifold, points) != used:
+            raise FormatError("stitches: another number of points than in the header", at)
+        if any_reversed:
+            kernels.code_reversed(coder, manifold.opposite, reversed_)
+            if not reversed_.any():
+                raise FormatError("reversed faces: announced, but there are none", at)
+        if r and not kernels.code_repeats(coder, manifold.opposite, repeats, r):
+            raise FormatError("repeated faces: another number than announced", at)
+        if len(degenerate):
+            graph = adjacency(points[manifold.faces], used)
+            if not kernels.code_degenerate(coder, *graph, degenerate, point_count):
+                raise FormatError("degenerate faces: a point out of range or out of order", at)
+
+    decode_with(kernels.MODEL, payload[at:], run, at)
     repeated, against = np.divmod(np.repeat(np.arange(2 * m), repeats.ravel()), 2)
     stitches = Stitches(points, reversed_, repeated, against.astype(bool), degenerate)
     if stitches.is_trivial:

@@ -32,7 +32,7 @@ class Corners:
     bounds : int64 (p + 1,)
         Where the visits to each point begin in the arrays below.
     ring, spoke, closing, like, kind : int64 (3 f,)
-        See `kernels.wedges.code_wedges`.
+        See `kernels.code_wedges`.
     """
 
     opposite: Ints
@@ -96,7 +96,7 @@ def code_wedges(coder: Coder, corners: Corners, wedges: Ints) -> Ints:
     Parameters
     ----------
     coder : Coder
-        With the slots and mixers of `kernels.wedges`.
+        With the model of the kernels of wedges.
     corners : Corners
     wedges : int64 (3 f,)
         The wedge of each corner of the complex, >= 0, in any numbering, when encoding; empty when

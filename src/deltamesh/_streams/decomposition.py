@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from deltamesh._kernels.coding.exact import POWERS
+from deltamesh._kernels.coding.grid import POWERS
 from deltamesh_formats.array_types import Floats, Ints
 
 # Decimals are quotients of two exact doubles, rounded once: m * 10^e < 2^53, and 10^22.

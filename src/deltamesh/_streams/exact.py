@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from deltamesh._graph.elements import Elements
-from deltamesh._kernels.coding import exact
+from deltamesh._kernels.coding import exact, grid
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.models import Model
 from deltamesh._streams.entropy import decode_with, encode_with
@@ -45,7 +45,7 @@ def encode_indices(
         Bits of a raw number.
     columns : sequence of 3 ColumnFormats
     choices, indices : int64 (n, 3)
-        As of `number_formats.to_indices`.
+        As `number_formats.to_indices` returns them.
     """
 
     def run(coder: Coder) -> None:
@@ -80,7 +80,7 @@ def parallelogram_errors(V: Floats, elements: Elements) -> Floats:
 
 
 def _model(columns: Sequence[ColumnFormats]) -> Model:
-    count = sum(len(how.formats) for how in columns)
+    count = sum(len(column.formats) for column in columns)
     slots = exact.FORMATS_AT + count * exact.FORMAT_SLOTS
     return Model(slots, 3 * exact.AXIS_MIXERS + count * exact.FORMAT_MIXERS)
 
@@ -96,11 +96,11 @@ def _code(
     e = elements
     table: list[tuple[int, ...]] = []
     formats: list[tuple[int, ...]] = []
-    for how in columns:
-        table.append((len(formats), len(how.formats), int(how.raw), int(how.zeros)))
-        for f, usual in zip(how.formats, how.usual, strict=True):
-            formats.append((f.base, how.grid - f.places, f.digits, usual))
-    tables = np.array(table), np.array(formats, dtype=np.int64).reshape(-1, exact.FORMAT_SIZE)
+    for column in columns:
+        table.append((len(formats), len(column.formats), int(column.raw), int(column.zeros)))
+        for f, usual in zip(column.formats, column.usual, strict=True):
+            formats.append((f.base, column.grid - f.places, f.digits, usual))
+    tables = np.array(table), np.array(formats, dtype=np.int64).reshape(-1, grid.FORMAT_SIZE)
     around = e.indptr, e.indices, e.first, e.corners
     exact.code_exact(coder, *around, *tables, np.int64(width), choices, indices)
 
@@ -108,10 +108,10 @@ def _code(
 def pack_formats(width: int, columns: Sequence[ColumnFormats]) -> bytes:
     """Return the bytes of the formats; the mirror is `unpack_formats`."""
     parts = [_WIDTH.pack(width)]
-    for how in columns:
-        flags = len(how.formats) | layout.COLUMN_RAW * how.raw | layout.COLUMN_ZEROS * how.zeros
-        parts.append(_COLUMN.pack(flags, how.grid))
-        for f, usual in zip(how.formats, how.usual, strict=True):
+    for column in columns:
+        flags = layout.COLUMN_RAW * column.raw | layout.COLUMN_ZEROS * column.zeros
+        parts.append(_COLUMN.pack(len(column.formats) | flags, column.grid))
+        for f, usual in zip(column.formats, column.usual, strict=True):
             parts.append(_FORMAT.pack(f.base, f.places, f.digits, usual))
     return b"".join(parts)
 
@@ -136,11 +136,11 @@ def unpack_formats(payload: memoryview) -> tuple[int, list[ColumnFormats], int]:
             formats.append(NumberFormat(*fields))
             usual.append(length)
         raw, zeros = bool(flags & layout.COLUMN_RAW), bool(flags & layout.COLUMN_ZEROS)
-        how = ColumnFormats(tuple(formats), tuple(usual), grid, raw, zeros)
-        fault = "reserved bits are set" if flags >= 2 * layout.COLUMN_ZEROS else fault_of(how)
+        column = ColumnFormats(tuple(formats), tuple(usual), grid, raw, zeros)
+        fault = "reserved bits are set" if flags >= 2 * layout.COLUMN_ZEROS else fault_of(column)
         if fault:
             raise FormatError(fault, start)
-        columns.append(how)
+        columns.append(column)
     return width, columns, at
 
 

@@ -63,10 +63,10 @@ def _encoded(elements: Elements, bits: Ints, size: int) -> bytes:
     columns, choices, indices = [], np.empty_like(bits), np.empty_like(bits)
     for a in range(3):
         some, clean = usable[:, a], np.where(usable[:, a], V[:, a], 0.0)
-        how = _formats(clean[some], errors[np.isfinite(errors[:, a]), a], single, not some.all())
-        choices[:, a], indices[:, a] = to_indices(clean, how, single)
+        column = _formats(clean[some], errors[np.isfinite(errors[:, a]), a], single, not some.all())
+        choices[:, a], indices[:, a] = to_indices(clean, column, single)
         choices[~some, a] = RAW
-        columns.append(how)
+        columns.append(column)
     indices = np.where(choices == RAW, raw, indices)
     width = SINGLE if single else DOUBLE
     stream = encode_indices(elements, width, columns, choices, indices)
@@ -77,8 +77,8 @@ def _formats(values: Floats, errors: Floats, single: bool, raw: bool) -> ColumnF
     """Return the formats of the values that may be in one; `raw` if there are others."""
     if not len(values):
         return RAW_ONLY
-    how = choose_formats(values, errors, single)
-    return replace(how, raw=how.raw or raw)
+    column = choose_formats(values, errors, single)
+    return replace(column, raw=column.raw or raw)
 
 
 def decode_floats(
@@ -109,8 +109,8 @@ def _decoded(payload: memoryview, elements: Elements, size: int) -> Ints:
     choices, indices = decode_indices(payload, at, elements, width, columns)
     is_raw = choices == RAW
     V = np.empty(indices.shape)
-    for a, how in enumerate(columns):
-        V[:, a] = from_indices(choices[:, a], np.where(is_raw, 0, indices)[:, a], how, single)
+    for a, column in enumerate(columns):
+        V[:, a] = from_indices(choices[:, a], np.where(is_raw, 0, indices)[:, a], column, single)
     numbers = V.astype(f"f{size}")
     if not (np.abs(V) <= LARGEST).all() or (numbers != V).any():
         raise FormatError(f"value not representable in {8 * size} bits", at)

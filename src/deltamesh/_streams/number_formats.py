@@ -19,7 +19,8 @@ from typing import Final
 
 import numpy as np
 
-from deltamesh._kernels.coding.exact import BOUND, NEGATIVE_ZERO, POWERS, RAW
+from deltamesh._kernels.coding.exact import NEGATIVE_ZERO, RAW
+from deltamesh._kernels.coding.grid import BOUND, POWERS
 from deltamesh._streams.decomposition import (
     BINARY_DIGITS,
     DECIMAL_PLACES,
@@ -97,62 +98,62 @@ def largest_offset(digits: int) -> int:
     return (1 << (INDEX_BITS - digits)) - GRID_BITS - 2
 
 
-def to_indices(values: Floats, how: ColumnFormats, single: bool) -> tuple[Ints, Ints]:
+def to_indices(values: Floats, column: ColumnFormats, single: bool) -> tuple[Ints, Ints]:
     """Return the format of each value, and its index there.
 
     Parameters
     ----------
     values : float64 (n,)
-    how : ColumnFormats
+    column : ColumnFormats
     single : bool
         Whether all values are float32.
 
     Returns
     -------
     choices : int64 (n,)
-        FIRST, SECOND, RAW or NEGATIVE_ZERO of `kernels.coding.exact`.
+        FIRST, SECOND, RAW or NEGATIVE_ZERO of `deltamesh._kernels.coding.exact`.
     indices : int64 (n,)
         The index of each value in its format, or the bits of a raw one.
     """
     choices = np.full(len(values), RAW, dtype=np.int64)
     indices = _to_bits(values, single)
-    if how.formats:
-        parts = decompose(values, how.formats[0].base, single)
+    if column.formats:
+        parts = decompose(values, column.formats[0].base, single)
         fit = representable(parts)
-    for i in reversed(range(len(how.formats))):
-        has = fit & holds(how.formats[i], parts)
+    for i in reversed(range(len(column.formats))):
+        has = fit & holds(column.formats[i], parts)
         choices[has] = i
-        indices[has] = _index(how.formats[i], parts)[has]
-    if how.zeros:
+        indices[has] = _index(column.formats[i], parts)[has]
+    if column.zeros:
         negative = np.signbit(values) & (values == 0)
         choices[negative], indices[negative] = NEGATIVE_ZERO, 0
     return choices, indices
 
 
-def from_indices(choices: Ints, indices: Ints, how: ColumnFormats, single: bool) -> Floats:
+def from_indices(choices: Ints, indices: Ints, column: ColumnFormats, single: bool) -> Floats:
     """Return the values: the mirror of `to_indices`; a number beyond its type is infinite."""
     values = np.zeros(len(choices))
     values[choices == RAW] = _from_bits(indices[choices == RAW], single)
-    for i, number_format in enumerate(how.formats):
+    for i, number_format in enumerate(column.formats):
         has = choices == i
         values[has] = _number(number_format, indices[has], single)
     values[choices == NEGATIVE_ZERO] = -0.0
     return values
 
 
-def fault_of(how: ColumnFormats) -> str:
+def fault_of(column: ColumnFormats) -> str:
     """Return the fault of the formats of a column by the rules of SPEC.md 5.12; "" for none."""
-    if len(how.formats) > 2 or not (how.formats or how.raw):
-        return f"{len(how.formats)} number formats in a column"
-    for f, usual in zip(how.formats, how.usual, strict=True):
-        offset = how.grid - f.places
+    if len(column.formats) > 2 or not (column.formats or column.raw):
+        return f"{len(column.formats)} number formats in a column"
+    for f, usual in zip(column.formats, column.usual, strict=True):
+        offset = column.grid - f.places
         if f.base == 2:
             fits = MIN_PLACES <= f.places <= MAX_PLACES and 1 <= f.digits <= BINARY_DIGITS
             fits = fits and -largest_offset(f.digits) <= offset
         else:
             fits = 0 <= f.places <= DECIMAL_PLACES and 1 <= f.digits <= DECIMAL_DIGITS
             fits = fits and f.base == 10 and 0 <= offset <= DECIMAL_OFFSET
-        if not fits or f.base != how.formats[0].base or usual > MOST_USUAL:
+        if not fits or f.base != column.formats[0].base or usual > MOST_USUAL:
             return f"invalid number format: base {f.base}, {f.places} places, {f.digits} digits"
     return ""
 

@@ -130,7 +130,7 @@ def _walk(folder: str, selection: Selection, failed: Callable[[OSError], None]) 
 
 
 def _is_file(entry: os.DirEntry[str]) -> bool:
-    """Tell whether it is a file, or a link to nowhere, which somebody should hear of."""
+    """Return whether it is a file, or a link to nowhere, which somebody should hear of."""
     return entry.is_file() or (entry.is_symlink() and not os.path.exists(entry.path))
 
 

@@ -168,7 +168,7 @@ def file_state(path: str, prefix: str) -> Record:
 
 
 def unchanged(record: Record, path: str, prefix: str) -> bool:
-    """Tell whether a file is the one of the record.
+    """Return whether a file is the one of the record.
 
     Where size and time of the last change are equal, the content is taken to be; where only the
     time differs, the content decides.
@@ -184,7 +184,7 @@ def unchanged(record: Record, path: str, prefix: str) -> bool:
 
 
 def still_done(record: Record, options: Record, version: str) -> bool:
-    """Tell whether the work of a record need not be done again.
+    """Return whether the work of a record need not be done again.
 
     It was done, by this version and with these options, and neither file has changed since.
     """
@@ -197,7 +197,7 @@ def still_done(record: Record, options: Record, version: str) -> bool:
 
 
 def wrote_target(record: Record) -> bool:
-    """Tell whether what has the name of the target was written by the run of the record."""
+    """Return whether what has the name of the target was written by the run of the record."""
     if record["status"] == DONE:
         return unchanged(record, record["target"], "target")
     return bool(record["status"] == BEGUN)

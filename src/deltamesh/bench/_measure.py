@@ -20,6 +20,7 @@ import numpy as np
 
 from deltamesh._codec import decode
 from deltamesh._measures.metrics import compare
+from deltamesh._measures.table import METRICS
 from deltamesh._mesh import TriangleMesh, triangulated
 from deltamesh._options import CHOICES, Options
 from deltamesh._pipeline import encode_mesh
@@ -114,12 +115,7 @@ def measure(name: str, mesh: PolyMesh | TriangleMesh, codec: Codec) -> Measureme
         vertices=len(coded.decoded.vertices),
         faces=len(coded.decoded.faces),
         bytes=coded.size,
-        rms=errors.rms / unit,
-        max=errors.max / unit,
-        hausdorff=errors.hausdorff / unit,
-        visual=errors.visual / unit,
-        normal_deg=errors.normal_deviation,
-        dihedral_deg=errors.dihedral,
+        **{m.column: getattr(errors, m.name) / (unit if m.is_length else 1.0) for m in METRICS},
         encode_seconds=coded.encode_seconds,
         decode_seconds=coded.decode_seconds,
         sections=coded.sections,

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from deltamesh._geometry.bounds import POSITION_TOLERANCE
+from deltamesh._measures.table import METRICS
 from deltamesh.bench._measure import Measurement
 from deltamesh_formats.errors import DeltameshError
 from deltamesh_formats.printing import number
@@ -22,7 +23,7 @@ Row = dict[str, str]
 
 KEYS: Final = ("mesh", "codec")
 COUNTS: Final = ("vertices", "faces")
-ERRORS: Final = ("rms", "max", "hausdorff", "visual", "normal_deg", "dihedral_deg")
+ERRORS: Final = tuple(metric.column for metric in METRICS)
 COLUMNS: Final = (*KEYS, *COUNTS, "bytes", "bpv", *ERRORS, "sections")
 SECONDS: Final = ("encode_seconds", "decode_seconds")
 
@@ -32,8 +33,7 @@ ERROR_TOLERANCE: Final = 0.01
 # Errors that are as good as none: what decoding may differ by, in diagonals; and for angles, what
 # that makes of an edge of a 1e-4th of the diagonal, in degrees.
 _NOTHING: Final = {
-    **dict.fromkeys(ERRORS[:4], POSITION_TOLERANCE),
-    **dict.fromkeys(ERRORS[4:], 1e-3),
+    metric.column: POSITION_TOLERANCE if metric.is_length else 1e-3 for metric in METRICS
 }
 
 

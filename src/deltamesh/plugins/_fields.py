@@ -11,9 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.arrays import attribute_of
+from deltamesh_formats.polymesh.descriptions import describe_attribute
 from deltamesh_formats.polymesh.kinds import Kind
 from deltamesh_formats.polymesh.mesh import Attribute, Domain, Parts, PolyMesh
 from deltamesh_formats.polymesh.names import distinct_names
+from deltamesh_formats.polymesh.seams import at_vertices
 
 KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
 
@@ -30,6 +32,22 @@ def dense_arrays(mesh: PolyMesh, domain: Domain, without: Iterable[Attribute] = 
     """Return names and rows, (count, width), of the attributes of a domain, but for some."""
     left = [a for a in mesh.attributes if a.domain == domain]
     return [(a.name, a.dense()) for a in left if not any(a is one for one in without)]
+
+
+def point_arrays(mesh: PolyMesh) -> tuple[Arrays, list[str]]:
+    """Return names and rows of the attributes of vertices, and of those of corners without seams.
+
+    The others are described in the second result.
+    """
+    points, lost = dense_arrays(mesh, "vertex"), []
+    for attribute in mesh.attributes:
+        if attribute.domain == "corner":
+            values = at_vertices(mesh, attribute)
+            if values is None:
+                lost.append(f"{describe_attribute(attribute)} with seams")
+            else:
+                points.append((attribute.name, values))
+    return points, lost
 
 
 def attributes_of(
@@ -69,6 +87,20 @@ def parts_of(kind: Kind, labels: ArrayLike, names: Iterable[str], faces: int) ->
     return Parts(kind, found, of_face.astype(np.int64))
 
 
+def taken_parts(
+    face: dict[str, Any], names: Mapping[Kind, Iterable[str]], faces: int
+) -> tuple[Parts, ...]:
+    """Take the parts that have names, and labels that fit these, out of the arrays of the faces."""
+    found = []
+    for kind in KINDS:
+        if kind in face and kind in names:
+            parts = parts_of(kind, face[kind], names[kind], faces)
+            if parts is not None:
+                found.append(parts)
+                del face[kind]
+    return tuple(found)
+
+
 def names_key(kind: Kind) -> str:
     """Return the key under which the names of parts of a kind are kept."""
     return f"{kind}_names"
@@ -81,6 +113,6 @@ def keeping_order(options: Mapping[str, Any]) -> dict[str, Any]:
 
 def warn_of_losses(lost: Iterable[str], where: str) -> None:
     """Warn of losses, unless there are none, and name them."""
-    words = ", ".join(dict.fromkeys(lost))
-    if words:
-        warnings.warn(f"not kept in {where}: {words}", stacklevel=3)
+    descriptions = ", ".join(dict.fromkeys(lost))
+    if descriptions:
+        warnings.warn(f"not kept in {where}: {descriptions}", stacklevel=3)

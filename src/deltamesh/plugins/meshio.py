@@ -28,15 +28,15 @@ from deltamesh.plugins._fields import (
     by_name,
     dense_arrays,
     keeping_order,
-    parts_of,
+    point_arrays,
+    taken_parts,
     warn_of_losses,
 )
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh.descriptions import describe_attribute
+from deltamesh_formats.polymesh.kinds import Kind
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh
 from deltamesh_formats.polymesh.names import distinct_names
-from deltamesh_formats.polymesh.seams import at_vertices
 from deltamesh_formats.polymesh.texture_origin import with_origin
 from deltamesh_formats.polymesh.validation import checked
 
@@ -52,14 +52,7 @@ def to_meshio(mesh: PolyMesh) -> meshio.Mesh:
         Of attributes of corners that have seams.
     """
     mesh = with_origin(mesh, top_left=False)
-    points, lost = dense_arrays(mesh, "vertex"), []
-    for attribute in mesh.attributes:
-        if attribute.domain == "corner":
-            values = at_vertices(mesh, attribute)
-            if values is None:
-                lost.append(f"{describe_attribute(attribute)} with seams")
-            else:
-                points.append((attribute.name, values))
+    points, lost = point_arrays(mesh)
     warn_of_losses(lost, "a mesh of meshio")
     ends = [*(np.flatnonzero(np.diff(mesh.sizes)) + 1).tolist(), len(mesh.sizes)]
     runs = [slice(a, b) for a, b in zip([0, *ends[:-1]], ends, strict=True)]
@@ -172,23 +165,19 @@ def _parts(
     face: dict[str, NDArray[Any]], field_data: Mapping[str, Any], faces: int, lost: list[str]
 ) -> tuple[Parts, ...]:
     """Take the parts out of the arrays of the faces."""
-    names: dict[str, dict[int, str]] = {}
+    numbered: dict[Kind, dict[int, str]] = {}
     for key, values in field_data.items():
         kind, _, name = str(key).partition(":")
         if kind in KINDS and kind in face and np.size(values) == 2:
-            names.setdefault(kind, {})[int(np.ravel(values)[0])] = name
+            numbered.setdefault(kind, {})[int(np.ravel(values)[0])] = name
         else:
             lost.append(f"the field {key!r}")
-    found = []
-    for kind in KINDS:
-        numbers = names.get(kind, {})
-        if set(numbers) == set(range(len(numbers))) and numbers:
-            in_turn = [numbers[i] for i in range(len(numbers))]
-            parts = parts_of(kind, face[kind], in_turn, faces)
-            if parts is not None:
-                found.append(parts)
-                del face[kind]
-    return tuple(found)
+    names = {
+        kind: [name for _, name in sorted(some.items())]
+        for kind, some in numbered.items()
+        if set(some) == set(range(len(some)))
+    }
+    return taken_parts(face, names, faces)
 
 
 register()

@@ -27,14 +27,13 @@ from deltamesh.plugins._fields import (
     dense_arrays,
     keeping_order,
     names_key,
-    parts_of,
+    point_arrays,
+    taken_parts,
     warn_of_losses,
 )
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.polymesh.descriptions import describe_attribute
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, Role
-from deltamesh_formats.polymesh.seams import at_vertices
 from deltamesh_formats.polymesh.texture_origin import with_origin
 from deltamesh_formats.polymesh.validation import checked
 
@@ -59,18 +58,9 @@ def to_pyvista(mesh: PolyMesh) -> pyvista.PolyData:
         Of attributes of corners that have seams.
     """
     mesh = with_origin(mesh, top_left=False)
-    points, lost = dense_arrays(mesh, "vertex"), []
-    roles: dict[str, Role] = {}
-    for attribute in mesh.attributes:
-        if attribute.domain == "corner":
-            values = at_vertices(mesh, attribute)
-            if values is None:
-                lost.append(f"{describe_attribute(attribute)} with seams")
-            else:
-                points.append((attribute.name, values))
-        if attribute.domain != "face":
-            roles.setdefault(attribute.name, attribute.role)
+    points, lost = point_arrays(mesh)
     warn_of_losses(lost, "a PolyData")
+    roles = {a.name: a.role for a in reversed(mesh.attributes) if a.domain != "face"}
     faces = np.insert(mesh.corners, mesh.offsets[:-1], mesh.sizes)
     made = pyvista.PolyData(mesh.vertices.astype(mesh.precision), faces=faces)
     for name, values in by_name(points).items():
@@ -80,9 +70,9 @@ def to_pyvista(mesh: PolyMesh) -> pyvista.PolyData:
         made.cell_data.set_array(_known(values), name)
     _activate(made, roles)
     names = {names_key(parts.kind): parts.names for parts in mesh.parts}
-    for key, words in {**mesh.metadata, **names}.items():
-        if words:
-            made.user_dict[key] = list(words)
+    for key, texts in {**mesh.metadata, **names}.items():
+        if texts:
+            made.user_dict[key] = list(texts)
     return made
 
 
@@ -174,23 +164,20 @@ def _with_role(attribute: Attribute, role: Role | None) -> Attribute:
 def _named_parts(
     face: dict[str, NDArray[Any]], mesh: pyvista.PolyData, lost: list[str]
 ) -> tuple[tuple[Parts, ...], dict[str, tuple[str, ...]]]:
-    """Take the parts out of the arrays of the faces, and words out of the dictionary."""
-    words = {}
+    """Take the parts out of the arrays of faces, and metadata and names out of the dictionary."""
+    texts = {}
     lost += [f"the field array {key!r}" for key in mesh.field_data if not key.startswith("_")]
     # Looking at the dictionary of a mesh without one would give it one.
     for key, values in mesh.user_dict.items() if _DICTIONARY in mesh.field_data else ():
         if isinstance(values, list) and values and all(isinstance(word, str) for word in values):
-            words[key] = tuple(values)
+            texts[key] = tuple(values)
         else:
             lost.append(f"the entry {key!r} of user_dict")
-    found = []
-    for kind in KINDS:
-        if kind in face and names_key(kind) in words:
-            parts = parts_of(kind, face[kind], words[names_key(kind)], len(face[kind]))
-            if parts is not None:
-                found.append(parts)
-                del face[kind], words[names_key(kind)]
-    return tuple(found), words
+    names = {kind: texts[names_key(kind)] for kind in KINDS if names_key(kind) in texts}
+    found = taken_parts(face, names, mesh.n_cells)
+    for parts in found:
+        del texts[names_key(parts.kind)]
+    return found, texts
 
 
 def _known(values: NDArray[Any]) -> NDArray[Any]:

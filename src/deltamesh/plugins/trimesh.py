@@ -30,7 +30,7 @@ from deltamesh.plugins._fields import (
     dense_arrays,
     keeping_order,
     names_key,
-    parts_of,
+    taken_parts,
     warn_of_losses,
 )
 from deltamesh_formats.errors import MeshError
@@ -84,7 +84,8 @@ def from_trimesh(mesh: trimesh.Trimesh | trimesh.Scene) -> PolyMesh:
     n, m = len(plain.vertices), len(plain.offsets) - 1
     vertex, face = dict(mesh.vertex_attributes), dict(mesh.face_attributes)
     corner = {name: face.pop(name) for name in list(face) if _of_corners(name, face[name], m)}
-    parts = _parts(face, mesh.metadata, m)
+    names = {kind: mesh.metadata.get(names_key(kind)) for kind in KINDS}
+    parts = taken_parts(face, {kind: some for kind, some in names.items() if some is not None}, m)
     _add_visual(mesh, vertex, face, lost)
     _add_normals(mesh, vertex)
     rows = {name.removeprefix(_CORNER): np.reshape(A, (3 * m, -1)) for name, A in corner.items()}
@@ -144,15 +145,15 @@ def _arguments(mesh: PolyMesh, split_seams: bool) -> dict[str, Any]:
     corners = dense_arrays(mesh, "corner", shown)
     face += [(_CORNER + name, A[cut.corners].reshape(len(cut.faces), -1)) for name, A in corners]
     names = {names_key(parts.kind): list(parts.names) for parts in mesh.parts}
-    words: dict[str, Any] = {key: list(some) for key, some in mesh.metadata.items()}
-    if words.get("units"):
-        words["units"] = words["units"][0]  # trimesh has a word, not a list
+    metadata: dict[str, Any] = {key: list(some) for key, some in mesh.metadata.items()}
+    if metadata.get("units"):
+        metadata["units"] = metadata["units"][0]  # trimesh has one text, not a list
     return {
         "vertices": mesh.vertices,
         "faces": cut.faces,
         "vertex_attributes": by_name(dense_arrays(mesh, "vertex", shown)),
         "face_attributes": by_name(face),
-        "metadata": {**words, **names},
+        "metadata": {**metadata, **names},
         "process": False,
         **found,
     }
@@ -204,7 +205,7 @@ def _add_visual(
 
 
 def _is_there(colours: NDArray[np.uint8], arrays: Mapping[str, Any]) -> bool:
-    """Tell whether these colours are the rounded ones of an attribute."""
+    """Return whether these colours are the rounded ones of an attribute."""
     for name, values in arrays.items():
         A = np.asarray(values)
         if A.ndim == 2 and len(A) == len(colours) and role_of(name, A) == "colour":
@@ -237,29 +238,16 @@ def _of_corners(name: str, values: Any, faces: int) -> bool:
     return name.startswith(_CORNER) and fits
 
 
-def _parts(face: dict[str, Any], metadata: Mapping[str, Any], faces: int) -> tuple[Parts, ...]:
-    """Take the parts out of the arrays of the faces."""
-    found = []
-    for kind in KINDS:
-        names = metadata.get(names_key(kind))
-        if kind in face and names is not None:
-            parts = parts_of(kind, face[kind], names, faces)
-            if parts is not None:
-                found.append(parts)
-                del face[kind]
-    return tuple(found)
-
-
 def _metadata(metadata: Mapping[str, Any], without: set[str]) -> dict[str, tuple[str, ...]]:
-    """Return the units, and what is a list of words, as `_arguments` has written it."""
+    """Return the units, and what is a list of texts, as `_arguments` has written it."""
     found = {
-        key: tuple(words)
-        for key, words in metadata.items()
-        if isinstance(words, list | tuple) and words and all(isinstance(w, str) for w in words)
+        key: tuple(texts)
+        for key, texts in metadata.items()
+        if isinstance(texts, list | tuple) and texts and all(isinstance(w, str) for w in texts)
     }
     if isinstance(units := metadata.get("units"), str):
         found["units"] = (units,)
-    return {key: words for key, words in found.items() if key not in without}
+    return {key: texts for key, texts in found.items() if key not in without}
 
 
 def _from_scene(scene: trimesh.Scene) -> PolyMesh:

@@ -169,7 +169,7 @@ SHUFFLED = """
 import random, sys, typing
 
 from deltamesh_formats.container import layout
-from deltamesh_formats.polymesh.mesh import kinds, mesh
+from deltamesh_formats.polymesh import kinds, mesh
 
 def shuffled(names):
     names = list(names)
@@ -191,7 +191,7 @@ import deltamesh
 from deltamesh_formats.container import attribute_table, reader, texts, writer
 
 golden = Path(sys.argv[1])
-for path in sorted(GOLDEN.glob("*.dmesh")):
+for path in sorted(golden.glob("*.dmesh")):
     data = path.read_bytes()
     container = reader.read_container(data)
     assert writer.write_container(container) == data

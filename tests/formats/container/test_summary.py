@@ -80,8 +80,8 @@ def test_what_a_file_says_is_no_markup() -> None:
 
 
 def test_a_file_in_words_is_what_info_prints(capsys: pytest.CaptureFixture[str]) -> None:
-    from deltamesh_cli.summary import as_text
+    from deltamesh_cli.summary import described_container
 
-    assert as_text("x.dmesh", FILE) == f"x.dmesh: {FILE}"
+    assert described_container("x.dmesh", FILE) == f"x.dmesh: {FILE}"
     assert len(repr(FILE)) < 3000
     assert "payload" not in repr(FILE)

@@ -11,11 +11,11 @@ from elements_of import of_faces, rows
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh._graph.permutations import numbered
 from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import labels as kernels
 from deltamesh._streams import entropy, labels
 from deltamesh_formats.array_types import Ints
+from deltamesh_formats.polymesh.permutations import numbered
 
 
 def twin_of(data: bytes | None) -> oracle.RangeCoder:

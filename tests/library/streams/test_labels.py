@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from deltamesh._graph import elements
 from deltamesh._graph.elements import Elements
-from deltamesh._graph.permutations import numbered
 from deltamesh._streams import labels
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import from_triangles
+from deltamesh_formats.polymesh.permutations import numbered
 
 SEQUENCES = st.lists(st.integers(-3, 5), max_size=12)
 

@@ -115,12 +115,12 @@ class Gltf:
         """Replace the elements that a sparse accessor lists."""
         count, at, new = whole(sparse, "count"), sparse["indices"], sparse["values"]
         start = whole(at, "byteOffset", 0)
-        places = self._view(at["bufferView"], start, count, 1, _component(at)).ravel()
+        indices = self._view(at["bufferView"], start, count, 1, _component(at)).ravel()
         start = whole(new, "byteOffset", 0)
         numbers = self._view(new["bufferView"], start, count, values.shape[1], kind)
-        if count and int(places.max()) >= len(values):
-            raise MeshError(f"a sparse accessor replaces element {places.max()} of {len(values)}")
-        values[places.astype(np.int64)] = numbers
+        if count and int(indices.max()) >= len(values):
+            raise MeshError(f"a sparse accessor replaces element {indices.max()} of {len(values)}")
+        values[indices.astype(np.int64)] = numbers
 
 
 def items(tree: Tree, name: str) -> list[Any]:

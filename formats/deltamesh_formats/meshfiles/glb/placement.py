@@ -14,12 +14,12 @@ from deltamesh_formats.array_types import Floats
 
 
 def is_identity(matrix: Floats) -> bool:
-    """Tell whether a transform, or its linear part, is the identity."""
+    """Return whether a transform, or its linear part, is the identity."""
     return bool((matrix == np.eye(len(matrix))).all())
 
 
 def is_mirror(matrix: Floats) -> bool:
-    """Tell whether a transform reverses the winding of faces."""
+    """Return whether a transform reverses the winding of faces."""
     with np.errstate(all="ignore"):
         return bool(np.linalg.det(matrix[:3, :3]) < 0)
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from deltamesh_formats.array_types import Bools, Ints
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
-from deltamesh_formats.polymesh.permutations import rank_of
+from deltamesh_formats.polymesh.permutations import inverse
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ def _in_order(group: Ints, object_of: Ints, vertex: Ints) -> Ints:
     first, objects = (np.full(int(group.max()) + 1, len(vertex)) for _ in range(2))
     np.minimum.at(first, group, vertex)
     objects[group] = object_of
-    return rank_of(np.lexsort([first, objects]))[group]
+    return inverse(np.lexsort([first, objects]))[group]
 
 
 def _numbered(major: Ints, minor: Ints | Bools) -> Ints:

@@ -1,4 +1,4 @@
-"""Reader of binary OFF, of the two forms that are found.
+"""Reader of binary OFF, in both layouts that writers use.
 
 The standard is big-endian, with a count of colour components after each face. Files of the Polygon
 Mesh Processing library are little-endian and have no such counts. Only the length of the file

@@ -105,7 +105,7 @@ class _Body:
     at: int
 
     def whole(self, at: Ints) -> Bools:
-        """Return which of the numbers at some places are written as whole ones, bool."""
+        """Return which of the numbers at some positions are written as whole ones, bool."""
         marks = np.isin(self.lines.buffer, np.frombuffer(b".eEnN", dtype=np.uint8))
         before = np.concatenate(([0], np.cumsum(marks)))
         tokens = self.at + at
@@ -113,7 +113,7 @@ class _Body:
         return ~fraction
 
     def indices(self, at: Ints) -> Ints:
-        """Return the numbers at some places as vertex indices; others are refused."""
+        """Return the numbers at some positions as vertex indices; others are refused."""
         found = self.values[at]
         with np.errstate(invalid="ignore"):
             indices = found.astype(np.int64)
@@ -183,11 +183,11 @@ def _vertices(
 ) -> tuple[Floats, list[Attribute]]:
     attributes, at = [], 3
     for role, width in widths:
-        places = starts[:, None] + np.arange(at, at + width)
+        positions = starts[:, None] + np.arange(at, at + width)
         if role == "colour":
-            attributes.append(_colour(body, places, "vertex", None))
+            attributes.append(_colour(body, positions, "vertex", None))
         else:
-            attributes.append(Attribute(role, "vertex", body.values[places], role))
+            attributes.append(Attribute(role, "vertex", body.values[positions], role))
         at += width
     return body.values[starts[:, None] + np.arange(3)].reshape(-1, 3), attributes
 
@@ -205,16 +205,16 @@ def _face_colours(body: _Body, starts: Ints, counts: Ints) -> tuple[list[Attribu
         has = counts == width
         if has.any():
             index = None if has.all() else np.where(has, np.cumsum(has) - 1, -1)
-            places = starts[has, None] + np.arange(width)
-            found.append(_colour(body, places, "face", index))
+            positions = starts[has, None] + np.arange(width)
+            found.append(_colour(body, positions, "face", index))
     return found, not np.isin(counts, (0, 1, 3, 4)).all()
 
 
-def _colour(body: _Body, places: Ints, domain: Domain, index: Ints | None) -> Attribute:
+def _colour(body: _Body, positions: Ints, domain: Domain, index: Ints | None) -> Attribute:
     """Return colours: whole numbers up to 255, or fractions; one number is an index in a map."""
-    values: NDArray[Any] = body.values[places]
-    whole = bool(body.whole(places.ravel()).all())
-    if places.shape[1] == 1:
+    values: NDArray[Any] = body.values[positions]
+    whole = bool(body.whole(positions.ravel()).all())
+    if positions.shape[1] == 1:
         if whole:
             values = values.astype(np.int64)
         return Attribute("colour_index", domain, values, "other", index)

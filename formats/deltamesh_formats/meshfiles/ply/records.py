@@ -120,7 +120,7 @@ def _counts_of(body: Binary | Ascii, at: int, properties: list[Property]) -> lis
 def _are_alike(
     body: Binary | Ascii, starts: Ints, properties: list[Property], counts: list[int], width: int
 ) -> bool:
-    """Tell whether the lists of all records are as long as those of the first."""
+    """Return whether the lists of all records are as long as those of the first."""
     offset, first = 0, int(starts[0])
     matrix = body.cells[first : first + len(starts) * width].reshape(len(starts), width)
     for prop, count in zip(properties, counts, strict=True):

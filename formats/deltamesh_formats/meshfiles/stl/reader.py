@@ -19,7 +19,7 @@ from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import text
 from deltamesh_formats.meshfiles.text import Lines
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
-from deltamesh_formats.polymesh.permutations import rank_of
+from deltamesh_formats.polymesh.permutations import inverse
 
 _HEADER: Final = 84
 FACET: Final = np.dtype([("normal", "<f4", 3), ("vertices", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -156,5 +156,5 @@ def _welded(points: Floats) -> tuple[Floats, Ints]:
     first = order[new]
     by_appearance = np.argsort(first)
     index = np.empty(len(points), dtype=np.int64)
-    index[order] = rank_of(by_appearance)[np.cumsum(new) - 1]
+    index[order] = inverse(by_appearance)[np.cumsum(new) - 1]
     return points[first[by_appearance]], index

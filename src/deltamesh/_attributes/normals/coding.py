@@ -29,6 +29,7 @@ from deltamesh._kernels.coding import delta, parallelogram, residual
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._streams.columns import code_three
 from deltamesh._streams.entropy import decode_with, encode_with
+from deltamesh._vectors import angles
 from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.container.attribute_table import Entry
 from deltamesh_formats.container.layout import (
@@ -116,7 +117,8 @@ def encode_attribute_normals(
     dense[has] = values
     normals, stream = choose_normals(dense, V, around, elements, entry.bits, tolerance)
     found = vectors_of(normals, V, around).astype(entry.dtype)[has]
-    return replace(entry, error=_largest_angle(values, found)), normals, stream
+    error = angles(values.astype(np.float64), found.astype(np.float64)).max(initial=0.0)
+    return replace(entry, error=float(error)), normals, stream
 
 
 def decode_attribute_normals(
@@ -135,13 +137,6 @@ def decode_attribute_normals(
         reason = f"normals of {normals.bits} bits, where the table has {entry.bits}"
         raise FormatError(reason, begin)
     return normals
-
-
-def _largest_angle(a: _Any, b: _Any) -> float:
-    """Return the largest angle between vectors (k, 3), in degrees; none to a vector of zeros."""
-    a, b = a.astype(np.float64), b.astype(np.float64)
-    sine = np.linalg.norm(np.cross(a, b), axis=1)
-    return float(np.degrees(np.arctan2(sine, (a * b).sum(axis=1))).max(initial=0.0))
 
 
 def choose_normals(

@@ -1,4 +1,4 @@
-"""An adaptive binary range coder whose probabilities are mixed from several contexts.
+"""Adaptive binary range coder whose probabilities are mixed from several contexts.
 
 The arithmetic coder is the carry-propagating range coder of LZMA (Martin, "Range encoding: an
 algorithm for removing redundancy from a digitised message", 1979; Pavlov, LZMA specification).
@@ -136,7 +136,7 @@ def _roundest(low: Int, span: Int) -> Int:
 
 @kernel
 def is_finished(c: Coder) -> Flag:
-    """Tell whether a decoder has come to where the encoder stopped, with nothing left over.
+    """Return whether a decoder has come to where the encoder stopped, with nothing left over.
 
     The decoder keeps LOW too, but for carries, so that a stream has one form only.
     """

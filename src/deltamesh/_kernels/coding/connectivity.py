@@ -49,7 +49,7 @@ OK, CORRUPT = 0, 1
 DONE = -2
 
 
-HALFEDGE = np.dtype([("origin", np.int64), ("opposite", np.int64), ("node", np.int64)])
+HALFEDGE = np.dtype([("start", np.int64), ("opposite", np.int64), ("node", np.int64)])
 OLD_VERTEX = np.dtype([("degree", np.int64), ("new", np.int64)])
 NEW_VERTEX = np.dtype([("valence", np.int64), ("old", np.int64), ("is_loop", np.bool_)])
 
@@ -60,8 +60,8 @@ class Region(NamedTuple):
     Attributes
     ----------
     halfedges : HALFEDGE (3 f,)
-        Of the closed mesh: vertex of origin; opposite; node whose gate it is, or DONE in the first
-        of a visited face.
+        Of the closed mesh: the vertex at which each starts; its opposite; the node whose gate it
+        is, or DONE in the first of a visited face.
     old : OLD_VERTEX (n,)
         Valence of each vertex; its new index, -1 before its visit.
     faces : int64 (f, 3), vertices : NEW_VERTEX (n,)
@@ -172,9 +172,9 @@ def _begin(c: Coder, front: Front, r: Region, seed: Int) -> Int:
         return CORRUPT
     mixer = seed_contexts(r.model)
     encoding = c.state[DECODING] == 0
-    n0 = _add_vertex(c, front, r, halfedges[3 * seed].origin if encoding else 0, mixer)
-    n1 = _add_vertex(c, front, r, halfedges[3 * seed + 1].origin if encoding else 0, mixer)
-    n2 = _add_vertex(c, front, r, halfedges[3 * seed + 2].origin if encoding else 0, mixer)
+    n0 = _add_vertex(c, front, r, halfedges[3 * seed].start if encoding else 0, mixer)
+    n1 = _add_vertex(c, front, r, halfedges[3 * seed + 1].start if encoding else 0, mixer)
+    n2 = _add_vertex(c, front, r, halfedges[3 * seed + 2].start if encoding else 0, mixer)
     v0, v1, v2 = nodes[n0].vertex, nodes[n1].vertex, nodes[n2].vertex
     _add_face(front, r, 3 * seed, v0, v1, v2)
     if encoding:
@@ -219,7 +219,7 @@ def _expand(c: Coder, front: Front, r: Region, pivot: Int, loops: Int, loop_star
     gate, vertex, encoding = np.int64(0), np.int64(0), c.state[DECODING] == 0
     if encoding:
         gate = nodes[pivot].gate
-        vertex = halfedges[previous_halfedge(gate)].origin
+        vertex = halfedges[previous_halfedge(gate)].start
         halfedges[gate - gate % 3].node = DONE
     if code_join_flag(c, front, pivot, encoding and r.old[vertex].new >= 0):
         return loops if _join(c, front, r, pivot, gate) == OK else -1
@@ -287,12 +287,12 @@ def _join(c: Coder, front: Front, r: Region, pivot: Int, gate: Int) -> Int:
         return CORRUPT
     nodes = front.nodes
     _add_face(front, r, gate, nodes[pivot].vertex, nodes[after].vertex, nodes[target].vertex)
-    twin = add_node(front, front.nodes[target].vertex, rest - side)
+    second = add_node(front, front.nodes[target].vertex, rest - side)
     set_free(front, target, side)
     set_free(front, pivot, front.nodes[pivot].free - 1)
     set_free(front, after, front.nodes[after].free - 1)
     before = front.nodes[target].predecessor
-    link(front, before, twin, front.nodes[before].behind, front.nodes[before].gate)
+    link(front, before, second, front.nodes[before].behind, front.nodes[before].gate)
     _set_gate(c, front, r, pivot, target, front.nodes[after].vertex, previous_halfedge(gate))
-    _set_gate(c, front, r, twin, after, front.nodes[pivot].vertex, next_halfedge(gate))
+    _set_gate(c, front, r, second, after, front.nodes[pivot].vertex, next_halfedge(gate))
     return OK

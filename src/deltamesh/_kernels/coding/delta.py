@@ -28,7 +28,7 @@ from deltamesh_formats.array_types import Floats, Ints
 
 @kernel
 def code_deltas(c: Coder, indptr: Ints, indices: Ints, values: Ints) -> None:
-    """Code `values` (n, 3), filled in place when decoding; neighbours as of `adjacency`."""
+    """Code `values` (n, 3), filled in place when decoding; for the graph, see `adjacency`."""
     known = np.zeros(KNOWN, np.int64)
     for i in range(len(values)):
         known[:] = 0

@@ -1,8 +1,8 @@
 """Numbers to the last bit: the distance of each from a prediction, in units of its own format.
 
 A number m * base^(e - places) of a number format (`deltamesh._streams.number_formats`) is known by
-its index in that format. Parallelograms predict a place on a grid of integers; the coded distance
-is the number of indices between the number next to that place and the true one. After
+its index in that format. Parallelograms predict a point on a grid of integers; the coded distance
+is the number of indices between the number next to that point and the true one. After
 P. Lindstrom, M. Isenburg, "Fast and efficient compression of floating-point data", IEEE TVCG 12(5),
 2006, and M. Isenburg, P. Lindstrom, J. Snoeyink, "Lossless compression of predicted floating-point
 geometry", CAD 37(8), 2005, whose contexts are exponents. Here the errors around are measured in the
@@ -15,14 +15,14 @@ from __future__ import annotations
 import numpy as np
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit, code_raw
+from deltamesh._kernels.coding.grid import BOUND, USUAL, in_units, index_at, point_of
 from deltamesh._kernels.coding.models import layout
 from deltamesh._kernels.coding.signed_integers import LEVELS, level
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
 from deltamesh_formats.array_types import Ints
 
-# Places on the grid stay within 2^56, and sums of MOST of them within 64 bits: at most so many of
-# the parallelograms and of the neighbours of a vertex are looked at.
-BOUND = 1 << 56
+# Parallelograms and neighbours of a vertex that are looked at: sums of so many points of the grid
+# stay within 64 bits.
 MOST = 8
 
 # Choices of a coordinate: the first format, the second, its raw bits, a negative zero.
@@ -31,9 +31,6 @@ FIRST, SECOND, RAW, NEGATIVE_ZERO = range(4)
 # Columns of the table of axes: the row of its first format, the number of formats, whether there
 # are raw coordinates and negative zeros.
 FORMAT_AT, FORMATS, HAS_RAW, HAS_ZEROS, AXIS_SIZE = range(5)
-# Columns of the table of formats: the base; the places of the grid less those of the format; the
-# digits; the usual length of a distance, at which the coder begins to ask.
-BASE, OFFSET, DIGITS, USUAL, FORMAT_SIZE = range(5)
 
 LENGTHS = 63  # of a distance, in bits; indices are below 2^61
 WINDOW = 8  # levels distinguish sizes down to 2^-8 of the usual
@@ -59,8 +56,6 @@ AXIS_MIXERS = ((CHOICES, LIMIT),) * 3
 # Those of the formats come after those of the axes.
 FORMATS_AT = 3 * AXIS_SLOTS
 
-POWERS = np.array([10**i for i in range(19)], dtype=np.int64)
-
 
 @kernel
 def code_exact(
@@ -77,8 +72,8 @@ def code_exact(
 ) -> None:
     """Code `choices` and `values` (n, 3), filled in place when decoding.
 
-    A value is an index or, where it is raw, `width` bits. Neighbours are as of
-    `adjacency.adjacency`, parallelograms as of `parallelograms.parallelograms`.
+    A value is an index or, where it is raw, `width` bits. Neighbours are as
+    `adjacency.adjacency` returns them, parallelograms as `parallelograms.parallelograms` does.
     """
     n = len(values)
     grid = np.zeros((n, 3), np.int64)
@@ -87,7 +82,7 @@ def code_exact(
     for i in range(n):
         before, chosen_before = np.int64(0), np.int64(0)
         for axis in range(3):
-            place, spread = _predict(indptr, indices, first, corners, grid, i, axis)
+            point, spread = _predict(indptr, indices, first, corners, grid, i, axis)
             around = _around(indptr, indices, errors, choices, i, axis)
             chosen = _code_choice(c, axes, choices, i, axis, around, chosen_before)
             chosen_before = 3 * chosen_before + chosen
@@ -95,10 +90,10 @@ def code_exact(
                 choices[i, axis] = chosen
             if chosen == RAW:
                 values[i, axis] = _code_bits(c, values[i, axis], width)
-                grid[i, axis] = place
+                grid[i, axis] = point
                 continue
             f = axes[axis, FORMAT_AT] + chosen
-            index, unit = _index_at(formats, f, place)
+            index, unit = index_at(formats, f, point)
             error = errors[i - 1, axis] if i > 0 else np.int64(0)
             kind = min(first[i + 1] - first[i], 3)
             _set_contexts(slots, formats, f, unit, around, kind, spread, error, before)
@@ -107,8 +102,8 @@ def code_exact(
             values[i, axis] = index + distance
             if index + distance == 0 and chosen == FIRST and axes[axis, HAS_ZEROS] == 1:
                 choices[i, axis] = _code_zero(c, indptr, indices, choices, i, axis)
-            grid[i, axis] = _place_of(formats, f, index + distance)
-            errors[i, axis] = min(max(grid[i, axis] - place, -BOUND), BOUND)
+            grid[i, axis] = point_of(formats, f, index + distance)
+            errors[i, axis] = min(max(grid[i, axis] - point, -BOUND), BOUND)
             size = level(abs(distance) >> max(formats[f, USUAL] - WINDOW, 0))
             before = size if axis == 0 else (before + size + 1) // 2
 
@@ -122,12 +117,12 @@ def _predict(
     count = min(first[i + 1] - first[i], MOST)
     for at in range(first[i], first[i] + count):
         a, b, o = corners[at, 0], corners[at, 1], corners[at, 2]
-        place = grid[a, axis] + grid[b, axis] - grid[o, axis]
-        total += place
-        low, high = min(low, place), max(high, place)
+        point = grid[a, axis] + grid[b, axis] - grid[o, axis]
+        total += point
+        low, high = min(low, point), max(high, point)
     if count > 0:
-        place = (2 * total + count) // (2 * count)
-        return min(max(place, -BOUND), BOUND), high - low
+        point = (2 * total + count) // (2 * count)
+        return min(max(point, -BOUND), BOUND), high - low
     for at in range(indptr[i], indptr[i + 1]):
         if indices[at] >= i or count == MOST:
             break  # neighbours ascend
@@ -222,63 +217,6 @@ def _code_zero(c: Coder, indptr: Ints, indices: Ints, choices: Ints, i: Int, axi
 
 
 @inlined
-def _index_at(formats: Ints, f: Int, place: Int) -> tuple[Int, Int]:
-    """Return the index of the number next to a place, and its unit as a power on the grid."""
-    offset, digits = formats[f, OFFSET], formats[f, DIGITS]
-    size, length = abs(place), np.int64(0)
-    if formats[f, BASE] == 2:
-        while size >> length > 0:
-            length += 1
-        e = max(length - offset - digits, 0)
-        unit = e + offset
-        if unit > 0:
-            m = ((size >> min(unit - 1, 62)) + 1) >> 1
-        else:
-            m = size << -unit if size > 0 else np.int64(0)  # fewer digits than the format has
-        index = (e << (digits - 1)) + m
-    else:
-        while length < 18 and size >= POWERS[length]:
-            length += 1
-        e = max(length - offset - digits, 0)
-        unit = e + offset
-        m = (size + POWERS[unit] // 2) // POWERS[unit]
-        index = e * 9 * POWERS[digits - 1] + m
-    return (-index if place < 0 else index), unit
-
-
-@inlined
-def _place_of(formats: Ints, f: Int, index: Int) -> Int:
-    """Return the place of a number on the grid, rounded towards 0, within the bound."""
-    offset, digits = formats[f, OFFSET], formats[f, DIGITS]
-    size: Int = abs(index)
-    place: Int = BOUND
-    if formats[f, BASE] == 2:
-        e = max((size >> (digits - 1)) - 1, 0)
-        m, unit = size - (e << (digits - 1)), e + offset
-        if unit <= 0:
-            place = min(m >> min(-unit, 62), BOUND)
-        elif (unit < 56 and m < BOUND >> unit) or m == 0:
-            place = m << min(unit, 56)
-    else:
-        top = POWERS[digits - 1]
-        e = (size - top) // (9 * top) if size >= top else 0
-        m, unit = size - e * 9 * top, e + offset
-        if m <= BOUND // POWERS[min(unit, 18)]:
-            place = m * POWERS[min(unit, 18)]
-    return -place if index < 0 else place
-
-
-@inlined
-def _in_units(formats: Ints, f: Int, unit: Int, size: Int) -> Int:
-    """Return a size on the grid in units of base^unit, or as many of them as fit."""
-    if formats[f, BASE] == 10:
-        return size // POWERS[unit]
-    if unit >= 0:
-        return size >> min(unit, 62)
-    return min(size, 1 << 29) << min(-unit, 32)
-
-
-@inlined
 def _set_contexts(
     slots: Ints,
     formats: Ints,
@@ -293,9 +231,9 @@ def _set_contexts(
     """Set the slots of a distance; `error` is that of the vertex before."""
     total, signs, _, count = around
     shift = max(formats[f, USUAL] - WINDOW, 0)
-    here = level(_in_units(formats, f, unit, 4 * total // max(count, 1)) >> shift)
-    hint = level(_in_units(formats, f, unit, spread) >> shift)
-    latest = level(_in_units(formats, f, unit, abs(error)) >> shift)
+    here = level(in_units(formats, f, unit, 4 * total // max(count, 1)) >> shift)
+    hint = level(in_units(formats, f, unit, spread) >> shift)
+    latest = level(in_units(formats, f, unit, abs(error)) >> shift)
     base = FORMATS_AT + f * FORMAT_SLOTS
     slots[0] = base + (here * 4 + kind) * LENGTHS
     slots[1] = base + MAGNITUDE_SLOTS + (here * LEVELS + before) * LENGTHS

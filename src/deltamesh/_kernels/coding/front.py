@@ -1,4 +1,4 @@
-"""The fronts of a region that grows over a closed triangle mesh.
+"""Fronts of a region that grows over a closed triangle mesh.
 
 A *node* is one appearance of a vertex on a front. Its *free* edges are those of its vertex inside
 the unvisited region that the node borders on. The *gate* from a node to its successor is an edge
@@ -35,7 +35,7 @@ NODE = np.dtype(
         ("gate", np.int64),  # the half-edge of the unvisited face at the gate; encoder only
         ("older", np.int64),  # the neighbours in the bucket
         ("newer", np.int64),
-        ("place", np.int64),  # in Front.live
+        ("index", np.int64),  # in Front.live
     ]
 )
 
@@ -102,12 +102,12 @@ def add_node(front: Front, vertex: Int, free: Int) -> Int:
     counts = front.counts
     node = counts[NODES]
     counts[NODES] = node + 1
-    place = counts[LIVE]
-    counts[LIVE] = place + 1
-    front.live[place] = node
+    index = counts[LIVE]
+    counts[LIVE] = index + 1
+    front.live[index] = node
     nodes[node].vertex = vertex
     nodes[node].free = free
-    nodes[node].place = place
+    nodes[node].index = index
     _enqueue(front, node)
     return node
 
@@ -118,9 +118,9 @@ def remove_node(front: Front, node: Int) -> None:
     counts = front.counts
     _dequeue(front, node)
     counts[LIVE] -= 1
-    last, place = front.live[counts[LIVE]], front.nodes[node].place
-    front.live[place] = last
-    front.nodes[last].place = place
+    last, index = front.live[counts[LIVE]], front.nodes[node].index
+    front.live[index] = last
+    front.nodes[last].index = index
 
 
 @inlined

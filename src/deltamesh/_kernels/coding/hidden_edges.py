@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit
+from deltamesh._kernels.coding.models import Model, layout
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
 from deltamesh._kernels.mesh.halfedges import next_halfedge, previous_halfedge
 from deltamesh_formats.array_types import Ints
@@ -21,17 +22,30 @@ OPEN, SEEN, HIDDEN = 0, 1, 2
 HIDE, PAIR, CHOOSE = range(3)
 LIMIT = 255
 MIXERS = ((4, LIMIT), (3, LIMIT), (2, LIMIT))
-# The first slot of each input of the mixers: sums of the numbers of their contexts.
-HIDE_BY_SIZES = 0
-HIDE_BY_ENDS = HIDE_BY_SIZES + 4 * 4 * 4 * 4
-HIDE_BY_APEXES = HIDE_BY_ENDS + 20 * 20 * 4
-HIDE_BY_BEYOND = HIDE_BY_APEXES + 20 * 20 * 4
-PAIR_BY_SIZE = HIDE_BY_BEYOND + 25 * 25 * 4
-PAIR_BY_HISTORY = PAIR_BY_SIZE + 64
-PAIR_BY_CANDIDATE = PAIR_BY_HISTORY + 64
-CHOOSE_BY_RANK = PAIR_BY_CANDIDATE + 64
-CHOOSE_BY_SIZE = CHOOSE_BY_RANK + 8 * 4
-SLOTS = CHOOSE_BY_SIZE + 64
+# The first slot of each input of the mixers: its range is indexed by its contexts.
+(
+    HIDE_BY_SIZES,
+    HIDE_BY_ENDS,
+    HIDE_BY_APEXES,
+    HIDE_BY_BEYOND,
+    PAIR_BY_SIZE,
+    PAIR_BY_HISTORY,
+    PAIR_BY_CANDIDATE,
+    CHOOSE_BY_RANK,
+    CHOOSE_BY_SIZE,
+    SLOTS,
+) = layout(
+    (4, 4, 4, 4),
+    (20, 20, 4),
+    (20, 20, 4),
+    (25, 25, 4),
+    (64,),
+    (64,),
+    (64,),
+    (8, 4),
+    (64,),
+)
+MODEL = Model(SLOTS, MIXERS)
 
 
 @inlined

@@ -4,7 +4,7 @@ The labels of the known neighbours are candidates, the one that most of them hav
 label of the element before; then what followed the last time that the labels were as they are
 now, the match model of Mahoney ("Adaptive weighing of context models for lossless data
 compression", 2005); then the labels ahead, those of the known neighbours of unknown ones. A bit
-for each candidate tells whether it is the label. Another label is new, which is the next number, or
+for each candidate says whether it is the label. Another label is new, which is the next number, or
 its number is coded from the low bit up, without the bits that would lead beyond the labels: no
 stream can name a label that does not exist.
 """

@@ -79,7 +79,7 @@ def code_positions(
 
     `corners[first[i]:first[i + 1]]` are the vertices (a, b, o), all below i, of the triangles
     (a, b, o) across an edge of a triangle (a, b, i); the first `within[i]` are quads (a, o, b, i)
-    of the mesh. The neighbours are as of `adjacency`.
+    of the mesh. The neighbours are as `adjacency.adjacency` returns them.
     """
     n = len(values)
     residuals = np.zeros((n, 3), np.int64)

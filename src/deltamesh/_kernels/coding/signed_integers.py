@@ -125,7 +125,7 @@ def _code_length(
     histories: Ints,
     mixer: Int,
 ) -> Int:
-    """Code the length in unary; a candidate tells whether it is shorter, as long or longer."""
+    """Code the length in unary; candidates say whether they are shorter."""
     slots = np.empty(MAX_INPUTS, np.int64)
     many = len(contexts)
     for i in range(many):
@@ -137,8 +137,8 @@ def _code_length(
         for i in range(len(candidates)):
             other = bit_length(abs(candidates[i]))
             side = 0 if other < k else (1 if other == k else 2)
-            place = (histories[i] * 3 + side) * LENGTHS + k
-            c.state[CONTEXT + many + i] = hashed(LENGTH + MATCHES + i, axis, place)
+            match = (histories[i] * 3 + side) * LENGTHS + k
+            c.state[CONTEXT + many + i] = hashed(LENGTH + MATCHES + i, axis, match)
         if code_bit(c, np.int64(length > k), mixer + k) == 0:
             break
         k += 1
@@ -162,8 +162,8 @@ def _code_sign(
     for i in range(len(candidates)):
         agrees = bit_length(abs(candidates[i])) == length
         expected = (2 if candidates[i] < 0 else 1) if agrees else 0
-        place = histories[i] * 3 + expected
-        c.state[CONTEXT + many + i] = hashed(SIGN + MATCHES + i, axis, place)
+        match = histories[i] * 3 + expected
+        c.state[CONTEXT + many + i] = hashed(SIGN + MATCHES + i, axis, match)
     return code_bit(c, negative, mixer)
 
 
@@ -195,8 +195,8 @@ def _code_mantissa(
             other = abs(candidates[i])
             agrees = (candidates[i] < 0) == (negative == 1) and other >> (shift + 1) == result
             expected = 1 + ((other >> shift) & 1) if agrees else 0
-            place = (histories[i] * 4 + min(j, 3)) * 3 + expected
-            c.state[CONTEXT + MANTISSAS + i] = hashed(MANTISSA + MATCHES + i, axis, place)
+            match = (histories[i] * 4 + min(j, 3)) * 3 + expected
+            c.state[CONTEXT + MANTISSAS + i] = hashed(MANTISSA + MATCHES + i, axis, match)
         bit = code_bit(c, (magnitude >> shift) & 1, mixer + j)
         result = 2 * result + bit
     return result

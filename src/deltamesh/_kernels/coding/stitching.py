@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit, code_number
+from deltamesh._kernels.coding.models import Model, layout
 from deltamesh._kernels.coding.valence import MAX_BITS, code_below
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
 from deltamesh_formats.array_types import Bools, Ints
@@ -18,22 +19,38 @@ from deltamesh_formats.array_types import Bools, Ints
 # Candidates that are kept, and neighbours of neighbours that are looked at: a bound on the work.
 CANDIDATES, LOOKS = 16, 256
 
-# Mixers, and the first slot of each of their inputs: sums of the numbers of their contexts.
+# Mixers, and the first slot of each of their inputs: its range is indexed by its contexts.
 STITCHED, MATCHES, REVERSED, REPEATED, NUMBER, ADJACENT = range(6)
 MIXERS = ((3, 255), (2, 255), (3, 255), (2, 255), (1, 255), (1, 255))
-STITCHED_BY_LOWER = 0
-STITCHED_BY_BEFORE = STITCHED_BY_LOWER + 2 * 4 * 4
-STITCHED_BY_VOTES = STITCHED_BY_BEFORE + 2 * 4 * 2
-MATCHES_BY_RANK = STITCHED_BY_VOTES + 2 * 8 * 2
-MATCHES_BY_RIVAL = MATCHES_BY_RANK + 8 * 16
-REVERSED_BY_BEFORE = MATCHES_BY_RIVAL + 8 * 8
-REVERSED_BY_AROUND = REVERSED_BY_BEFORE + 2 * 2
-REVERSED_BY_BOTH = REVERSED_BY_AROUND + 4 * 4
-REPEATED_BY_LAST = REVERSED_BY_BOTH + 4 * 4 * 4
-REPEATED_BY_AROUND = REPEATED_BY_LAST + 2 * 4 * 4
-NUMBER_AT = REPEATED_BY_AROUND + 2 * 4 * 4
-ADJACENT_AT = NUMBER_AT + MAX_BITS
-SLOTS = ADJACENT_AT + 1
+(
+    STITCHED_BY_LOWER,
+    STITCHED_BY_BEFORE,
+    STITCHED_BY_VOTES,
+    MATCHES_BY_RANK,
+    MATCHES_BY_RIVAL,
+    REVERSED_BY_BEFORE,
+    REVERSED_BY_AROUND,
+    REVERSED_BY_BOTH,
+    REPEATED_BY_LAST,
+    REPEATED_BY_AROUND,
+    NUMBER_AT,
+    ADJACENT_AT,
+    SLOTS,
+) = layout(
+    (2, 4, 4),
+    (2, 4, 2),
+    (2, 8, 2),
+    (8, 16),
+    (8, 8),
+    (2, 2),
+    (4, 4),
+    (4, 4, 4),
+    (2, 4, 4),
+    (2, 4, 4),
+    (MAX_BITS,),
+    (1,),
+)
+MODEL = Model(SLOTS, MIXERS)
 
 
 @kernel
@@ -212,14 +229,14 @@ def code_degenerate(c: Coder, indptr: Ints, indices: Ints, pairs: Ints, n: Int) 
             return False
         first = indptr[min(a, len(indptr) - 1)]
         valence = indptr[a + 1] - first if a + 1 < len(indptr) else 0
-        place = _find(indices, first, valence, pairs[k, 1])
+        index = _find(indices, first, valence, pairs[k, 1])
         b = pairs[k, 1]
         adjacent = np.int64(0)
         if valence > 0:
             c.state[CONTEXT] = ADJACENT_AT
-            adjacent = code_bit(c, 1 if place >= 0 else 0, np.int64(ADJACENT))
+            adjacent = code_bit(c, 1 if index >= 0 else 0, np.int64(ADJACENT))
         if adjacent == 1:
-            b = indices[first + code_below(c, place, valence)]
+            b = indices[first + code_below(c, index, valence)]
         else:
             b = code_below(c, b, n)
             if _find(indices, first, valence, b) >= 0:
@@ -233,7 +250,7 @@ def code_degenerate(c: Coder, indptr: Ints, indices: Ints, pairs: Ints, n: Int) 
 
 @inlined
 def _find(indices: Ints, first: Int, valence: Int, vertex: Int) -> Int:
-    """Return the place of a vertex among the neighbours from `first` on, -1 if it is none."""
+    """Return the index of a vertex among the neighbours from `first` on, -1 if it is none."""
     low, high = np.int64(0), np.int64(valence)
     while low < high:
         middle = (low + high) // 2

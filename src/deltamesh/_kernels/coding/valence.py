@@ -1,4 +1,4 @@
-"""What the region grower codes, and in which contexts: valences, joins, the ends of joins.
+"""Valences, joins and the ends of joins that the region grower codes, and their contexts.
 
 Contexts are numbers that encoder and decoder both know: valences of visited vertices around the
 gate, free edges along the front, the valences coded last.
@@ -21,10 +21,11 @@ from deltamesh._kernels.coding.coder import (
     code_raw,
 )
 from deltamesh._kernels.coding.front import LIVE, Front
+from deltamesh._kernels.coding.models import Model, layout
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
 from deltamesh_formats.array_types import Ints
 
-# A valence is spelled along a tree: is it 6; is it less; is it 5, 4, 3; is it 7, 8, ... 18.
+# A valence is coded along a tree: is it 6; is it less; is it 5, 4, 3; is it 7, 8, ... 18.
 # Above that come the bits of v - 18. Part of the format, as is all below.
 NODE_SIX, NODE_LESS, NODE_BELOW, NODE_ABOVE = 0, 1, 2, 5
 UNARY_END = 18
@@ -36,9 +37,9 @@ TREE = 18
 # and the successor, if the new vertex closes the pivot; else the successor and the one coded last);
 # three valences of the visited face; the sum of four valences around.
 VALENCE_INPUTS = 8
-CONTEXT_SIZES = (1, 256, 512, 256, 256, 512, 1024, 64)
-PAIR, FREE, BEHIND, LAST_TWO, NEAR_PAIR, FACE, TOTAL = np.cumsum(CONTEXT_SIZES)[:-1].tolist()
-CONTEXTS = sum(CONTEXT_SIZES)
+_, PAIR, FREE, BEHIND, LAST_TWO, NEAR_PAIR, FACE, TOTAL, CONTEXTS = layout(
+    (1,), (16, 16), (8, 8, 8), (16, 16), (16, 16), (2, 16, 16), (2, 512), (32, 2)
+)
 VALENCE_CAP = 15
 
 # What begins as likely: the shares in the valences of irregular meshes, for each node of the tree.
@@ -50,16 +51,12 @@ RECENT, TREES = 0, 2
 MODEL_SIZE = TREES + VALENCE_INPUTS
 
 # Slots: the trees, then those of everything rarer.
-JOIN_FLAG = CONTEXTS * TREE
 JOIN_CONTEXT = 64
-LOOP_FLAG = JOIN_FLAG + 3 * JOIN_CONTEXT
-NEAR_FLAG = LOOP_FLAG + 1
-NEAR_TREE = NEAR_FLAG + 1
-SIDE_TREE = NEAR_TREE + 64
-NUMBER = SIDE_TREE + 64
 OF_VALENCE, OF_LOOP, OF_SIDE = 0, 1, 2
 NUMBER_SLOTS = 48
-SLOTS = NUMBER + 3 * NUMBER_SLOTS
+_, JOIN_FLAG, LOOP_FLAG, NEAR_FLAG, NEAR_TREE, SIDE_TREE, NUMBER, SLOTS = layout(
+    (CONTEXTS, TREE), (3, JOIN_CONTEXT), (1,), (1,), (64,), (64,), (3, NUMBER_SLOTS)
+)
 
 # Mixers: one for each node of the tree, twice; then those of the rarer bits. A join is too rare to
 # forget one.
@@ -69,6 +66,7 @@ MIXERS = (
     *((VALENCE_INPUTS, 500),) * RARE,
     *((1, 255), (3, 1000), (1, 1000), (1, 255), (1, 255), (1, 255)),
 )
+MODEL = Model(SLOTS, MIXERS)
 NEAR_BITS = 5
 NEAR = 1 << (NEAR_BITS - 1)  # a join is addressed along the front that far, then among all nodes
 MAX_BITS = 40  # of a number: counts are below 2^40
@@ -217,7 +215,7 @@ def code_target(c: Coder, front: Front, pivot: Int, target: Int) -> Int:
                 break
     state[CONTEXT] = NEAR_FLAG
     if code_bit(c, 1 if near >= 0 else 0, RARE + NEAR_BY) == 0:
-        return front.live[code_below(c, nodes[max(target, 0)].place, front.counts[LIVE])]
+        return front.live[code_below(c, nodes[max(target, 0)].index, front.counts[LIVE])]
     near = _code_tree(c, near, np.int64(NEAR_BITS), np.int64(NEAR_TREE), RARE + TARGET)
     node = pivot if near & 1 else n1
     for _ in range((near >> 1) + 1):

@@ -54,10 +54,10 @@ def code_vertices(
 ) -> Int:
     """Code the vertex of each rank, `order` (n,), filled in place when decoding.
 
-    The neighbours are as of `adjacency.adjacency`; entry e, of row v, is the edge from v to
-    `indices[e]`, and `mirror[e]` the entry of the edge back. The anchor of a vertex is the newest
-    or the oldest of its neighbours that have a rank. At most `stop` ranks are coded. Returns OK or
-    CORRUPT.
+    The neighbours are as `adjacency.adjacency` returns them; entry e, of row v, is the edge from v
+    to `indices[e]`, and `mirror[e]` the entry of the edge back. The anchor of a vertex is the
+    newest or the oldest of its neighbours that have a rank. At most `stop` ranks are coded. Return
+    OK or CORRUPT.
     """
     n = len(order)
     encoding = c.state[DECODING] == 0
@@ -142,14 +142,14 @@ def _choose_vertex(
         old, new = near(around[w, 0], last[0]), near(around[w, 1], last[1])
         touches = 1 if around[w, 1] == rank - 1 else 0
         degree, at = min(around[w, 2], 3), min(k, 3)
-        look = 2 * old + touches
+        kind = 2 * old + touches
         if k < count - 1:
-            state[CONTEXT] = CHOOSE + 4 * look + degree
-            state[CONTEXT + 1] = CHOOSE + CHOOSE_SIZE + 16 * look + memory[CHOICE]
+            state[CONTEXT] = CHOOSE + 4 * kind + degree
+            state[CONTEXT + 1] = CHOOSE + CHOOSE_SIZE + 16 * kind + memory[CHOICE]
             state[CONTEXT + 2] = CHOOSE + 2 * CHOOSE_SIZE + 24 * degree + 6 * at + new
             if code_bit(c, 1 if w == vertex else 0, np.int64(CHOOSE_MIXER)) == 0:
                 continue
-        memory[CHOICE] = look
+        memory[CHOICE] = kind
         return w
     return np.int64(-1)
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from deltamesh._kernels.coding.coder import CONTEXT, Coder, code_bit
+from deltamesh._kernels.coding.models import Model, layout
 from deltamesh._kernels.coding.valence import code_below
 from deltamesh._kernels.jit import Flag, Int, inlined, kernel
 from deltamesh._kernels.mesh.halfedges import next_halfedge, previous_halfedge
@@ -23,17 +24,30 @@ UNKNOWN, SMOOTH, SEAM, OPEN = range(4)
 
 SAME, NEW, MORE = range(3)
 MIXERS = ((5, 255), (2, 255), (2, 255))
-# The first slot of each input of the mixers: sums of the numbers of their contexts.
-SAME_BY_KIND = 0
-SAME_BY_SEAMS = SAME_BY_KIND + 4 * 4 * 4
-SAME_BY_UNKNOWN = SAME_BY_SEAMS + 4 * 4 * 4 * 4
-SAME_BY_DISTANCE = SAME_BY_UNKNOWN + 4 * 4 * 4 * 4
-SAME_BY_COUNT = SAME_BY_DISTANCE + 4 * 8 * 8
-NEW_BY_KIND = SAME_BY_COUNT + 4 * 4 * 4 * 2 * 2
-NEW_BY_COUNT = NEW_BY_KIND + 4 * 4 * 4
-MORE_BY_LAST = NEW_BY_COUNT + 16 * 4
-MORE_BY_NUMBER = MORE_BY_LAST + 4 * 4
-SLOTS = MORE_BY_NUMBER + 16
+# The first slot of each input of the mixers: its range is indexed by its contexts.
+(
+    SAME_BY_KIND,
+    SAME_BY_SEAMS,
+    SAME_BY_UNKNOWN,
+    SAME_BY_DISTANCE,
+    SAME_BY_COUNT,
+    NEW_BY_KIND,
+    NEW_BY_COUNT,
+    MORE_BY_LAST,
+    MORE_BY_NUMBER,
+    SLOTS,
+) = layout(
+    (4, 4, 4),
+    (4, 4, 4, 4),
+    (4, 4, 4, 4),
+    (4, 8, 8),
+    (4, 4, 4, 2, 2),
+    (4, 4, 4),
+    (16, 4),
+    (4, 4),
+    (16,),
+)
+MODEL = Model(SLOTS, MIXERS)
 
 
 @kernel

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh._graph.permutations import inverse, numbered
+from deltamesh_formats.polymesh.permutations import inverse, numbered
 
 
 def test_values_are_numbered_by_their_first_elements() -> None:

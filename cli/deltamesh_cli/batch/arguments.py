@@ -1,4 +1,4 @@
-"""Options of `deltamesh batch`: those of `encode` and `decode` too, and how they go together."""
+"""Arguments of `deltamesh batch`: their checks, and the `Job` and the rank that they give."""
 
 from __future__ import annotations
 
@@ -12,56 +12,34 @@ from click.core import ParameterSource
 from deltamesh._options import Options
 from deltamesh_cli import options
 from deltamesh_cli.batch.work import Job
-from deltamesh_cli.commands import decode as decoding
-from deltamesh_cli.commands import encode as encoding
-from deltamesh_cli.failures import Settings
+from deltamesh_cli.encode_options import check_encode_options, encode_options
+from deltamesh_cli.failures import RunSettings
 
-# What `encode` and `decode` have that means something else here, or nothing.
-_NOT_SHARED: Final = frozenset(
-    {"source", "target", "output", "force", "as_json", "quiet", "verbose", "show_progress"}
-    | {"debug", "memory"}
-)
-
-# SLURM's own names: of the tasks of an array (sbatch --array), and of those of a step (srun -n).
+# Variables of SLURM: of a task of a job array (sbatch --array), and of a task of a step (srun -n).
 SLURM: Final = {
     "array": ("SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT"),
     "step": ("SLURM_PROCID", "SLURM_NTASKS"),
 }
 
-
-def _shared(command: click.Command) -> dict[str, click.Parameter]:
-    return {p.name: p for p in command.params if p.name and p.name not in _NOT_SHARED}
-
-
-_ENCODING: Final = _shared(encoding.command)
-_DECODING: Final = _shared(decoding.command)
-
-# What help pages end with.
-_COMMON: Final = frozenset({"as_json", "quiet", "verbose", "show_progress", "debug"})
-
-
-def with_options_of_both(command: click.Command) -> click.Command:
-    """Give `batch` every option of `encode` and `decode`, those to come included."""
-    own = [parameter for parameter in command.params if parameter.name not in _COMMON]
-    common = [parameter for parameter in command.params if parameter.name in _COMMON]
-    command.params = [*own, *{**_ENCODING, **_DECODING}.values(), *common]
-    return command
+_ENCODE: Final = frozenset(options.parameters_of(encode_options))
+# The option --memory of `batch` has another meaning.
+_DECODE: Final = frozenset(options.parameters_of(options.decode_options)) - {"memory"}
 
 
 def refuse_two_of(context: click.Context, *names: str) -> None:
-    """Refuse options of which the first excludes the others, and these each other."""
-    given = [_flag(context, name) for name in names if _is_given(context, name)]
-    if len(given) > 1:
-        raise click.UsageError(f"{' and '.join(given[:2])} exclude each other.")
+    """Refuse the command line if more than one of these options is given."""
+    flags = [_flag(context, name) for name in names if _on_command_line(context, name)]
+    if len(flags) > 1:
+        raise click.UsageError(f"{' and '.join(flags[:2])} exclude each other.")
 
 
-def _is_given(context: click.Context, name: str) -> bool:
+def _on_command_line(context: click.Context, name: str) -> bool:
     return context.get_parameter_source(name) is ParameterSource.COMMANDLINE
 
 
 def _flag(context: click.Context, name: str) -> str:
-    found = next(p for p in context.command.params if p.name == name)
-    return max(found.opts, key=len)
+    parameter = next(p for p in context.command.params if p.name == name)
+    return max(parameter.opts, key=len)
 
 
 def job_of(
@@ -72,27 +50,47 @@ def job_of(
     *,
     one_thread: bool,
 ) -> Job:
-    """Return what is done with each file; options of the other direction are refused."""
-    own, other = (_DECODING, _ENCODING) if decode else (_ENCODING, _DECODING)
-    for name in other.keys() - own.keys():
-        if _is_given(context, name):
+    """Return the job that the options describe.
+
+    Parameters
+    ----------
+    context : click.Context
+    decode : bool
+        Whether files are decoded.
+    memory : int or None
+        The option --memory.
+    parameters : dict
+        The options of `encode` and `decode`.
+    one_thread : bool
+        Whether the solver has one thread unless --threads is given.
+
+    Raises
+    ------
+    click.UsageError
+        If options exclude each other, or belong to the other direction.
+    OptionError
+        If an option is out of range.
+    """
+    own, other = (_DECODE, _ENCODE) if decode else (_ENCODE, _DECODE)
+    for name in [parameter for parameter in parameters if parameter in other - own]:
+        if _on_command_line(context, name):
             direction = "with -d" if decode else "without -d"
             raise click.UsageError(f"{_flag(context, name)} means nothing {direction}.")
-    chosen = {name: parameters[name] for name in own}
-    debug = context.ensure_object(Settings).debug
+    chosen = {name: value for name, value in parameters.items() if name in own}
+    debug = context.ensure_object(RunSettings).debug
     file_format = chosen.pop("output_format" if decode else "input_format")
     if one_thread and chosen["threads"] is None:
         chosen["threads"] = 1
     if decode:
         return Job(True, file_format, {**chosen, "memory": memory}, debug)
-    encoding.check_parameters(chosen)
+    check_encode_options(chosen)
     known = {field.name for field in fields(Options)}
-    Options(**{name: value for name, value in options.given(chosen).items() if name in known})
+    Options(**{name: value for name, value in options.specified(chosen).items() if name in known})
     return Job(False, file_format, chosen, debug)
 
 
 def rank_of(rank: int | None, world_size: int | None, slurm: str | None) -> tuple[int, int]:
-    """Return which machine this is, of how many."""
+    """Return the rank of this machine and the number of machines."""
     if slurm is not None:
         if not (rank is None and world_size is None):
             raise click.UsageError("--slurm and --rank exclude each other.")
@@ -103,7 +101,7 @@ def rank_of(rank: int | None, world_size: int | None, slurm: str | None) -> tupl
 
 
 def _slurm_rank(kind: str) -> tuple[int, int]:
-    """Return what SLURM has put into the environment.
+    """Return rank and world size from the environment that SLURM has set.
 
     https://slurm.schedmd.com/job_array.html; an array may begin anywhere and take steps.
     """

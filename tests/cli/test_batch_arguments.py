@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 import pytest
 
-from deltamesh_cli.batch.options import rank_of
+from deltamesh_cli.batch.arguments import rank_of
 
 ARRAY = {
     "SLURM_ARRAY_TASK_ID": "7",

@@ -1,0 +1,184 @@
+"""Comparison of two meshes for `deltamesh compare`: metrics, attributes and parts, and their print.
+
+The library measures; here the results get the names that `--json` and the tables use.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from deltamesh._measures.table import METRICS
+from deltamesh._progress import Progress
+from deltamesh_cli.meshes import LoadedMesh
+from deltamesh_cli.output import display_name, number, table
+from deltamesh_formats.container.summary import bits_per_vertex, relative
+from deltamesh_formats.polymesh.kinds import KIND_WORDS
+
+if TYPE_CHECKING:
+    from deltamesh._compare.likeness import Difference
+    from deltamesh_formats.polymesh.kinds import Kind
+
+    _Errors: TypeAlias = dict[str, float | None]
+
+_LENGTHS: Final = {metric.name: metric.title for metric in METRICS if metric.is_length}
+_ANGLES: Final = {metric.name: metric.title for metric in METRICS if not metric.is_length}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Result of comparing mesh B with mesh A.
+
+    Attributes
+    ----------
+    a, b : LoadedMesh
+    errors : dict
+        Every metric by its name; None if it needs corresponding vertices and there are none.
+    attributes : tuple of Difference, or None
+        The difference of each attribute of A; None if the faces do not correspond.
+    other_parts : tuple of str, or None
+        The kinds of parts of A that differ in B or are missing there; None if the faces do not
+        correspond.
+    """
+
+    a: LoadedMesh
+    b: LoadedMesh
+    errors: _Errors
+    attributes: tuple[Difference, ...] | None = None
+    other_parts: tuple[Kind, ...] | None = None
+
+
+def compare_meshes(a: LoadedMesh, b: LoadedMesh, progress: Progress) -> Comparison:
+    """Measure mesh B against mesh A."""
+    from deltamesh._compare import likeness
+    from deltamesh._measures import metrics
+    from deltamesh._mesh import TriangleMesh, triangulated
+    from deltamesh._shape.complexes import distinct_faces
+    from deltamesh_formats.container.layout import METHODS
+
+    progress("matching vertices")
+    containers = [one.container for one in (a, b) if one.container]
+    exact = any(METHODS[container.parameters.method].exact for container in containers)
+    match = likeness.corresponding(a.mesh, b.mesh, exact)
+    if match is None:
+        progress("measuring surfaces")
+        first, second = triangulated(a.mesh), triangulated(b.mesh)
+        surfaces = {"hausdorff": metrics.hausdorff(first, second)}
+        diagonal = metrics.diagonal(first.vertices)
+        unknown = dict.fromkeys([*_LENGTHS, *_ANGLES])
+        return Comparison(a, b, {**unknown, **surfaces, "diagonal": diagonal})
+    progress("measuring")
+    faces = distinct_faces(match.a.mesh.triangles)
+    reference = TriangleMesh(match.a.mesh.vertices, faces)
+    paired = TriangleMesh(match.b.mesh.vertices[match.sites], faces)
+    errors = vars(metrics.compare(reference, paired))
+    pairs = likeness.matched_corners(a.mesh, b.mesh, match)
+    if pairs is None:
+        return Comparison(a, b, errors)
+    attributes = likeness.differences(a.mesh, b.mesh, pairs)
+    return Comparison(a, b, errors, attributes, likeness.other_parts(a.mesh, b.mesh, pairs))
+
+
+def comparison_object(name_a: str, name_b: str, comparison: Comparison) -> dict[str, object]:
+    """Return a comparison for `--json`; the names are those of the files."""
+    attributes = parts = None
+    if comparison.attributes is not None:
+        attributes = [_attribute_object(one) for one in comparison.attributes]
+    if comparison.other_parts is not None:
+        keys = ("kind", "a", "b", "alike")
+        parts = [dict(zip(keys, row, strict=True)) for row in _parts(comparison)]
+    return {
+        "a": _file_object(name_a, comparison.a),
+        "b": _file_object(name_b, comparison.b),
+        "errors": _errors_object(comparison.errors),
+        "attributes": attributes,
+        "parts": parts,
+    }
+
+
+def comparison_text(name_a: str, name_b: str, comparison: Comparison) -> str:
+    """Return a comparison as text for people; the names are those of the files."""
+    a, b = comparison.a, comparison.b
+    tables: list[list[tuple[str, ...]]] = [list(_error_rows(comparison.errors))]
+    if comparison.attributes:
+        tables.append(list(_attribute_rows(comparison.attributes)))
+    if comparison.other_parts is not None and (a.mesh.parts or b.mesh.parts):
+        tables.append(list(_part_rows(comparison)))
+    lines = f"{_file_line(name_a, a)}\n{_file_line(name_b, b)}"
+    return "\n\n".join([lines, *map(table, tables)])
+
+
+def _file_object(name: str, loaded: LoadedMesh) -> dict[str, object]:
+    vertices, rate = len(loaded.mesh.vertices), None
+    if loaded.container is not None:
+        rate = bits_per_vertex(loaded.size, vertices)
+    counts = {"vertices": vertices, "faces": len(loaded.mesh.sizes)}
+    return {"file": name, "bytes": loaded.size, **counts, "bits_per_vertex": rate}
+
+
+def _file_line(name: str, loaded: LoadedMesh) -> str:
+    vertices, faces = len(loaded.mesh.vertices), len(loaded.mesh.sizes)
+    text = f"{display_name(name)}: {loaded.size} bytes, {vertices} vertices, {faces} faces"
+    if loaded.container is None:
+        return text
+    return f"{text}, {bits_per_vertex(loaded.size, vertices):.2f} bits per vertex"
+
+
+def _relative(errors: _Errors, name: str) -> float | None:
+    length = errors[name]
+    return None if length is None else relative(length, errors["diagonal"] or 0.0)
+
+
+def _errors_object(errors: _Errors) -> dict[str, object]:
+    lengths = {name: errors[name] for name in _LENGTHS}
+    relatives = {f"{name}_relative": _relative(errors, name) for name in _LENGTHS}
+    angles = {f"{name}_degrees": errors[name] for name in _ANGLES}
+    return {**lengths, **relatives, **angles, "diagonal": errors["diagonal"]}
+
+
+def _error_rows(errors: _Errors) -> Iterator[tuple[str, str, str]]:
+    def cell(value: float | None) -> str:
+        return "-" if value is None else number(value)
+
+    yield "", "unit of A", "of the diagonal"
+    for name, label in _LENGTHS.items():
+        yield label, cell(errors[name]), cell(_relative(errors, name))
+    yield "", "degrees", ""
+    for name, label in _ANGLES.items():
+        yield label, cell(errors[name]), ""
+
+
+def _attribute_object(one: Difference) -> dict[str, object]:
+    a = one.attribute
+    kind = {"type": str(a.values.dtype), "width": a.width}
+    return {"name": a.name, "domain": a.domain, **kind, "largest_difference": one.largest}
+
+
+def _attribute_rows(attributes: tuple[Difference, ...]) -> Iterator[tuple[str, str, str, str]]:
+    yield "attribute", "of", "numbers", "largest difference"
+    for one in attributes:
+        a = one.attribute
+        largest = "not in B"
+        if one.largest is not None:
+            unit = " degrees" if a.role == "normal" and one.largest else ""
+            largest = f"{number(one.largest)}{unit}" if one.largest else "none"
+        yield display_name(a.name), a.domain, f"{a.width} {a.values.dtype}", largest
+
+
+def _parts(comparison: Comparison) -> Iterator[tuple[Kind, int, int, bool]]:
+    """Yield each kind of parts that A or B has, its numbers in A and B, and whether they agree."""
+    counts_a, counts_b = (
+        {part.kind: len(part.names) for part in one.mesh.parts}
+        for one in (comparison.a, comparison.b)
+    )
+    other = comparison.other_parts or ()
+    for kind in dict.fromkeys([*counts_a, *counts_b]):
+        alike = kind in counts_a and kind not in other
+        yield kind, counts_a.get(kind, 0), counts_b.get(kind, 0), alike
+
+
+def _part_rows(comparison: Comparison) -> Iterator[tuple[str, ...]]:
+    yield "parts", "in A", "in B", ""
+    for kind, count_a, count_b, alike in _parts(comparison):
+        yield KIND_WORDS[kind], str(count_a), str(count_b), "alike" if alike else "not alike"

@@ -1,0 +1,110 @@
+"""Types of the values of options: each reads a text, or refuses it with a usage error."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from typing import Any, Final
+
+import click
+from click.shell_completion import CompletionItem
+
+from deltamesh._options import MAX_COARSE
+
+_UNITS: Final = {"": 0, "K": 1, "M": 2, "G": 3, "T": 4}
+_SIZE: Final = re.compile(r"(\d+(?:\.\d+)?)\s*([KMGT]?)(?:i?B)?", re.IGNORECASE)
+
+
+def size(text: str) -> int:
+    """Read a number of bytes: 1000000, 512M, 8G, 1.5GiB; K, M, G, T are powers of 1024."""
+    match = _SIZE.fullmatch(text.strip())
+    if match is None:
+        raise click.BadParameter(f"{text!r} is not a size, such as 512M or 8G.")
+    return int(float(match[1]) * 1024 ** _UNITS[match[2].upper()])
+
+
+def anchor_count(text: str) -> int | float:
+    """Read a number of anchors (int) or their fraction of the vertices (float)."""
+    if text.isascii() and text.isdigit() and int(text) > 0:
+        return int(text)
+    if not 0 < (value := _real(text)) < 1:
+        raise click.BadParameter(
+            f"{text!r} is neither a count, such as 100, nor a fraction below 1, such as 0.001."
+        )
+    return value
+
+
+def positive(text: str) -> float:
+    """Read a finite number greater than zero."""
+    if not 0 < (value := _real(text)) < math.inf:
+        raise click.BadParameter(f"{text!r} is not a positive number.")
+    return value
+
+
+def coarse_factor(text: str) -> float:
+    """Read a number from 1 to `MAX_COARSE`."""
+    if not 1 <= (value := _real(text)) <= MAX_COARSE:
+        raise click.BadParameter(f"{text!r} is not a number from 1 to {MAX_COARSE:g}.")
+    return value
+
+
+def _real(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def whole(low: int, high: float = math.inf) -> Callable[[str], int]:
+    """Return a reader of whole numbers from `low` to `high`."""
+
+    def read(text: str) -> int:
+        if not (text.isascii() and text.isdigit() and low <= int(text) <= high):
+            limits = f"from {low}" if high == math.inf else f"from {low} to {high}"
+            raise click.BadParameter(f"{text!r} is not a whole number {limits}.")
+        return int(text)
+
+    return read
+
+
+def fraction(text: str) -> float:
+    """Read a fraction that is not negative, such as 0.5% or 0.005."""
+    number, percent, rest = text.strip().partition("%")
+    value = _real(number) / (100 if percent else 1)
+    if rest or not 0 <= value < math.inf:
+        raise click.BadParameter(f"{text!r} is not a fraction, such as 0.5% or 0.005.")
+    return value
+
+
+def comma_separated(read_one: Callable[[str], Any]) -> Callable[[str], tuple[Any, ...]]:
+    """Return a reader of one or more values that are separated by commas."""
+
+    def read(text: str) -> tuple[Any, ...]:
+        return tuple(read_one(part.strip()) for part in text.split(","))
+
+    return read
+
+
+class PathType(click.types.StringParamType):
+    """A path: any text is valid, and a shell completes it from the names that exist.
+
+    Parameters
+    ----------
+    kind : {"file", "dir"}
+    """
+
+    name = "path"
+
+    def __init__(self, kind: str) -> None:
+        self.kind = kind
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Leave the completion to the shell."""
+        return [CompletionItem(incomplete, type=self.kind)]
+
+
+FILE: Final = PathType("file")
+FOLDER: Final = PathType("dir")

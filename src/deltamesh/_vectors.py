@@ -1,0 +1,30 @@
+"""Vectors in rows: their lengths, cross products and angles."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from deltamesh_formats.array_types import Floats
+
+
+def lengths(a: Floats) -> Floats:
+    """Return the lengths of vectors (k, 3)."""
+    return np.sqrt(dots(a, a))
+
+
+def dots(a: Floats, b: Floats) -> Floats:
+    """Return the scalar products of vectors (k, 3)."""
+    return np.asarray(a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2])
+
+
+def crosses(a: Floats, b: Floats) -> Floats:
+    """Return the cross products of vectors (k, 3); `np.cross` takes three times as long."""
+    x = a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1]
+    y = a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2]
+    z = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return np.stack((x, y, z), axis=1)
+
+
+def angles(a: Floats, b: Floats) -> Floats:
+    """Return the angles between vectors (k, 3) of any length in degrees, 0 for zero vectors."""
+    return np.degrees(np.arctan2(lengths(crosses(a, b)), dots(a, b)))
