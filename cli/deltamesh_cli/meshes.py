@@ -82,6 +82,17 @@ def note_not_kept(name: str, lost: Collection[str], *, quiet: bool) -> None:
         click.echo(f"note: {display_name(name)}: {listed} are not kept", err=True)
 
 
+def note_memory(name: str, container: Container, *, quiet: bool) -> None:
+    """Say on standard error, in one line, that decoding takes more than the default limit."""
+    from deltamesh._limits import DEFAULT_MEMORY, memory_needed
+
+    needed = memory_needed(container)
+    if needed > DEFAULT_MEMORY and not quiet:
+        least = f"{-(-needed >> 30)}G"
+        text = f"decoding needs more memory than its default limit: give decode --memory {least}"
+        click.echo(f"note: {display_name(name)}: {text}", err=True)
+
+
 def parse_container(name: str, data: bytes, problem: str) -> Container:
     """Return the sections of a `.dmesh` file, checked but not decoded.
 

@@ -21,8 +21,8 @@ __all__ = ["Found", "PathOrFile", "found_at", "write_file"]
 
 PathOrFile: TypeAlias = str | os.PathLike[str] | BinaryIO
 
-# What is at a path. A stream takes bytes and keeps none that were there before: a pipe, a terminal,
-# /dev/null, /dev/stdout. What is left are folders and disks.
+# Kinds of things at a path. A stream takes bytes and keeps none that were there before: a pipe, a
+# terminal, /dev/null, /dev/stdout. The others are folders and disks.
 Found: TypeAlias = Literal["nothing", "file", "stream", "other"]
 
 _BINARY: Final = getattr(os, "O_BINARY", 0)

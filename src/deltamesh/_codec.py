@@ -155,9 +155,15 @@ def encode(
     TargetError
         If no trial keeps the errors within their bounds; the message has the least ones found.
     SolveError
+    RuntimeError
+        If the bytes do not decode to what they were made of. That would be a bug: nothing is
+        returned.
 
     Notes
     -----
+    The bytes have been read again, as `decode` does but for solving for positions, without limits:
+    `decode` needs a higher `memory` than its default where that takes more.
+
     D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
     """
     options = Options(

@@ -125,7 +125,7 @@ def save(target: PathOrFile, mesh: PolyMesh, **options: Unpack[EncodeOptions]) -
 
     Raises
     ------
-    MeshError, OptionError, TargetError, SolveError, OSError
+    MeshError, OptionError, TargetError, SolveError, RuntimeError, OSError
     """
     from deltamesh._codec import encode
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from deltamesh._methods import METHODS
-from deltamesh_formats.container.container import Container, Section
+from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.layout import (
     ATTRIBUTES,
     CONNECTIVITY,
+    FILLING,
+    MAX_ELEMENTS_PER_BYTE,
     POLYGONS,
     SPLIT_VERTICES,
     STITCHES,
@@ -29,10 +31,6 @@ PER_GLUED_FACE = 240  # more, where polygons are made of triangles
 # those of the surface, corner by corner.
 PER_ELEMENT = 160
 PER_NUMBER = 40
-
-# The range coder spends at least log2(65536 / (65536 - P_MIN)) bits on a bit, and at least one
-# bit on each vertex or face: a file of b bytes cannot hold more of them than that.
-PER_BYTE = 15200
 
 
 @dataclass(frozen=True)
@@ -117,12 +115,7 @@ def check_limits(container: Container, counts: Counts, max_vertices: int, memory
     if not used <= counts.vertices <= 3 * counts.faces:
         manifold = f"{counts.vertices} vertices and {counts.faces} faces of the manifold"
         raise FormatError(f"{manifold} for {used} points", section.offset)
-    _check_held(container, CONNECTIVITY, counts.faces, "faces of the manifold")
-    method = METHODS[container.parameters.method].layout
-    bits = 3 if method.exact else 1  # a coordinate has one or more
-    _check_held(container, method.geometry[0], counts.isolated, "isolated vertices", bits)
-    _check_held(container, STITCHES, m - counts.faces, "faces beyond the manifold")
-    _check_held(container, SPLIT_VERTICES, n - counts.points, "vertices beyond the points")
+    _check_filling(container, counts)
     _check_memory(_memory_of_counts(container), memory)
     _check_memory(memory_needed(container), memory)
 
@@ -132,13 +125,69 @@ def _check_memory(needed: int, memory: int) -> None:
         raise LimitError(f"decoding takes about {needed} bytes, more than the limit of {memory}")
 
 
-def _check_held(container: Container, name: str, count: int, what: str, bits: int = 1) -> None:
-    if count and bits * count > _most(container.sections[name]):
-        section = container.sections[name]
-        message = f"{name}: {count} {what} do not fit into {len(section.payload)} bytes"
+def filling(container: Container, counts: Counts) -> int:
+    """Return how many bytes FILL must have, for there to be enough for the elements (SPEC.md 5.18).
+
+    The last bits of a stream may take none, however many they are: this, not the entropy coder, is
+    what bounds the elements of a small file.
+    """
+    return sum(held.lacking for held in _held(container, counts))
+
+
+@dataclass(frozen=True)
+class _Held:
+    """Elements that a section has, each of one bit or more.
+
+    Attributes
+    ----------
+    section : str
+    what : str
+        The name of the elements.
+    size : int
+        Bytes of the section.
+    count : int
+    bits : int
+        The least number of bits of an element.
+    """
+
+    section: str
+    what: str
+    size: int
+    count: int
+    bits: int = 1
+
+    @property
+    def lacking(self) -> int:
+        """Bytes that the section has too few."""
+        return max(0, -(-self.bits * self.count // MAX_ELEMENTS_PER_BYTE) - self.size - 4)
+
+
+def _held(container: Container, counts: Counts) -> tuple[_Held, ...]:
+    sizes = {name: len(section.payload) for name, section in container.sections.items()}
+    method = METHODS[container.parameters.method].layout
+    first, bits = method.geometry[0], 3 if method.exact else 1  # a coordinate has one or more
+    beyond, more = container.triangles - counts.faces, container.vertices - counts.points
+    return (
+        _Held(CONNECTIVITY, "faces of the manifold", sizes[CONNECTIVITY], counts.faces),
+        _Held(first, "isolated vertices", sizes[first], counts.isolated, bits),
+        _Held(STITCHES, "faces beyond the manifold", sizes.get(STITCHES, 0), beyond),
+        _Held(SPLIT_VERTICES, "vertices beyond the points", sizes.get(SPLIT_VERTICES, 0), more),
+    )
+
+
+def _check_filling(container: Container, counts: Counts) -> None:
+    """Refuse a file that has not exactly the bytes that its elements need."""
+    lacking, section = filling(container, counts), container.sections.get(FILLING)
+    size = 0 if section is None else len(section.payload)
+    if lacking > size:
+        held = next(held for held in _held(container, counts) if held.lacking)
+        room = f"{held.size} bytes" + (f" and {size} of {FILLING}" if section is not None else "")
+        message = f"{held.section}: {held.count} {held.what} do not fit into {room}"
+        raise FormatError(message, container.sections[held.section].offset)
+    if section is None:
+        return
+    if lacking < size or size == 0:
+        message = f"{FILLING}: {size} bytes where {lacking} are lacking"
         raise FormatError(message, section.offset)
-
-
-def _most(section: Section) -> int:
-    """Return how many elements of at least one coded bit a section may hold."""
-    return PER_BYTE * (len(section.payload) + 4)
+    if bytes(section.payload).strip(b"\0"):
+        raise FormatError(f"{FILLING}: a byte that is not zero", section.offset)

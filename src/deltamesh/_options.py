@@ -15,18 +15,17 @@ from deltamesh_formats.errors import OptionError
 
 CHOICES = (AUTO, *METHODS)
 ANCHOR_METHODS = tuple(sorted(filter(None, layout.ANCHOR_METHODS)))
-# What is asked for by default: bits a coordinate, and a step in diagonals of the bounding box. The
-# range of the deltas is no scale to go by: one vertex of high valence makes it a thousand times
-# what it is elsewhere.
+# Defaults: bits a coordinate, and a step in diagonals of the bounding box. The range of the deltas
+# is no scale to go by: one vertex of high valence makes it a thousand times as large.
 DEFAULT_CARTESIAN_BITS = 11
 DEFAULT_HIGHPASS_STEP = 1 / 1000
 
-# How coarse the deltas are that get refined along the normals.
+# The step of the deltas that get refined along the normals, in steps of these refinements.
 DEFAULT_COARSE = 8.0
 MAX_COARSE = 64.0
 SOLVERS = ("auto", "rslab", "pardiso", "scipy")
 DEFAULT_QUALITY, MAX_QUALITY = 5, 9
-# How long to search for fewer bytes: not at all, among the likeliest, among all.
+# Efforts of the search for fewer bytes: none, among the likeliest settings, among all.
 DEFAULT_EFFORT, MAX_EFFORT = 2, 3
 MAX_BITS = layout.MAX_GRID_BITS
 # Of texture coordinates, of the largest extent, and of both coordinates of a normal.

@@ -1,13 +1,14 @@
 """Pipelines of encoder and decoder: two walks over the table of sections.
 
-encode: draft -> for each section, payload and draft -> container -> bytes
+encode: draft -> for each section, payload and draft -> container -> bytes, decoded as a proof
 decode: bytes -> container -> limits -> for each section, content -> digest -> positions -> mesh
 """
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from deltamesh._content import NOTHING, Content
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.solve import factorization
-from deltamesh._limits import check_limits
+from deltamesh._limits import check_limits, filling
 from deltamesh._measures.metrics import diagonal
 from deltamesh._options import Options
 from deltamesh._progress import Progress, silent
@@ -27,9 +28,10 @@ from deltamesh._version import __version__
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Meta
-from deltamesh_formats.container.layout import CHECK, PARAMETERS
+from deltamesh_formats.container.layout import CHECK, FILLING, MAX_COUNT, PARAMETERS
+from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_container
-from deltamesh_formats.errors import FormatError
+from deltamesh_formats.errors import FormatError, LimitError
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
 
@@ -86,15 +88,36 @@ def encode_mesh(mesh: PolyMesh, options: Options, progress: Progress = silent) -
             found, draft = section.encode(draft)
             payloads |= found
     structure, trial = draft.content.structure, draft.chosen
-    container = build_container(
+    build = partial(
+        build_container,
         len(structure.points),
         len(structure.faces),
         replace(trial.parameters, single=draft.mesh.precision == "float32"),
-        payloads,
-        _meta(draft),
-        draft.content.digest(),
+        meta=_meta(draft),
+        digest=draft.content.digest(),
     )
-    return Encoded(write_container(container), draft)
+    container = build(payloads)
+    lacking = filling(container, announced(container))
+    if lacking:
+        container = build({**payloads, FILLING: bytes(lacking)})
+    data = write_container(container)
+    progress("proof")
+    _prove(data)
+    return Encoded(data, draft)
+
+
+def _prove(data: bytes) -> None:
+    """Read a file as a decoder does, whatever memory that takes, up to its positions.
+
+    Raises
+    ------
+    RuntimeError
+        If it cannot be read, or if what is read is not what its digest was made of.
+    """
+    try:
+        proven_content(read_container(data), max_vertices=MAX_COUNT, memory=sys.maxsize)
+    except (FormatError, LimitError) as error:
+        raise RuntimeError(f"the encoded file cannot be decoded: {error}") from error
 
 
 def _meta(draft: Draft) -> Meta:
@@ -120,17 +143,30 @@ def decode_mesh(
     progress: Progress = silent,
 ) -> PolyMesh:
     """Decompress a container; see `deltamesh.decode`."""
-    content = read_content(container, max_vertices, memory, progress)
-    if content.digest() != container.digest:
-        offset = container.sections[CHECK].offset
-        raise FormatError("the checksum of the decoded integers is wrong", offset)
+    content = proven_content(container, max_vertices, memory, progress)
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
-    _check_scale(container, content.integers)
     factor = factorization(surface.laplacian, solver, threads)
     coder = geometry_codec(parameters.method)
     points = coder.reconstruct(surface, parameters, content.integers, factor)
     return content.mesh(points, parameters.single)
+
+
+def proven_content(
+    container: Container, max_vertices: int, memory: int, progress: Progress = silent
+) -> Content:
+    """Return the content of a file, whose digest and scale are right.
+
+    Raises
+    ------
+    FormatError, LimitError
+    """
+    content = read_content(container, max_vertices, memory, progress)
+    if content.digest() != container.digest:
+        offset = container.sections[CHECK].offset
+        raise FormatError("the checksum of the decoded integers is wrong", offset)
+    _check_scale(container, content.integers)
+    return content
 
 
 def read_content(

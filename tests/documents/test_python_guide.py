@@ -45,6 +45,7 @@ def test_arrays_and_files(folder: Path) -> None:
     assert said.startswith("<PolyMesh: 2592 vertices, 5184 triangles")
     assert "bits per vertex" in said
     assert (folder / "again.obj").exists()
+    assert run(folder, "processes").count("<PolyMesh: 2592 vertices") == 4
 
 
 def test_attributes_and_the_notebook(folder: Path) -> None:

@@ -281,7 +281,6 @@ class Attribute:
             if entry.coding == EXACT:
                 blocks.append(exact(stream, units, entry.type[0]))
             else:
-                check(3 * len(units) <= 15200 * (len(stream) + 4), "more than fits")
                 blocks.append(grid_points(stream, units))
         rows = [[*chain(*row)] for row in zip(*blocks, strict=True)] or [[]] * len(units)
         for row in rows:

@@ -48,7 +48,7 @@ def container(data):
     geometries = {b"\1": ["CART"], b"\2": ["ANCH", "DELT", "NORM"], b"\3": ["EXAC"]}
     geometry = geometries.get(method, ["ANCH", "DELT"])
     needed = [name for name in ("STCH", "COPY", "POLY") if name in sections]
-    further = [[], ["FIXS"]][method not in (b"\1", b"\3")] + ["ATTR", "PART", "ORDR"]
+    further = [[], ["FIXS"]][method not in (b"\1", b"\3")] + ["ATTR", "PART", "ORDR", "FILL"]
     further = [name for name in further if name in sections]
     order = ["PARM", "CONN", *needed, *geometry, *further, *meta]
     names = list(sections)
@@ -1280,15 +1280,19 @@ def decode(data):
         n, m = table.varint(), table.varint()
         check(total - p["isolated"] <= n <= 3 * m and m <= face_count, "counts of STCH")
     geometry = {CARTESIAN: "CART", LOSSLESS: "EXAC"}.get(p["method"], "ANCH")
-    # A predicted bit takes log2(65536 / 65512) bits or more, an element at least one such bit.
+    # §5.18
     held = {
         "CONN": m,
         geometry: p["isolated"] * (3 if p["method"] == LOSSLESS else 1),
         "STCH": face_count - m,
         "COPY": vertex_count - total,
     }
+    lacking = 0
     for name, elements in held.items():
-        check(elements <= 15200 * (len(sections.get(name, b"")) + 4), "more than fits into " + name)
+        bytes_needed = (elements + 15199) // 15200 - 4
+        lacking += max(0, bytes_needed - len(sections.get(name, b"")))
+    if lacking or "FILL" in sections:
+        check(lacking and sections.get("FILL") == bytes(lacking), "bytes of FILL")
     faces = Region(sections["CONN"], n, m).faces
     points, used = range(total), total - p["isolated"]
     surface = final = faces

@@ -10,7 +10,7 @@ from deltamesh_cli import files, options
 from deltamesh_cli.encode_options import check_encode_options, encode_options
 from deltamesh_cli.encoding import encode_file
 from deltamesh_cli.failures import process_all_and_exit
-from deltamesh_cli.meshes import note_not_kept
+from deltamesh_cli.meshes import note_memory, note_not_kept
 from deltamesh_cli.output import display_name, print_json
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.summary import container_object
@@ -99,6 +99,7 @@ def command(
                 source, target, input_format, progress, parameters, force=force
             )
         note_not_kept(source, lost, quiet=quiet)
+        note_memory(target, container, quiet=quiet)
         if as_json:
             sizes = {"source": source, "source_bytes": size}
             print_json({**sizes, **container_object(target, container)})

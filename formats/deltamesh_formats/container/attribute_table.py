@@ -30,7 +30,7 @@ _NAMES: Final = "surrogatepass"
 # Kinds of numpy types that each coding is for.
 _FITTING: Final = {"integer": "bui", "exact": "fc", "grid": "f", "octahedral": "f"}
 
-# What is left of a byte after shifting.
+# Masks of what a byte has left after shifting.
 _DOMAIN: Final = (1 << layout.ROLE_AT) - 1
 _ROLE: Final = (1 << layout.TYPE_AT - layout.ROLE_AT) - 1
 _CODING: Final = 3

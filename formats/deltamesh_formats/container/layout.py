@@ -86,13 +86,14 @@ CARTESIAN: Final = "CART"
 ATTRIBUTES: Final = "ATTR"
 PARTS: Final = "PART"
 ORDER: Final = "ORDR"
+FILLING: Final = "FILL"
 EXACT: Final = "EXAC"
 CORRECTIONS: Final = "FIXS"
 META: Final = "meta"
 CHECK: Final = "CHEK"
 # Sections that follow `CONN`, and those that follow the geometry, in this order, where needed.
 AFTER_CONNECTIVITY: Final = (STITCHES, SPLIT_VERTICES, POLYGONS)
-AFTER_GEOMETRY: Final = (ATTRIBUTES, PARTS, ORDER)
+AFTER_GEOMETRY: Final = (ATTRIBUTES, PARTS, ORDER, FILLING)
 
 
 @dataclass(frozen=True)
@@ -278,7 +279,7 @@ CODING_AT: Final = 4
 FIRST_NONE: Final = 64
 Coding: TypeAlias = Literal["integer", "exact", "grid", "octahedral"]
 CODINGS: Final[Mapping[Coding, int]] = {"integer": 0, "exact": 1, "grid": 2, "octahedral": 3}
-# What follows the common fields where numbers are integers.
+# Fields after the common ones, where numbers are integers.
 INTEGER_FIELDS: Final = (Field("origin", "u64"), Field("bits", "u8"), Field("limbs", "u8"))
 # `wedges`: those of the attribute itself; none, values belong to polygons; from there on, those of
 # attribute 0, 1, ...
@@ -317,6 +318,12 @@ NORMAL_WEIGHTS: Final[Mapping[str, int]] = {"area": 0, "angle": 1, "equal": 2, "
 NORMAL_CODINGS: Final[Mapping[str, int]] = {"deltas": 0, "numbers": 1}
 NORMAL_CODING_AT: Final = 2
 NORMAL_STATES: Final[Mapping[str, int]] = {"relative": 0, "absolute": 1, "zero": 2}
+
+# SPEC.md#518-fill
+
+# Elements that a byte stands for at most. A predicted bit takes log2(65536 / 65512) bits of a byte
+# where most bits are alike, so that few meshes have more.
+MAX_ELEMENTS_PER_BYTE: Final = 15200
 
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:

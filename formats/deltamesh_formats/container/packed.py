@@ -60,7 +60,7 @@ def _inflated(data: Buffer, size: int, position: int) -> bytes:
     inflater = zlib.decompressobj(_WINDOW_BITS)
     try:
         result = inflater.decompress(data, size)
-        # What is left may be the end of the stream, which makes no byte.
+        # The rest may be the end of the stream, which makes no byte.
         more = inflater.decompress(inflater.unconsumed_tail, 1)
     except zlib.error as error:
         raise FormatError(f"invalid deflate stream: {error}", position) from None

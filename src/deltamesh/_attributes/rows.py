@@ -10,7 +10,6 @@ import numpy as np
 from deltamesh._attributes.codings import check_codes, mixed, unmixed
 from deltamesh._attributes.owners import Owners
 from deltamesh._graph.elements import Elements, alone, among
-from deltamesh._limits import PER_BYTE
 from deltamesh._streams.columns import decode_columns, encode_columns
 from deltamesh._streams.floats import decode_floats, encode_floats
 from deltamesh._streams.labels import decode_labels, encode_labels
@@ -110,9 +109,5 @@ def _decode(
     width = entry.columns
     if entry.coding == "exact":
         return decode_floats(payload, streams, elements, width, entry.number_size)
-    for begin, end in streams:
-        if 3 * elements.count > PER_BYTE * (end - begin + 4):
-            reason = f"{3 * elements.count} attribute values do not fit into {end - begin} bytes"
-            raise FormatError(reason, begin)
     found = decode_columns(payload, streams, elements, width)
     return unmixed(found) if entry.mixed else found

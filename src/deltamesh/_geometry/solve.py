@@ -1,4 +1,4 @@
-"""Linear least-squares problem of the decoder, and the solvers behind it.
+"""Linear least-squares problem of the decoder.
 
 The reconstruction of O. Sorkine, D. Cohen-Or, S. Toledo, "High-Pass Quantization for Mesh
 Encoding", SGP 2003, section 3: x' = argmin |A x - b|^2 with A = [L; S] and b = [delta'; c], where
@@ -14,26 +14,17 @@ error 9e-9 before, 6e-15 after), for the price of one more back substitution.
 
 from __future__ import annotations
 
-import contextlib
 import functools
-import importlib
-import importlib.util
-import sys
-import threading
-import weakref
-from collections.abc import Callable, Iterator
-from ctypes import c_int
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse import csgraph
 
+from deltamesh._geometry.solvers import SOLVERS, Solve, solver_name
 from deltamesh._machine import available_cores
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.errors import SolveError
-
-Solve = Callable[[Floats], Floats]
 
 Factor = Callable[[Ints], "LeastSquares"]
 
@@ -142,28 +133,6 @@ def factorization(L: sparse.csr_array, solver: str = "auto", threads: int | None
     return lambda anchors: remembered(anchors.tobytes())
 
 
-def solver_name(name: str) -> str:
-    """Return the name of an installed solver; "auto" becomes the preferred one.
-
-    Raises
-    ------
-    SolveError
-        If there is none of this name, or it is not installed; the message says how to install it.
-    """
-    if name == "auto":
-        return "rslab" if _installed("rslab") else "scipy"
-    if name not in _SOLVERS:
-        raise SolveError(f"unknown solver {name!r}: choose auto, {', '.join(_SOLVERS)}")
-    module, requirement, _ = _SOLVERS[name]
-    if not _installed(module):
-        raise SolveError(f'solver {name!r} is not installed: pip install "{requirement}"')
-    return name
-
-
-def _installed(module: str) -> bool:
-    return importlib.util.find_spec(module) is not None
-
-
 def _check_anchored(L: sparse.csr_array, anchors: Ints) -> None:
     count, labels = csgraph.connected_components(L, directed=False)
     anchored = np.zeros(count, dtype=bool)
@@ -180,7 +149,7 @@ def _factor(A: sparse.csr_array, transposed: sparse.csr_array, name: str, thread
         return np.copy
     matrix = _quasidefinite(A, transposed)
     try:
-        solve = _SOLVERS[name][2](matrix, threads)
+        solve = SOLVERS[name].factor(matrix, threads)
     except Exception as error:  # each solver has exceptions of its own
         raise SolveError(f"solver {name!r} failed: {error}") from error
     if matrix.shape[0] == n:
@@ -206,78 +175,3 @@ def _quasidefinite(A: sparse.csr_array, transposed: sparse.csr_array) -> sparse.
     return sparse.block_array(
         [[short.T @ short + pins, long.T], [long, -sparse.eye_array(long.shape[0])]], format="csr"
     )
-
-
-def _rslab() -> Any:
-    """Import rslab in a thread that lives as long as the process.
-
-    Its allocator (mimalloc, in rslab 1.7) belongs to the thread that loads the library and crashes
-    the process in the next thread, once that thread has ended.
-    """
-    if "rslab" not in sys.modules and threading.current_thread() is not threading.main_thread():
-        loaded = threading.Event()
-
-        def load() -> None:
-            try:
-                importlib.import_module("rslab")
-            finally:
-                loaded.set()
-            threading.Event().wait()
-
-        threading.Thread(target=load, name="rslab-allocator", daemon=True).start()
-        loaded.wait()
-    return importlib.import_module("rslab")
-
-
-def _factor_rslab(matrix: sparse.csr_array, threads: int) -> Solve:
-    rslab = _rslab()
-    # amf: half the time of metis on meshes of 35k to 540k vertices, 3-8 % more memory.
-    factor = rslab.ldlt(matrix, ordering="amf", scaling="none", threads=threads)
-    return lambda b: np.asarray(factor.solve_many(np.ascontiguousarray(b)))
-
-
-def _factor_pardiso(matrix: sparse.csr_array, threads: int) -> Solve:
-    import pypardiso
-
-    upper = sparse.csr_matrix(sparse.triu(matrix))
-    solver = pypardiso.PyPardisoSolver(mtype=-2)  # real, symmetric, indefinite
-    with _mkl_threads(solver, threads):
-        solver.factorize(upper)
-
-    def solve(b: Floats) -> Floats:
-        with _mkl_threads(solver, threads):
-            return np.asarray(solver.solve(upper, b))
-
-    # MKL keeps the factors in memory of its own.
-    weakref.finalize(solve, solver.free_memory, everything=True)
-    return solve
-
-
-@contextlib.contextmanager
-def _mkl_threads(solver: Any, threads: int) -> Iterator[None]:
-    """Set the number of threads that MKL uses when called from this thread."""
-    previous = solver.libmkl.MKL_Set_Num_Threads_Local(c_int(threads))
-    try:
-        yield
-    finally:
-        solver.libmkl.MKL_Set_Num_Threads_Local(c_int(previous))
-
-
-def _factor_scipy(matrix: sparse.csr_array, threads: int) -> Solve:
-    from scipy.sparse.linalg import splu
-
-    factor = splu(
-        matrix.tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.01,  # the diagonal, unless a long row makes it tiny
-        options={"SymmetricMode": True},
-    )
-    return lambda b: np.asarray(factor.solve(np.ascontiguousarray(b)))
-
-
-# name: (module, requirement for pip, factorization)
-_SOLVERS: dict[str, tuple[str, str, Callable[[sparse.csr_array, int], Solve]]] = {
-    "rslab": ("rslab", "rslab", _factor_rslab),
-    "pardiso": ("pypardiso", "deltamesh[mkl]", _factor_pardiso),
-    "scipy": ("scipy", "scipy", _factor_scipy),
-}

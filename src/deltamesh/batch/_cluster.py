@@ -26,7 +26,7 @@ from deltamesh.batch._serial import Begin, Outcome, Work, WorkerError, attempted
 GROUP_BYTES: Final = 1 << 20
 GROUP_FILES: Final = 16
 
-# How long to wait for a scheduler and for its first worker, in seconds.
+# Time limits for a scheduler and for its first worker, in seconds.
 PATIENCE: Final = 60
 
 

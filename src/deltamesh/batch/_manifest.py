@@ -23,7 +23,7 @@ DONE: Final = "done"
 FAILED: Final = "failed"
 SKIPPED: Final = "skipped"
 
-# How each line begins: nothing else is taken for a torn line, and cut off.
+# The beginning of each line: nothing else is taken for a torn line, and cut off.
 _START: Final = b'{"status": "'
 
 

@@ -36,7 +36,7 @@ ONE_THREAD: Final = {
     "VECLIB_MAXIMUM_THREADS": "1",
 }
 
-# How many workers may die before they are ready until that is taken for everybody's lot.
+# Workers that may die before they are ready, until every other is expected to die as well.
 _FALSE_STARTS: Final = 4
 
 

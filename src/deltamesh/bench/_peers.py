@@ -20,7 +20,7 @@ from deltamesh.bench._peer_names import DRACO, MESHOPT, ZSTD
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError, OptionError
 
-# What each is at its smallest with.
+# Options with which each is at its smallest.
 DRACO_LEVEL: Final = 10
 ZSTD_LEVEL: Final = 19
 # meshoptimizer's vertex codec wants rows of a multiple of 4 bytes; ours are 4 uint16.

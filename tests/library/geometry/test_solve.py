@@ -11,7 +11,7 @@ import oracle
 import pytest
 from graphs import components_of, laplacian_of, least_squares
 
-from deltamesh._geometry import solve
+from deltamesh._geometry import solve, solvers
 from deltamesh_formats.errors import SolveError
 
 MESHES = meshes.every()
@@ -148,8 +148,8 @@ def test_a_hopeless_system_is_refused(solver: str) -> None:
 
 def test_unknown_and_missing_solvers(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(SolveError, match="unknown solver 'cholmod': choose auto, rslab, pardiso"):
-        solve.solver_name("cholmod")
-    monkeypatch.setattr(solve, "_installed", lambda module: module == "scipy")
-    assert solve.solver_name("auto") == "scipy"
+        solvers.solver_name("cholmod")
+    monkeypatch.setattr(solvers, "_installed", lambda module: module == "scipy")
+    assert solvers.solver_name("auto") == "scipy"
     with pytest.raises(SolveError, match=r'pip install "deltamesh\[mkl\]"'):
-        solve.solver_name("pardiso")
+        solvers.solver_name("pardiso")

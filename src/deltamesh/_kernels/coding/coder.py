@@ -57,8 +57,8 @@ SQUASH = np.array(
     ],
     dtype=np.int32,
 )
-# How far a slot that has seen n bits moves towards the next, in 1/65536: a running mean, with
-# 1.8 for the n + 1.5 of Krichevsky and Trofimov's estimator, rounded to what measured best.
+# The rate at which a slot that has seen n bits moves towards the next, in 1/65536: that of a
+# running mean, with 1.8 for the 1.5 of Krichevsky and Trofimov's estimator, which measured best.
 RATE = np.array([int(65536 / (n + 1.8)) for n in range(COUNT_MASK + 1)], dtype=np.int32)
 
 

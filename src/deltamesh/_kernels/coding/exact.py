@@ -30,7 +30,7 @@ FIRST, SECOND, RAW, NEGATIVE_ZERO = range(4)
 
 # Columns of the table of axes: the row of its first format, the number of formats, whether there
 # are raw coordinates and negative zeros.
-FORMAT_AT, FORMATS, HAS_RAW, HAS_ZEROS, AXIS_SIZE = range(5)
+FORMAT_AT, FORMATS, HAS_RAW, HAS_ZEROS = range(4)
 
 LENGTHS = 63  # of a distance, in bits; indices are below 2^61
 WINDOW = 8  # levels distinguish sizes down to 2^-8 of the usual

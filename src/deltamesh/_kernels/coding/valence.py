@@ -42,7 +42,7 @@ _, PAIR, FREE, BEHIND, LAST_TWO, NEAR_PAIR, FACE, TOTAL, CONTEXTS = layout(
 )
 VALENCE_CAP = 15
 
-# What begins as likely: the shares in the valences of irregular meshes, for each node of the tree.
+# First probabilities of the nodes of the tree: their shares in the valences of irregular meshes.
 _SHARES = (0.35, 0.55, 0.68, 0.8, 0.95, 0.62, *(0.55,) * 11, 0.5)
 _JOIN_SHARE = 0.01
 

@@ -1,0 +1,24 @@
+"""The codec in forked processes, which have the memory of their parent but not its threads."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import sys
+from pathlib import Path
+
+import children
+import forking
+import pytest
+
+pytestmark = [
+    pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork"),
+    pytest.mark.skipif(not importlib.util.find_spec("rslab"), reason="rslab is not installed"),
+]
+
+
+@pytest.mark.parametrize("name", forking.PROGRAMS)
+def test_every_process_decodes(name: str) -> None:
+    program = Path(forking.__file__)
+    done = children.run([sys.executable, program, name], text=True, seconds=120)
+    assert done.returncode == 0, done.stderr
