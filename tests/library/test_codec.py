@@ -1,3 +1,5 @@
+"""Encoder and decoder as callers see them: round trips, determinism, refusals."""
+
 from __future__ import annotations
 
 import hashlib

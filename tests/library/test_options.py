@@ -70,3 +70,11 @@ def test_rates_exclude_all_others_and_bounds_go_together() -> None:
 def test_a_wrong_name_is_a_type_error() -> None:
     with pytest.raises(TypeError, match="qualty"):
         deltamesh.encode([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], qualty=3)
+
+
+@pytest.mark.parametrize(
+    "rate", [{"bits": 8}, {"step": 0.1}, {"max_error": 1.0}, {"normal_error": 1.0}, {"coarse": 4.0}]
+)
+def test_rates_contradict_the_lossless_method(rate: dict) -> None:
+    with pytest.raises(OptionError, match=r"means? nothing with method lossless"):
+        Options(method="lossless", **rate)

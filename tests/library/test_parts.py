@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
-import zlib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
@@ -14,22 +12,21 @@ import meshes
 import numpy as np
 import pytest
 import strategies
-from annotated import ANY_TEXT, annotated_meshes
+from annotated import annotated_meshes
 from hypothesis import given
 from hypothesis import strategies as st
+from packed_blocks import deflated, plain
 
 import deltamesh
 from deltamesh._limits import memory_needed
-from deltamesh_formats.container import layout, packed, texts
+from deltamesh_formats.container import layout, texts
 from deltamesh_formats.container.layout import MAX_TEXT
-from deltamesh_formats.container.listing import text_lines, texts_object
+from deltamesh_formats.container.listing import texts_object
 from deltamesh_formats.container.reader import read_container
-from deltamesh_formats.container.texts import Division, Texts
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, LimitError, MeshError
 from deltamesh_formats.meshfiles import files as meshfile
 from deltamesh_formats.polymesh.mesh import Kind, Parts, PolyMesh, from_triangles
-from deltamesh_formats.printing import printable
 
 
 def test_every_kind_has_a_number() -> None:
@@ -128,22 +125,6 @@ def test_a_part_costs_little_beside_its_name() -> None:
     assert part_bytes(replace(mesh, parts=(moved,))) - part_bytes(mesh) <= 40 // 8 + 6
 
 
-def test_repetitive_text_is_deflated() -> None:
-    names = [f"Object_{i:04}_LOD0_Material" for i in range(400)]
-    block = texts.write_texts(Texts((), {"comments": tuple(names)}, ()))
-    assert block[0] == layout.BLOCK_DEFLATED
-    assert len(block) < sum(map(len, names)) / 4
-    assert texts.write_texts(Texts((), {"a": ("b",)}, ()))[0] == layout.BLOCK_PLAIN
-
-
-@given(st.binary(max_size=40).map(lambda data: data * 9) | st.binary())
-def test_blocks_round_trip(data: bytes) -> None:
-    block = packed.packed(data)
-    assert packed.unpacked(b"x" + block + b"y", 1, len(data)) == (data, 1 + len(block))
-    assert packed.unpacked_size(block, 0) == len(data)
-    assert len(block) <= len(data) + 6
-
-
 # ---- Meshes that are none -------------------------------------------------------------------
 
 
@@ -163,11 +144,6 @@ def test_parts_that_are_none_are_refused(parts: tuple[Parts, ...], message: str)
         deltamesh.encode(mesh, method="cartesian")
 
 
-def test_more_text_than_a_file_holds_is_refused() -> None:
-    with pytest.raises(MeshError, match="names and metadata"):
-        texts.write_texts(Texts((), {"a": ("x" * MAX_TEXT,)}, ()))
-
-
 # ---- Refusals -------------------------------------------------------------------------------
 
 
@@ -178,16 +154,6 @@ def refused(data: bytes, message: str) -> FormatError:
     section = sections(data)["PART"]
     assert section.offset <= caught.value.offset <= section.offset + section.size
     return caught.value
-
-
-def plain(raw: bytes) -> bytes:
-    return bytes([layout.BLOCK_PLAIN]) + write_varint(len(raw)) + raw
-
-
-def deflated(raw: bytes, size: int, more: bytes = b"") -> bytes:
-    compressor = zlib.compressobj(9, zlib.DEFLATED, -15)
-    small = compressor.compress(raw) + compressor.flush() + more
-    return b"\1" + write_varint(size) + write_varint(len(small)) + small
 
 
 ONE_GROUP = b"\1\2\1\1a\0\0"  # one division, groups, one name, "a"; no metadata; nothing lost
@@ -335,43 +301,6 @@ def test_a_real_file_of_float32_is_one_again(name: str, tmp_path: Path) -> None:
     back = meshfile.read_mesh(tmp_path / "out.ply")
     assert back.precision == "float32"
     np.testing.assert_array_equal(back.vertices, found.vertices.astype("f4"))
-
-
-# ---- What is printed ------------------------------------------------------------------------
-
-
-def test_lists_are_cut_and_control_characters_escaped() -> None:
-    names = ("\x1b[2J", "a\nb", "", "\udcff", "é", "x" * 100, "last")
-    told = Texts(
-        (Division("material", names, False, True),), {"com\rments": ("one",)}, ("a\ttexture",)
-    )
-    first, second, third = text_lines(told)
-    assert first == (
-        r'materials (7, with transforms): "\x1b[2J", "a\nb", "", "\udcff", "é",'
-        f' "{"x" * 37}...", and 1 more'
-    )
-    assert second == r'com\rments (1): "one"'
-    assert third == r"not kept of the source: a\ttexture"
-    assert list(text_lines(Texts((Division("mesh", (), True, False),), {}, ()))) == [
-        "names of meshes (0): none"
-    ]
-
-
-@given(ANY_TEXT)
-def test_escaped_text_is_one_printable_line(text: str) -> None:
-    assert printable(text).isprintable()
-    assert printable(text) == text or not text.isprintable()
-
-
-def test_everything_is_in_the_json() -> None:
-    told = Texts(
-        (Division("object", ("a", "\udcff"), True, True),), {"header": ("x", "y")}, ("lines",)
-    )
-    assert json.loads(json.dumps(texts_object(told))) == {
-        "parts": [{"kind": "object", "names": ["a", "\udcff"], "transforms": True}],
-        "metadata": {"header": ["x", "y"]},
-        "not_kept": ["lines"],
-    }
 
 
 # ---- Files ----------------------------------------------------------------------------------

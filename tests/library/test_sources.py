@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import deltamesh
+from deltamesh._sources import bytes_of, read_file, read_source
 
 MESH = deltamesh.from_arrays(*meshes.torus(9, 7))
 DATA = deltamesh.encode(MESH, bits=8)
@@ -165,3 +166,34 @@ def test_meshes_and_what_is_known_of_files_go_to_other_processes(path: Path) -> 
 def test_mesh_files_have_a_door(tmp_path: Path) -> None:
     assert deltamesh.write_mesh(tmp_path / "torus.ply", MESH) == ()
     np.testing.assert_array_equal(deltamesh.read_mesh(tmp_path / "torus.ply").faces, MESH.faces)
+
+
+@pytest.mark.parametrize("reader", [bytes_of, read_source])
+def test_bytes_are_read_without_a_copy(reader) -> None:
+    data = bytearray(b"0123456789abcdef")
+    for view in (data, memoryview(data)[8:], np.frombuffer(data, dtype=np.uint16)):
+        found = reader(view)
+        assert bytes(found) == bytes(memoryview(view).cast("B"))
+    found = reader(data)
+    data[0] = ord("x")
+    assert found[0] == ord("x")
+
+
+def test_read_file_takes_paths_and_binary_files_only(tmp_path: Path) -> None:
+    path = tmp_path / "some"
+    path.write_bytes(b"whole")
+    assert read_file(path) == read_file(str(path)) == read_source(path) == b"whole"
+    with path.open("rb") as stream:
+        stream.read(2)
+        assert read_file(stream) == b"ole"
+    with path.open() as text, pytest.raises(TypeError, match="binary mode"):
+        read_file(text)
+    with pytest.raises(TypeError, match="not bytes: decode takes bytes"):
+        read_file(b"whole")
+    for nothing in (7, None, [b"a"]):
+        with pytest.raises(TypeError, match="a path, a binary file or bytes are needed"):
+            read_source(nothing)
+        with pytest.raises(TypeError, match="bytes are needed"):
+            bytes_of(nothing)
+    with pytest.raises(FileNotFoundError):
+        read_source(tmp_path / "nothing")

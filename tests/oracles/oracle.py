@@ -179,6 +179,17 @@ class RangeCoder:
                 return rounded.to_bytes(4 + self.shifted, "big").rstrip(b"\0")
 
 
+def code_below(coder, value, bound):
+    """The twin of valence.code_below: the fewest bits, or one more."""
+    bits = bound.bit_length() - 1
+    short = (2 << bits) - bound
+    if not coder.decoding:
+        coder.raw(value if value < short else value + short, bits + (value >= short))
+        return value
+    first = coder.raw(0, bits)
+    return first if first < short else 2 * first + coder.raw(0, 1) - short
+
+
 # ---- Connectivity ---------------------------------------------------------------------------
 
 
@@ -306,6 +317,24 @@ class RegionGrower:
             if self.face_of[v, apex] not in self.todo:
                 return self.owner[apex, v], passed
             passed += 1
+
+
+class Waiting:
+    """The twin of front.choose_pivot: nodes and free edges, in the order of changes."""
+
+    def __init__(self):
+        self.free = {}
+
+    def set_free(self, node, free):
+        self.free.pop(node, None)
+        self.free[node] = free
+
+    def remove(self, node):
+        del self.free[node]
+
+    def pivot(self):
+        """The fewest free edges, up to 63; of these, the one that has had so many for longest."""
+        return min(self.free, key=lambda node: min(self.free[node], 63), default=-1)
 
 
 # ---- Geometry -------------------------------------------------------------------------------
@@ -671,6 +700,24 @@ def leave_ring(ring, element):
     return ring[at + 1 :] + ring[:at]
 
 
+def code_choices(coder, numbers, total):
+    """The twin of choices.code_choices; None when the next number was passed over, then named."""
+    left, done, history = Left(total), [], 0
+    for wanted in numbers:
+        following = left.next_left(done[-1] + 1 if done else 0)
+        bit = coder.bit(int(wanted == following), [history], 0)
+        number = following
+        if not bit:
+            place = code_below(coder, left.count_below(wanted), len(left.indices))
+            number = left.select(place)
+            if number == following:
+                return None
+        left.remove(number)
+        done.append(number)
+        history = (2 * history + bit) % 8
+    return done
+
+
 def fans(opposite):
     """The fan of each corner: corners that can be reached over paired edges, in order."""
     label, count = [-1] * len(opposite), 0
@@ -692,6 +739,29 @@ def fans(opposite):
                 waiting.append(before)
         count += 1
     return label
+
+
+def patch(corners, opposite, colours, other_corners, other_opposite, other_colours, h, g):
+    """The twin of correspondence.propagate: pairs of vertices and of half-edges, or None."""
+    vertices, halfedges, todo = {}, {}, [(h, g)]
+    while todo:
+        h, g = todo.pop()
+        if halfedges.get(h) == g:
+            continue
+        for i in range(3):
+            mine, other = h - h % 3 + (h + i) % 3, g - g % 3 + (g + i) % 3
+            if mine in halfedges or other in halfedges.values():
+                return None
+            halfedges[mine] = other
+            a, b = corners[mine], other_corners[other]
+            if vertices.setdefault(a, b) != b or colours[a] != other_colours[b]:
+                return None
+            back, forth = opposite[mine], other_opposite[other]
+            if (back < 0) != (forth < 0):
+                return None
+            if back >= 0:
+                todo.append((back, forth))
+    return (vertices, halfedges) if len({*vertices.values()}) == len(vertices) else None
 
 
 def orient(m, pairs):

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import importlib.util
 
-import numpy as np
 import scipy.sparse as sparse
-from numpy.typing import NDArray
 
 from deltamesh._geometry.solve import LeastSquares
 from deltamesh._graph.adjacency import adjacency, components
+from deltamesh._graph.halfedges import weld
 from deltamesh._graph.laplacian import laplacian
-
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
+from deltamesh_formats.array_types import Floats, Ints
 
 # Those that an installation has without extras.
 FREE_SOLVERS = tuple(name for name in ("rslab", "scipy") if importlib.util.find_spec(name))
@@ -36,3 +33,9 @@ def least_squares(
     threads: int | None = None,
 ) -> Floats:
     return LeastSquares(L, anchors, solver, threads).solve(delta, positions)
+
+
+def points_of(V: Floats, F: Ints) -> tuple[Ints, int]:
+    """The faces over distinct positions, and how many there are of these."""
+    keep, welded = weld(V)
+    return welded[F], len(keep)

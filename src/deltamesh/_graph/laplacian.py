@@ -23,7 +23,7 @@ def laplacian(indptr: Ints, indices: Ints) -> sparse.csr_array:
     Returns
     -------
     csr_array, float64 (n, n)
-        Symmetric, with sorted indices. The row of an isolated vertex is one stored zero.
+        Symmetric, with sorted indices. The row of an isolated vertex is empty.
     """
     n = len(indptr) - 1
     A = sparse.csr_array((np.ones(len(indices)), indices, indptr), shape=(n, n))

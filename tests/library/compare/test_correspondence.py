@@ -1,3 +1,5 @@
+"""Vertices of two meshes that correspond, however these are numbered."""
+
 from __future__ import annotations
 
 import meshes

@@ -1,3 +1,5 @@
+"""Choice of anchors: the farthest, random ones, those of the largest error."""
+
 from __future__ import annotations
 
 import meshes
@@ -8,9 +10,7 @@ from graphs import components_of, laplacian_of
 
 from deltamesh._geometry import anchors
 from deltamesh._geometry.solve import factorization
-from deltamesh._graph import adjacency as laplacian
 from deltamesh._graph.adjacency import adjacency
-from deltamesh._kernels.mesh import distance
 
 MESHES = meshes.every()
 
@@ -97,22 +97,6 @@ def test_greedy_is_the_same_for_any_number_of_threads() -> None:
     factors = [factorization(L, threads=threads) for threads in (1, 2)]
     one, two = (anchors.greedy(L, V, 0 * V, 200, factor=factor) for factor in factors)
     np.testing.assert_array_equal(one, two)
-
-
-def test_subtract_product_equals_numpy() -> None:
-    rng = np.random.default_rng(17)
-    W, block = rng.normal(size=(50, 6)), rng.normal(size=(50, 3))
-    rows = np.array([4, 0, 31])
-    expected = block - W[:, :5] @ W[rows, :5].T
-    distance.subtract_product(block, W, 5, rows)
-    np.testing.assert_allclose(block, expected, rtol=1e-12)
-
-
-def test_local_maxima_break_ties_by_index() -> None:
-    F = np.array([[0, 1, 2], [2, 1, 3]])
-    found = np.empty(4, dtype=bool)
-    distance.local_maxima(*laplacian.adjacency(F, 4), np.array([1.0, 1, 0, 1]), found)
-    assert found.tolist() == [True, False, False, False]
 
 
 @pytest.mark.parametrize(

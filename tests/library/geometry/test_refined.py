@@ -7,10 +7,14 @@ import numpy as np
 import oracle
 import pytest
 import strategies
+from coders import integers_of, slow_coder
 from hypothesis import given
 from hypothesis import strategies as st
+from payloads import SURFACE, read_or_refused
 
 from deltamesh import FormatError, OptionError, decode, encode, info
+from deltamesh._geometry import refined as refined_method
+from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.normals import vertex_normals
 from deltamesh._geometry.quantize import quantize_delta
@@ -24,7 +28,7 @@ from deltamesh._options import Options, Settings
 from deltamesh._pipeline import encode_mesh, read_content
 from deltamesh._shape.surface import surface_of
 from deltamesh._streams import entropy
-from deltamesh_formats.container.container import Section
+from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.polymesh.mesh import from_triangles
 
 SPHERE, TORUS = meshes.icosphere(3), meshes.torus(12, 9)
@@ -120,9 +124,7 @@ def test_any_refinements_come_back(data):
 
 
 def twin_of(data):
-    tables = coder_kernels.STRETCH, coder_kernels.SQUASH, coder_kernels.RATE
-    weights = entropy.INITIAL_WEIGHT_SUM
-    return oracle.RangeCoder(tables, residual.SLOTS, residual.MIXERS, weights, data)
+    return slow_coder(data, residual.SLOTS, residual.MIXERS)
 
 
 @strategies.SOME
@@ -267,3 +269,27 @@ def test_the_same_normals_in_fewer_bytes(name):
     sizes, normals = zip(*(at("highpass", step * k) for k in (4, 2, 1)), strict=True)
     plain = np.interp(np.log(normal), np.log(normals[::-1]), np.log(sizes[::-1]))
     assert size < 0.9 * np.exp(plain)
+
+
+def test_payloads_of_refinements_come_back_or_are_refused() -> None:
+    integers = Integers(
+        integers_of(42, 1),
+        np.arange(5) * 8,
+        np.arange(15).reshape(5, 3),
+        np.arange(9).reshape(3, 3),
+        refinements=integers_of(42, 2)[:, :1],
+    )
+    parameters = Parameters(
+        "refined", True, "greedy", None, 0.01, (0.0, 0.0, 0.0), 0.001, 0, 5, 3, coarse=8.0
+    )
+    payloads = refined_method.encode(SURFACE, parameters, integers)
+    assert list(payloads) == ["ANCH", "DELT", "NORM"]
+    found = read_or_refused(refined_method.decode, parameters, **payloads)
+    assert found is not None
+    np.testing.assert_array_equal(found.refinements, integers.refinements)
+    np.testing.assert_array_equal(found.values, integers.values)
+    for damaged in (payloads["NORM"] + b"\1", payloads["NORM"] + b"\0"):
+        assert (
+            read_or_refused(refined_method.decode, parameters, **payloads | {"NORM": damaged})
+            is None
+        )

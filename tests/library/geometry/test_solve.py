@@ -1,3 +1,5 @@
+"""Solvers of least squares, against a dense one."""
+
 from __future__ import annotations
 
 import importlib.util

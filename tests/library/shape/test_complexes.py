@@ -5,23 +5,19 @@ from __future__ import annotations
 import forging
 import meshes
 import numpy as np
-import oracle
 import pytest
 import spec_decoder
 import strategies
+from graphs import points_of
 from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import decode, encode
 from deltamesh._graph.halfedges import pair_halfedges, weld
-from deltamesh._kernels.coding import wedges as kernels
-from deltamesh._kernels.mesh import cutting
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
 from deltamesh._shape.complexes import cut, distinct_faces
-from deltamesh._shape.manifold import REVERSED, trivial
-from deltamesh._shape.wedges import code_wedges, corners_of
-from deltamesh._streams import entropy
+from deltamesh._shape.manifold import REVERSED
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
@@ -30,11 +26,6 @@ from deltamesh_formats.polymesh.mesh import from_triangles
 CLEAN = {name: mesh for name, mesh in meshes.every().items() if name != "three_pages"}
 COMPLEXES = meshes.complexes()
 METHODS = ("highpass", "refined", "cartesian")
-
-
-def points_of(V, F):
-    keep, welded = weld(V)
-    return welded[F], len(keep)
 
 
 # ---- Cutting -----------------------------------------------------------------------------------
@@ -100,28 +91,6 @@ def test_no_more_is_cut_than_has_to_be():
     wrong = (strategies.canonical(F) != np.array(strategies.canonical(meshes.torus(8, 6)[1]))).any()
     assert wrong
     assert 2 * counts["mixed_winding"][1] <= len(F)
-
-
-@given(strategies.complexes())
-def test_fans_are_those_of_the_oracle(mesh):
-    manifold = cut(*points_of(*mesh))
-    label = np.empty(3 * len(manifold.faces), dtype=np.int64)
-    count = cutting.label_fans(manifold.opposite, label)
-    expected = oracle.fans(manifold.opposite.tolist())
-    assert label.tolist() == expected
-    assert count == len(set(expected))
-
-
-@given(st.lists(st.tuples(st.integers(0, 9), st.integers(0, 9), st.booleans()), max_size=20))
-def test_faces_are_turned_as_by_the_oracle(pairs):
-    m = 10
-    first, second = (3 * np.array([pair[i] for pair in pairs], dtype=np.int64) for i in range(2))
-    twisted = np.array([pair[2] for pair in pairs], dtype=bool)
-    parent, turned = np.arange(m), np.zeros(m, dtype=bool)
-    cutting.orient(first, second, twisted, parent, turned)
-    components, expected = oracle.orient(m, pairs)
-    assert parent.tolist() == components
-    assert turned.tolist() == expected
 
 
 def test_distinct_faces():
@@ -236,32 +205,6 @@ def test_time_does_not_grow_with_the_square():
     copies = np.concatenate((V[:1].repeat(n, axis=0), V[1 : 2 * n + 1]))
     fans = np.stack((i, n + 2 * i, n + 2 * i + 1), axis=1)
     assert_exact(copies, fans, method="cartesian")
-
-
-# ---- Wedges ------------------------------------------------------------------------------------
-
-
-@given(strategies.surfaces(), st.integers(1, 5), strategies.SMALL)
-def test_wedges_come_back(mesh, count, seed):
-    used, F = np.unique(mesh[1], return_inverse=True)
-    F = F.reshape(-1, 3)
-    opposite = pair_halfedges(F)
-    corners = corners_of(F, opposite, trivial(len(used), len(F)), len(used))
-    assert sorted(corners.ring.tolist()) == list(range(F.size))
-    given_classes = np.random.default_rng(seed).integers(0, count, F.size)
-    model = kernels.SLOTS, kernels.MIXERS
-    encoder = entropy.encoder(F.size, *model)
-    classes = code_wedges(encoder, corners, given_classes)
-    payload = entropy.finish(encoder)
-    decoder = entropy.decoder(payload, *model)
-    decoded = code_wedges(decoder, corners, np.zeros(0, dtype=np.int64))
-    entropy.check_end(decoder, 0)
-    assert (decoded == classes).all()
-    pairs = set(zip(F.ravel().tolist(), given_classes.tolist(), strict=True))
-    assert sorted(set(classes.tolist())) == list(range(len(pairs)))
-    assert len(set(zip(F.ravel(), given_classes, classes, strict=True))) == len(pairs)
-    owner = dict(zip(classes.tolist(), F.ravel().tolist(), strict=True))
-    assert [owner[k] for k in sorted(owner)] == sorted(owner.values())
 
 
 # ---- What no encoder has written ---------------------------------------------------------------

@@ -1,3 +1,5 @@
+"""Section of the connectivity: any manifold comes back, and no other payload is read."""
+
 from __future__ import annotations
 
 import time

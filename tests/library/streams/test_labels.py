@@ -1,53 +1,25 @@
-"""Labels of elements: neighbours, round trips, what they cost, and bytes that are none."""
+"""Labels of elements: round trips, the twin, their cost, and bytes that are none."""
 
 from __future__ import annotations
 
 import drafts
 import meshes
 import numpy as np
-import oracle
 import pytest
 import strategies
+from elements_of import alone, of_faces
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from deltamesh._graph import elements
 from deltamesh._graph.elements import Elements
-from deltamesh._kernels.coding import coder as coder_kernels
-from deltamesh._kernels.coding import labels as kernels
-from deltamesh._shape.polygons import Polygons, plain
-from deltamesh._streams import entropy, labels
+from deltamesh._streams import labels
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import from_triangles
 from deltamesh_formats.polymesh.permutations import numbered
 
-Ints = NDArray[np.int64]
-
 SEQUENCES = st.lists(st.integers(-3, 5), max_size=12)
-
-
-def graph(indptr: Ints, indices: Ints) -> Elements:
-    count = len(indptr) - 1
-    first, within = np.zeros(count + 1, np.int64), np.zeros(count, np.int64)
-    return Elements(count, indptr, indices, first, np.zeros((0, 3), np.int64), within)
-
-
-def alone(count: int) -> Elements:
-    """Elements without neighbours."""
-    return graph(np.zeros(count + 1, dtype=np.int64), np.zeros(0, dtype=np.int64))
-
-
-def of_rows(F: Ints, polygons: Polygons) -> Elements:
-    return elements.of_polygons(F, polygons.offsets, polygons.of_corners)
-
-
-def of_faces(F: Ints) -> Elements:
-    return of_rows(F, plain(len(F)))
-
-
-def rows(elements: Elements) -> list[list[int]]:
-    return [row.tolist() for row in np.split(elements.indices, elements.indptr[1:-1])]
 
 
 def size(elements: Elements, values: Ints) -> int:
@@ -57,50 +29,6 @@ def size(elements: Elements, values: Ints) -> int:
     found = labels.decode_labels(memoryview(data), elements)
     assert np.array_equal(order[found], values)
     return len(data)
-
-
-# ---- Elements -------------------------------------------------------------------------------
-
-
-def fans(F: Ints, seed: int) -> Polygons:
-    """Some faces joined to the next one: not always polygons, but neighbours do not mind."""
-    joined = np.random.default_rng(seed).random(len(F)) < 0.4
-    joined[:1] = False
-    begins = np.flatnonzero(~joined)
-    of_corners = np.arange(3 * len(F))
-    return Polygons(of_corners, np.append(3 * begins, 3 * len(F)), of_corners)
-
-
-@given(strategies.complexes(), strategies.SMALL)
-def test_polygons_are_beside_those_with_an_edge_in_common(mesh: meshes.Arrays, seed: int) -> None:
-    F = mesh[1]
-    polygons = fans(F, seed)
-    sizes = np.diff(polygons.offsets) // 3
-    found = of_rows(F, polygons)
-    polygon = np.repeat(np.arange(len(sizes)), sizes)
-    assert rows(found) == oracle.beside(F.tolist(), polygon.tolist())
-    assert found.count == len(sizes) == len(found.first) - 1
-    assert len(found.corners) == 0
-    assert found.indices.dtype == found.indptr.dtype == np.int64
-    assert len(found.indices) <= 6 * len(F)
-
-
-def test_many_faces_on_one_edge_are_a_chain() -> None:
-    pages = 4000
-    F = np.stack([np.zeros(pages), np.ones(pages), np.arange(2, pages + 2)], axis=1).astype(int)
-    assert rows(of_faces(F))[:3] == [[1], [0, 2], [1, 3]]
-
-
-def test_vertices_have_the_graph_and_the_parallelograms_of_their_faces() -> None:
-    F = meshes.icosphere(1)[1]
-    found = elements.of_vertices(F, 45)
-    assert found.count == 45
-    assert found.indptr[-1] == found.indptr[42] == 2 * 120
-    expected = oracle.parallelograms(F)
-    corners = np.split(found.corners, found.first[1:-1])
-    assert {i: sorted(map(tuple, row.tolist())) for i, row in enumerate(corners) if len(row)} == {
-        i: sorted(row) for i, row in expected.items()
-    }
 
 
 # ---- Round trips ----------------------------------------------------------------------------
@@ -122,64 +50,10 @@ def test_few_elements_round_trip(count: int) -> None:
         size(alone(count), np.array(values, dtype=np.int64))
 
 
-def test_values_are_numbered_by_their_first_elements() -> None:
-    found, order = numbered(np.array([7, 7, -1, 2**40, 7, -1]))
-    assert found.tolist() == [0, 0, 1, 2, 0, 1]
-    assert order.tolist() == [7, -1, 2**40]
-
-
 @pytest.mark.parametrize("wrong", [[1, 0], [0, 2], [0, -1], [0, 1, 3, 2]])
 def test_other_numbers_are_refused(wrong: list[int]) -> None:
     with pytest.raises(ValueError, match="first elements"):
         labels.encode_labels(alone(len(wrong)), np.array(wrong))
-
-
-# ---- The oracle -----------------------------------------------------------------------------
-
-
-def twin_of(data: bytes | None) -> oracle.RangeCoder:
-    tables = coder_kernels.STRETCH, coder_kernels.SQUASH, coder_kernels.RATE
-    weights = entropy.INITIAL_WEIGHT_SUM
-    return oracle.RangeCoder(tables, kernels.SLOTS, kernels.MIXERS, weights, data)
-
-
-CASES = st.tuples(
-    st.sampled_from([meshes.icosphere(1)[1], meshes.grid(6, 5)[1], meshes.crossing()[1]]),
-    st.lists(st.integers(0, 6), min_size=1, max_size=9),
-    st.sampled_from([0.0, 0.1, 0.5]),
-    strategies.SMALL,
-)
-
-
-@strategies.FEW
-@given(CASES)
-def test_labels_equal_their_oracle(case: tuple[Ints, list[int], float, int]) -> None:
-    F, cycle, share, seed = case
-    these = of_faces(F)
-    rng = np.random.default_rng(seed)
-    values = np.resize(np.array(cycle), these.count)
-    values = np.where(rng.random(these.count) < share, rng.integers(0, 40, these.count), values)
-    wanted, _ = numbered(values)
-    twin = twin_of(None)
-    assert oracle.code_labels(twin, rows(these), wanted.tolist()) == wanted.tolist()
-    assert labels.encode_labels(these, wanted) == twin.finish()
-
-
-@strategies.FEW
-@given(st.binary(max_size=60), st.sampled_from([0x00, 0x55, 0xFF]), st.integers(0, 100))
-def test_any_bytes_are_the_labels_of_the_oracle(data: bytes, filler: int, more: int) -> None:
-    data += bytes([filler]) * more
-    these = of_faces(meshes.icosphere(1)[1])
-    found = np.zeros(these.count, dtype=np.int64)
-    decoder = entropy.decoder(data, kernels.SLOTS, kernels.MIXERS)
-    seen = kernels.code_labels(decoder, these.indptr, these.indices, found)
-    twin = twin_of(data)
-    expected = oracle.code_labels(twin, rows(these), [0] * these.count)
-    assert (seen < 0) == (expected is None)
-    if expected is not None:
-        assert found.tolist() == expected
-        assert seen == max(expected) + 1
-        assert int(decoder.state[coder_kernels.CODE]) == twin.code
 
 
 # ---- What they cost -------------------------------------------------------------------------

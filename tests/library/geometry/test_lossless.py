@@ -1,10 +1,8 @@
-"""The lossless method: every bit comes back, in few bytes, and what is forged is refused."""
+"""Lossless method: every bit comes back, in few bytes, and what is forged is refused."""
 
 from __future__ import annotations
 
 import dataclasses
-import json
-from fractions import Fraction
 
 import forging
 import meshes
@@ -12,30 +10,21 @@ import numpy as np
 import pytest
 import spec_decoder
 import strategies
+from exact_numbers import positions
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from deltamesh import decode, encode, info
 from deltamesh._geometry import lossless
 from deltamesh._geometry.solve import factorization
-from deltamesh._kernels.coding.exact import NEGATIVE_ZERO, RAW
 from deltamesh._mesh import LARGEST
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
 from deltamesh._shape.surface import surface_of
 from deltamesh._streams import exact as exact_streams
-from deltamesh._streams.decomposition import BINARY_DIGITS
-from deltamesh._streams.format_choice import choose_formats
-from deltamesh._streams.number_formats import (
-    RAW_ONLY,
-    ColumnFormats,
-    NumberFormat,
-    from_indices,
-    to_indices,
-)
-from deltamesh_cli.program import run
+from deltamesh._streams.number_formats import RAW_ONLY
 from deltamesh_formats.container.container import Section
-from deltamesh_formats.errors import FormatError, MeshError, OptionError
+from deltamesh_formats.errors import FormatError, MeshError
 from deltamesh_formats.polymesh.mesh import from_triangles
 
 EXACTLY = Options(method="lossless")
@@ -54,25 +43,6 @@ def assert_kept(V, F):
 
 
 # ---- Round trips -------------------------------------------------------------------------------
-
-doubles = st.floats(-LARGEST, LARGEST)
-singles = st.floats(-(2.0**100), 2.0**100, width=32)
-decimals = st.builds(lambda m, k: m / 10**k, st.integers(-(10**7), 10**7), st.integers(0, 9))
-dyadics = st.builds(lambda m, k: m / 2.0**k, st.integers(-(2**20), 2**20), st.integers(-40, 40))
-extremes = st.sampled_from(
-    [0.0, -0.0, 5e-324, -5e-324, 2.2250738585072014e-308, 1e150, -1e150, 1e-45]
-)
-numbers = st.sampled_from([doubles, singles, decimals, dyadics, extremes])
-
-
-@st.composite
-def positions(draw: st.DrawFn, count: int) -> np.ndarray:
-    """Numbers of one kind or of several, all positions different."""
-    kinds = draw(st.lists(numbers, min_size=1, max_size=3))
-    rows = st.tuples(*[st.one_of(kinds)] * 3)
-    bits = lambda row: np.array(row).tobytes()  # noqa: E731
-    found = draw(st.lists(rows, min_size=count, max_size=count, unique_by=bits))
-    return np.array(found)
 
 
 @settings(deadline=None)
@@ -147,93 +117,6 @@ def test_real_mesh(name: str) -> None:
     mesh = meshes.real(name)
     encoded = assert_kept(mesh.vertices, mesh.faces)
     assert len(encoded.data) < 0.4 * (12 * len(mesh.vertices) + 12 * len(mesh.faces))
-
-
-# ---- Forms -------------------------------------------------------------------------------------
-
-
-def every_number(form: NumberFormat, exponents: int) -> list[Fraction]:
-    """The definition of SPEC.md 5.12, one by one."""
-    b, d = form.base, form.digits
-    found = {
-        Fraction(m) * Fraction(b) ** (e - form.places)
-        for e in range(exponents)
-        for m in range(b ** (d - 1) if e else 0, b**d)
-    }
-    return sorted(found | {-x for x in found})
-
-
-@pytest.mark.parametrize(
-    "form",
-    [
-        NumberFormat(2, 3, 4),
-        NumberFormat(2, -2, 1),
-        NumberFormat(2, 60, 2),
-        NumberFormat(10, 2, 2),
-        NumberFormat(10, 5, 1),
-    ],
-)
-def test_an_index_counts_the_numbers_of_a_form(form: NumberFormat) -> None:
-    expected = every_number(form, 5)
-    values = np.array([float(x) for x in expected])
-    how = ColumnFormats((form,), (0,), form.places, raw=False, zeros=False)
-    classes, indices = to_indices(values, how, single=False)
-    assert not classes.any()
-    half = len(expected) // 2
-    assert indices.tolist() == list(range(-half, half + 1))
-    assert from_indices(classes, indices, how, single=False).tolist() == values.tolist()
-    between = (values[1:] + values[:-1]) / 2
-    assert (to_indices(between, how, single=False)[0] == RAW).all()
-
-
-@pytest.mark.parametrize(
-    ("values", "single", "base", "places", "digits"),
-    [
-        ([0.25, -3.5, 17.75], False, 2, 2, 7),
-        ([0.1, 0.25, -3.14], False, 10, 2, 3),
-        ([0.001234, 0.1234, 12.34], False, 10, 6, 4),
-        ([np.float32(0.13), np.float32(-3.14)], True, 10, 2, 3),
-        ([-8.0, 1024.0, 24.0], False, 2, -3, 2),
-        ([1e-7, 2e-7, 1.0], False, 10, 7, 1),
-    ],
-)
-def test_the_shortest_form_is_found(
-    values: list[float], single: bool, base: int, places: int, digits: int
-) -> None:
-    V = np.tile(np.array(values, dtype=np.float64), 100)
-    how = choose_formats(V, np.abs(V), single)
-    assert how.formats == (NumberFormat(base, places, digits),)
-    assert not how.raw
-
-
-def test_random_bits_have_the_form_of_their_type() -> None:
-    rng = np.random.default_rng(3)
-    V = rng.random(1000)
-    assert choose_formats(V, V, False).formats[0].digits == BINARY_DIGITS
-    single = V.astype(np.float32).astype(np.float64)
-    assert {form.digits for form in choose_formats(single, V, True).formats} == {24}
-
-
-def test_a_few_other_numbers_are_raw() -> None:
-    V = np.random.default_rng(4).random(10000).round(4)
-    V[77:80] = 1 / 3, 1e-20, 1e100
-    how = choose_formats(V, V, False)
-    assert how.formats == (NumberFormat(10, 4, 4),)
-    assert how.raw
-    assert np.flatnonzero(to_indices(V, how, False)[0]).tolist() == [77, 78, 79]
-
-
-@settings(deadline=None)
-@given(st.lists(st.one_of(doubles, singles, decimals, dyadics, extremes), min_size=1))
-def test_formats_and_back(values: list[float]) -> None:
-    V = np.array(values)
-    with np.errstate(over="ignore"):
-        single = bool((V.astype(np.float32) == V).all())
-    how = choose_formats(V, np.abs(V), single)
-    classes, integers = to_indices(V, how, single)
-    assert from_indices(classes, integers, how, single).tobytes() == V.tobytes()
-    assert ((classes == NEGATIVE_ZERO) <= how.zeros).all()
-    assert (np.abs(integers[classes < RAW]) < 2**61).all()
 
 
 # ---- Size --------------------------------------------------------------------------------------
@@ -368,66 +251,3 @@ def test_a_file_of_other_forms_is_as_good() -> None:
     other = forging.consistent(other)
     assert len(other) > len(data)
     assert decode(other).vertices.tobytes() == mesh.vertices.tobytes()
-
-
-# ---- Options and words -------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    "rate", [{"bits": 8}, {"step": 0.1}, {"max_error": 1.0}, {"normal_error": 1.0}, {"coarse": 4.0}]
-)
-def test_rates_contradict_it(rate: dict) -> None:
-    with pytest.raises(OptionError, match=r"means? nothing with method lossless"):
-        Options(method="lossless", **rate)
-
-
-@pytest.fixture
-def mesh_file(tmp_path, monkeypatch):
-    from deltamesh_formats.meshfiles.files import write_mesh
-
-    monkeypatch.chdir(tmp_path)
-    V, F = meshes.torus(9, 7)
-    write_mesh("torus.obj", from_triangles(np.where(V == 0, -0.0, V), F))
-
-
-def cli(line: str) -> int:
-    return run(line.split())
-
-
-@pytest.mark.parametrize("more", ["--bits 8", "--max-error 1", "--anchors 5", "--method cartesian"])
-def test_usage(mesh_file: None, capsys: pytest.CaptureFixture[str], more: str) -> None:
-    assert cli(f"encode torus.obj --lossless {more}") == 2
-    assert more.split()[0] in capsys.readouterr().err
-
-
-def test_commands(mesh_file: None, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli("encode torus.obj a.dmesh --lossless") == 0
-    assert "RMS 0 and max 0 of the diagonal, normals 0" in capsys.readouterr().out
-    assert cli("encode torus.obj b.dmesh --method lossless") == 0
-    assert cli("test a.dmesh b.dmesh") == 0
-    capsys.readouterr()
-    assert cli("info a.dmesh") == 0
-    assert "\n  lossless\n" in capsys.readouterr().out
-    assert cli("compare torus.obj a.dmesh --json") == 0
-    errors = json.loads(capsys.readouterr().out)["errors"]
-    assert errors.pop("diagonal") > 0
-    assert set(errors.values()) == {0.0}
-    assert cli("decode a.dmesh back.obj") == 0
-    assert cli("encode back.obj again.dmesh --lossless") == 0
-    with open("a.dmesh", "rb") as a, open("again.dmesh", "rb") as again:
-        assert sorted(map(bytes, decode(a.read()).vertices)) == sorted(
-            map(bytes, decode(again.read()).vertices)
-        )
-
-
-def test_compare_tells_zeros_apart(tmp_path, capsys: pytest.CaptureFixture[str]) -> None:
-    """As the encoder does: two vertices at one position, but for the sign of a zero, are two."""
-    lines = "0 0 0", "1 0 0", "0 1 0", "-0.0 1 0", "1 -0.0 0", "1 1 0"
-    text = "".join(f"v {line}\n" for line in lines)
-    (tmp_path / "two.obj").write_text(f"{text}f 1 2 3\nf 4 5 6\n")
-    assert cli(f"encode {tmp_path}/two.obj {tmp_path}/two.dmesh --lossless") == 0
-    capsys.readouterr()
-    assert cli(f"compare {tmp_path}/two.obj {tmp_path}/two.dmesh --json") == 0
-    shown = json.loads(capsys.readouterr().out)
-    assert shown["b"]["vertices"] == 6
-    assert shown["errors"]["rms"] == 0

@@ -1,0 +1,23 @@
+"""Text of a file: names of parts and metadata."""
+
+from __future__ import annotations
+
+import pytest
+
+from deltamesh_formats.container import layout, texts
+from deltamesh_formats.container.layout import MAX_TEXT
+from deltamesh_formats.container.texts import Texts
+from deltamesh_formats.errors import MeshError
+
+
+def test_repetitive_text_is_deflated() -> None:
+    names = [f"Object_{i:04}_LOD0_Material" for i in range(400)]
+    block = texts.write_texts(Texts((), {"comments": tuple(names)}, ()))
+    assert block[0] == layout.BLOCK_DEFLATED
+    assert len(block) < sum(map(len, names)) / 4
+    assert texts.write_texts(Texts((), {"a": ("b",)}, ()))[0] == layout.BLOCK_PLAIN
+
+
+def test_more_text_than_a_file_holds_is_refused() -> None:
+    with pytest.raises(MeshError, match="names and metadata"):
+        texts.write_texts(Texts((), {"a": ("x" * MAX_TEXT,)}, ()))

@@ -1,0 +1,71 @@
+"""Writer of containers: its bytes, and what it refuses as the reader would."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from containers import CARTESIAN, HIGHPASS, META, PINNED, with_parameters, written
+
+from deltamesh_formats.container.reader import read_container, read_varint
+from deltamesh_formats.container.writer import write_container, write_varint
+from deltamesh_formats.errors import MeshError
+
+
+def test_bytes_are_pinned():
+    """A change of these bytes is a change of the format."""
+    assert written(CARTESIAN) == PINNED
+    assert read_container(PINNED).parameters == CARTESIAN
+
+
+def test_a_file_that_is_read_is_written_as_it_was():
+    """Unused bits, too, which no field of a container has."""
+    for data in (with_parameters(flags=0xFF), written(abcd=b"x"), PINNED):
+        assert write_container(read_container(data)) == data
+
+
+# One list for both directions.
+VARINTS = [
+    (0, b"\x00"),
+    (1, b"\x01"),
+    (127, b"\x7f"),
+    (128, b"\x80\x01"),
+    (300, b"\xac\x02"),
+    (2**40, b"\x80\x80\x80\x80\x80\x20"),
+    (2**63 - 1, b"\xff" * 8 + b"\x7f"),
+]
+
+
+@pytest.mark.parametrize(("value", "data"), VARINTS)
+def test_varint(value, data):
+    assert write_varint(value) == data
+    assert read_varint(b"?" + data + b"?", 1) == (value, 1 + len(data))
+
+
+@pytest.mark.parametrize("value", [-1, 2**63])
+def test_varint_out_of_range(value):
+    with pytest.raises(ValueError, match="range of a varint"):
+        write_varint(value)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {"parameters": replace(HIGHPASS, step=float("inf"))},
+        {"parameters": replace(HIGHPASS, bits=0)},
+        {"parameters": replace(HIGHPASS, seed=2**64)},
+        {"parameters": replace(HIGHPASS, anchor_count=1001)},
+        {"parameters": replace(CARTESIAN, anchor_method="random")},
+        {"parameters": replace(CARTESIAN, anchor_count=1)},
+        {"meta": replace(META, dihedral=1e39)},
+        {"meta": replace(META, normal=float("nan"))},
+        {"meta": replace(META, encoder="x" * 256)},
+        {"meta": replace(META, source="a\nb")},
+        {"vertices": 2**40 + 1},
+        {"triangles": -1},
+    ],
+    ids=str,
+)
+def test_the_writer_refuses_what_the_reader_would(arguments):
+    with pytest.raises(MeshError):
+        written(**arguments)

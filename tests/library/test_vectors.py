@@ -1,0 +1,30 @@
+"""Vectors in rows, against numpy and by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from deltamesh._vectors import angles, crosses, dots, lengths
+
+
+@given(st.integers(0, 10**6), st.integers(0, 20))
+def test_products_are_those_of_numpy(seed: int, count: int) -> None:
+    a, b = np.random.default_rng(seed).normal(size=(2, count, 3))
+    np.testing.assert_allclose(crosses(a, b), np.cross(a, b).reshape(count, 3))
+    np.testing.assert_allclose(dots(a, b), (a * b).sum(axis=1), atol=1e-14)
+    np.testing.assert_allclose(lengths(a), np.linalg.norm(a, axis=1))
+
+
+@pytest.mark.parametrize("degrees", [0.0, 1e-9, 30.0, 90.0, 179.0, 180.0])
+@pytest.mark.parametrize("length", [1e-100, 1.0, 1e100])
+def test_angles_by_hand(degrees: float, length: float) -> None:
+    turn = np.radians(degrees)
+    a, b = np.array([[1.0, 0, 0]]), length * np.array([[np.cos(turn), np.sin(turn), 0]])
+    assert angles(a, b)[0] == pytest.approx(degrees, rel=1e-12)
+
+
+def test_zero_vectors_have_no_angle() -> None:
+    assert angles(np.zeros((1, 3)), np.eye(3)[:1])[0] == 0
