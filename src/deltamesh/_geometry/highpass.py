@@ -17,7 +17,7 @@ from deltamesh._geometry.quantize import delta_step, from_grid, quantize_delta, 
 from deltamesh._geometry.solve import Factor
 from deltamesh._kernels.coding import delta as delta_kernels
 from deltamesh._kernels.coding import points, residual
-from deltamesh._measures.metrics import diagonal
+from deltamesh._measures.metrics import diagonal, norms
 from deltamesh._options import DEFAULT_HIGHPASS_STEP, Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams import entropy
@@ -108,7 +108,7 @@ def corrected(
         If a correction takes more than 2^30 steps.
     """
     error = vertices - W
-    far = np.linalg.norm(error, axis=1) > settings.largest
+    far = norms(error) > settings.largest
     if parameters.step and far.any():
         fixes = to_grid(np.where(far[:, None], error, 0.0), np.zeros(3), parameters.step)
         if fixes.any():

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,6 +20,10 @@ from deltamesh_formats.array_types import Bools, Floats, Ints
 
 # Of Mq in the visual error (Sorkine, Cohen-Or and Toledo 2003, section 5).
 VISUAL_WEIGHT = 0.15
+# Share of an error that may be lost where it is computed.
+ROUNDING = 2.0**-46
+# Powers of two whose squares, and sums of these, are far from the ends of double precision.
+SAFE_EXPONENT = 460
 
 
 @dataclass(frozen=True)
@@ -97,30 +101,58 @@ def vertex_errors(V: Floats, W: Floats, F: Ints) -> VertexErrors:
     ValueError
         If the shapes of V and W differ.
     """
-    return errors_from(V, F)(W)
+    return _errors_from(V, F, diagonal(V) or 1.0)(W)
 
 
 def errors_from(V: Floats, F: Ints) -> Callable[[Floats], VertexErrors]:
-    """Return `vertex_errors` of one reference: half of the work is done once."""
+    """Return `vertex_errors` of one reference, for a search: half of the work is done once.
+
+    They are measured around the centre of the reference, where what is below 1e-15 of its diagonal
+    is lost: that is less than any bound. Steps, and so the bytes of files, follow from their last
+    digits.
+    """
     centre, unit = _frame(V)
-    V = (V - centre) / unit
-    m = _face_normals(V, F)
+    errors_around_centre = _errors_from((V - centre) / unit, F, 1.0)
+
+    def errors(W: Floats) -> VertexErrors:
+        found = errors_around_centre((W - centre) / unit)
+        return replace(found, rms=unit * found.rms, max=unit * found.max)
+
+    return errors
+
+
+def _errors_from(V: Floats, F: Ints, unit: float) -> Callable[[Floats], VertexErrors]:
+    """Return `vertex_errors` of one reference, from differences of positions in a unit."""
+    m, area = _face_normals(V, F, unit)
     pairs = _interior_edges(F)
     angles = _dihedral_angles(V, m, *pairs)
 
     def errors(W: Floats) -> VertexErrors:
         if V.shape != W.shape:
             raise ValueError(f"{len(V)} and {len(W)} vertices cannot be compared one by one")
-        W = (W - centre) / unit
-        distance, k = _norm(W - V), _face_normals(W, F)
+        distance, (k, _) = _norm((W - V) / unit), _face_normals(W, F, unit)
         return VertexErrors(
             rms=unit * _rms(distance),
             max=unit * float(distance.max(initial=0.0)),
-            normal_deviation=_normal_deviation(m, k),
+            normal_deviation=_normal_deviation(m, k, area),
             dihedral=_mean_change(angles, _dihedral_angles(W, k, *pairs)),
         )
 
     return errors
+
+
+def rounded_up(errors: VertexErrors) -> VertexErrors:
+    """Return errors that are not below the truth: rounding is added, and angles fit binary32."""
+    normal, dihedral = map(_above, (errors.normal_deviation, errors.dihedral))
+    rms, largest = errors.rms * (1 + ROUNDING), errors.max * (1 + ROUNDING)
+    return VertexErrors(rms=rms, max=largest, normal_deviation=normal, dihedral=dihedral)
+
+
+def _above(angle: float) -> float:
+    """Return the least number of binary32 that is not below an angle, with its rounding."""
+    wanted = angle * (1 + ROUNDING)
+    single = np.float32(wanted)
+    return float(single if float(single) >= wanted else np.nextafter(single, np.float32(np.inf)))
 
 
 def diagonal(V: Floats) -> float:
@@ -130,7 +162,7 @@ def diagonal(V: Floats) -> float:
 
 def mean_edge(V: Floats, F: Ints) -> float:
     """Return the mean length of the edges, those of two faces counted twice; 0 without faces."""
-    lengths = [_norm(V[F[:, i]] - V[F[:, i - 1]]) for i in range(3)]
+    lengths = [norms(V[F[:, i]] - V[F[:, i - 1]]) for i in range(3)]
     return float(np.mean(lengths)) if len(F) else 0.0
 
 
@@ -212,6 +244,14 @@ def _frame(V: Floats) -> tuple[Floats, float]:
     return centre, diagonal(V) or 1.0
 
 
+def norms(x: Floats) -> Floats:
+    """Return the lengths of vectors of any scale, float64 (n,), of `x`, float64 (n, 3)."""
+    exponent = math.frexp(float(np.abs(x).max(initial=0.0)))[1]
+    if abs(exponent) < SAFE_EXPONENT:
+        return _norm(x)
+    return np.ldexp(_norm(np.ldexp(x, -exponent)), exponent)
+
+
 def _norm(x: Floats) -> Floats:
     return np.sqrt(x[:, 0] * x[:, 0] + x[:, 1] * x[:, 1] + x[:, 2] * x[:, 2])
 
@@ -228,10 +268,21 @@ def _cross(a: Floats, b: Floats) -> Floats:
     return np.stack((x, y, z), axis=1)
 
 
-def _face_normals(V: Floats, F: Ints) -> Floats:
-    """Return the faces' normals (m, 3), as long as twice the area."""
+def _face_normals(V: Floats, F: Ints, unit: float) -> tuple[Floats, Floats]:
+    """Return the faces' normals (m, 3), of any length, and twice their areas in the square unit.
+
+    The sides of a face are scaled by themselves: that of others may be 1e150 times as long.
+    """
     a, b, c = V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
-    return _cross(b - a, c - a)
+    (left, i), (right, j) = _scaled((b - a) / unit), _scaled((c - a) / unit)
+    normals = _cross(left, right)
+    return normals, np.ldexp(_norm(normals), i + j)
+
+
+def _scaled(x: Floats) -> tuple[Floats, Ints]:
+    """Return rows whose largest number is 1/2 to 1, to the last bit, and the powers of two."""
+    exponents = np.frexp(np.abs(x).max(axis=1, initial=0.0))[1]
+    return np.ldexp(x, -exponents[:, None]), exponents
 
 
 def _angle(m: Floats, k: Floats) -> Floats:
@@ -240,8 +291,8 @@ def _angle(m: Floats, k: Floats) -> Floats:
     return np.degrees(np.arctan2(_norm(_cross(m, k)), dot))
 
 
-def _normal_deviation(m: Floats, k: Floats) -> float:
-    area, lost = _norm(m), ~k.any(axis=1)
+def _normal_deviation(m: Floats, k: Floats, area: Floats) -> float:
+    lost = ~k.any(axis=1)
     angle = np.where(lost, 90.0, _angle(m, k))
     total = float(area.sum())
     return float(area @ angle) / total if total > 0 else 0.0
