@@ -2,14 +2,28 @@
 
 from __future__ import annotations
 
+import math
+from typing import Final
+
 import numpy as np
 
 from deltamesh_formats.array_types import Floats
+
+# Powers of two whose squares, and sums of these, are far from the ends of double precision.
+SAFE_EXPONENT: Final = 460
 
 
 def lengths(a: Floats) -> Floats:
     """Return the lengths of vectors (k, 3)."""
     return np.sqrt(dots(a, a))
+
+
+def safe_lengths(a: Floats) -> Floats:
+    """Return the lengths of vectors (k, 3) of any scale; squares neither overflow nor vanish."""
+    exponent = math.frexp(float(np.abs(a).max(initial=0.0)))[1]
+    if abs(exponent) < SAFE_EXPONENT:
+        return lengths(a)
+    return np.ldexp(lengths(np.ldexp(a, -exponent)), exponent)
 
 
 def dots(a: Floats, b: Floats) -> Floats:

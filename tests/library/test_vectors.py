@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh._vectors import angles, crosses, dots, lengths
+from deltamesh._vectors import angles, crosses, dots, lengths, safe_lengths
 
 
 @given(st.integers(0, 10**6), st.integers(0, 20))
@@ -28,3 +28,11 @@ def test_angles_by_hand(degrees: float, length: float) -> None:
 
 def test_zero_vectors_have_no_angle() -> None:
     assert angles(np.zeros((1, 3)), np.eye(3)[:1])[0] == 0
+
+
+def test_safe_lengths_at_any_scale() -> None:
+    rows = np.array([[3.0, 4.0, 0.0], [0.0, 0.0, 0.0], [1.0, -2.0, 2.0]])
+    for power in (-1060, -700, -300, 0, 300, 700, 1010):
+        wanted = np.ldexp([5.0, 0.0, 3.0], power)
+        np.testing.assert_array_equal(safe_lengths(np.ldexp(rows, power)), wanted)
+    assert len(safe_lengths(np.zeros((0, 3)))) == 0

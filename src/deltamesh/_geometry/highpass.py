@@ -22,6 +22,7 @@ from deltamesh._measures.metrics import diagonal
 from deltamesh._options import DEFAULT_HIGHPASS_STEP, Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams.entropy import decode_with, encode_with
+from deltamesh._vectors import safe_lengths
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Parameters, Section
@@ -109,7 +110,7 @@ def corrected(
         If a correction takes more than 2^30 steps.
     """
     error = vertices - W
-    far = np.linalg.norm(error, axis=1) > settings.largest
+    far = safe_lengths(error) > settings.largest
     if parameters.step and far.any():
         fixes = to_grid(np.where(far[:, None], error, 0.0), np.zeros(3), parameters.step)
         if fixes.any():

@@ -10,6 +10,8 @@ from deltamesh_formats.array_types import Floats, Ints
 # noise, and encoder and decoder would disagree in it: the normal fades to zero below that share of
 # the area around the vertex, and of the square of the quantization step, instead.
 FADE = 1e-6
+# Steps above so many extents of the surface leave no normals, either: the square stays finite.
+MOST_STEP = 1e150
 
 
 def vertex_normals(V: Floats, F: Ints, step: float) -> Floats:
@@ -35,7 +37,7 @@ def vertex_normals(V: Floats, F: Ints, step: float) -> Floats:
     area = np.linalg.norm(cross, axis=1)
     corners = F.T.ravel()
     s = np.stack([_gather(corners, np.tile(cross[:, k], 3), len(V)) for k in range(3)], axis=1)
-    around = _gather(corners, np.tile(area, 3), len(V)) + (step / extent) ** 2
+    around = _gather(corners, np.tile(area, 3), len(V)) + min(step / extent, MOST_STEP) ** 2
     normals: Floats = s / (np.linalg.norm(s, axis=1) + FADE * around)[:, None]
     return normals
 

@@ -44,6 +44,10 @@ MOST_ANCHORS: Final = 0.016
 GROWTH: Final = 1.6
 
 
+class ScaleError(MeshError):
+    """Coordinates too large for a method, whatever its step; for another one they may not be."""
+
+
 @dataclass(frozen=True)
 class Trial:
     """A geometry under some settings: the contents of a file, and what its decoder makes of them.
@@ -111,7 +115,12 @@ def smallest(options: Options, bounds: Bounds | None, edge: float, attempt: Atte
             settings = _anchored(settings, bounds, start, attempt)
         if bounds.has_angle:
             settings = replace(settings, largest=bounds.max)
-        found = _fit(settings, bounds, start, options.effort, attempt, best, missed)
+        try:
+            found = _fit(settings, bounds, start, options.effort, attempt, best, missed)
+        except ScaleError:
+            if options.method != AUTO:
+                raise
+            found = None
         if best is None or (found is not None and found.size < best.size):
             best = found
     if best is None and not missed:
@@ -198,6 +207,10 @@ def _fit(
     for tries in range(1, MOST_TRIES + 1):
         try:
             trial = attempt(replace(settings, step=step))
+        except ScaleError:
+            if good is None:
+                raise
+            break
         except MeshError:  # 2^30 steps are not enough for the mesh
             if excess:
                 break

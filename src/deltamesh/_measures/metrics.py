@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,11 +16,13 @@ from deltamesh._graph.adjacency import edges
 from deltamesh._graph.halfedges import by_edge, edges_of_two, ends
 from deltamesh._measures.hausdorff import squared_hausdorff
 from deltamesh._mesh import TriangleMesh
-from deltamesh._vectors import angles, crosses, dots, lengths
+from deltamesh._vectors import angles, crosses, dots, lengths, safe_lengths
 from deltamesh_formats.array_types import Bools, Floats, Ints
 
 # Of Mq in the visual error (Sorkine, Cohen-Or and Toledo 2003, section 5).
 VISUAL_WEIGHT = 0.15
+# Share of an error that may be lost where it is computed.
+ROUNDING = 2.0**-46
 
 
 @dataclass(frozen=True)
@@ -98,30 +100,58 @@ def vertex_errors(V: Floats, W: Floats, F: Ints) -> VertexErrors:
     ValueError
         If the shapes of V and W differ.
     """
-    return errors_from(V, F)(W)
+    return _errors_from(V, F, diagonal(V) or 1.0)(W)
 
 
 def errors_from(V: Floats, F: Ints) -> Callable[[Floats], VertexErrors]:
-    """Return `vertex_errors` of one reference: half of the work is done once."""
+    """Return `vertex_errors` of one reference, for a search: half of the work is done once.
+
+    They are measured around the centre of the reference, where what is below 1e-15 of its diagonal
+    is lost: that is less than any bound. Steps, and so the bytes of files, follow from their last
+    digits.
+    """
     centre, unit = _frame(V)
-    V = (V - centre) / unit
-    m = _face_normals(V, F)
+    errors_around_centre = _errors_from((V - centre) / unit, F, 1.0)
+
+    def errors(W: Floats) -> VertexErrors:
+        found = errors_around_centre((W - centre) / unit)
+        return replace(found, rms=unit * found.rms, max=unit * found.max)
+
+    return errors
+
+
+def _errors_from(V: Floats, F: Ints, unit: float) -> Callable[[Floats], VertexErrors]:
+    """Return `vertex_errors` of one reference, from differences of positions in a unit."""
+    m, area = _face_normals(V, F, unit)
     pairs = _interior_edges(F)
     dihedral = _dihedral_angles(V, m, *pairs)
 
     def errors(W: Floats) -> VertexErrors:
         if V.shape != W.shape:
             raise ValueError(f"{len(V)} and {len(W)} vertices cannot be compared one by one")
-        W = (W - centre) / unit
-        distance, k = lengths(W - V), _face_normals(W, F)
+        distance, (k, _) = lengths((W - V) / unit), _face_normals(W, F, unit)
         return VertexErrors(
             rms=unit * _rms(distance),
             max=unit * float(distance.max(initial=0.0)),
-            normal_deviation=_normal_deviation(m, k),
+            normal_deviation=_normal_deviation(m, k, area),
             dihedral=_mean_change(dihedral, _dihedral_angles(W, k, *pairs)),
         )
 
     return errors
+
+
+def rounded_up(errors: VertexErrors) -> VertexErrors:
+    """Return errors that are not below the truth: rounding is added, and angles fit binary32."""
+    normal, dihedral = map(_above, (errors.normal_deviation, errors.dihedral))
+    rms, largest = errors.rms * (1 + ROUNDING), errors.max * (1 + ROUNDING)
+    return VertexErrors(rms=rms, max=largest, normal_deviation=normal, dihedral=dihedral)
+
+
+def _above(angle: float) -> float:
+    """Return the least number of binary32 that is not below an angle, with its rounding."""
+    wanted = angle * (1 + ROUNDING)
+    single = np.float32(wanted)
+    return float(single if float(single) >= wanted else np.nextafter(single, np.float32(np.inf)))
 
 
 def diagonal(V: Floats) -> float:
@@ -131,7 +161,7 @@ def diagonal(V: Floats) -> float:
 
 def mean_edge(V: Floats, F: Ints) -> float:
     """Return the mean length of the edges, those of two faces counted twice; 0 without faces."""
-    sides = [lengths(V[F[:, i]] - V[F[:, i - 1]]) for i in range(3)]
+    sides = [safe_lengths(V[F[:, i]] - V[F[:, i - 1]]) for i in range(3)]
     return float(np.mean(sides)) if len(F) else 0.0
 
 
@@ -217,14 +247,25 @@ def _rms(x: Floats) -> float:
     return float(np.sqrt(np.mean(x * x))) if len(x) else 0.0
 
 
-def _face_normals(V: Floats, F: Ints) -> Floats:
-    """Return the faces' normals (m, 3), as long as twice the area."""
+def _face_normals(V: Floats, F: Ints, unit: float) -> tuple[Floats, Floats]:
+    """Return the faces' normals (m, 3), of any length, and twice their areas in the square unit.
+
+    The sides of a face are scaled by themselves: that of others may be 1e150 times as long.
+    """
     a, b, c = V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
-    return crosses(b - a, c - a)
+    (left, i), (right, j) = _scaled((b - a) / unit), _scaled((c - a) / unit)
+    normals = crosses(left, right)
+    return normals, np.ldexp(lengths(normals), i + j)
 
 
-def _normal_deviation(m: Floats, k: Floats) -> float:
-    area, lost = lengths(m), ~k.any(axis=1)
+def _scaled(x: Floats) -> tuple[Floats, Ints]:
+    """Return rows whose largest number is 1/2 to 1, to the last bit, and the powers of two."""
+    exponents = np.frexp(np.abs(x).max(axis=1, initial=0.0))[1]
+    return np.ldexp(x, -exponents[:, None]), exponents
+
+
+def _normal_deviation(m: Floats, k: Floats, area: Floats) -> float:
+    lost = ~k.any(axis=1)
     angle = np.where(lost, 90.0, angles(m, k))
     total = float(area.sum())
     return float(area @ angle) / total if total > 0 else 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -11,16 +12,22 @@ from deltamesh._content import Content
 from deltamesh._geometry.bounds import bounds_of
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
-from deltamesh._geometry.search import Trial, smallest
+from deltamesh._geometry.search import ScaleError, Trial, smallest
 from deltamesh._geometry.solve import factorization
-from deltamesh._measures.metrics import diagonal, errors_from, mean_edge
+from deltamesh._measures.metrics import (
+    VertexErrors,
+    diagonal,
+    errors_from,
+    mean_edge,
+    rounded_up,
+    vertex_errors,
+)
 from deltamesh._mesh import LARGEST
 from deltamesh._options import Settings
 from deltamesh._sections.draft import Draft
 from deltamesh._shape.complexes import distinct_faces
-from deltamesh_formats.array_types import Ints
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.container import Container, Parameters
-from deltamesh_formats.errors import MeshError
 
 
 def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
@@ -29,9 +36,12 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
     surface, used = structure.surface, structure.complex.used
     factor = factorization(surface.laplacian, options.solver, options.threads)
     bounds = bounds_of(options, diagonal(V))
-    errors_of = errors_from(V, _measured(draft))
+    faces = _measured(draft)
 
-    def attempt(settings: Settings) -> Trial:
+    def recorded(decoded: Floats) -> VertexErrors:
+        return rounded_up(vertex_errors(V, decoded, faces))
+
+    def attempt(errors_of: Callable[[Floats], VertexErrors], settings: Settings) -> Trial:
         draft.progress(f"geometry, {settings.method}")
         coder = geometry_codec(settings.method)
         parameters, integers, decoded = coder.quantize(
@@ -40,13 +50,20 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
         if not has_scale(parameters, integers):
             largest = float(np.abs(V).max())
             reason = f"coordinates of {largest:g} are too large for method {settings.method}"
-            raise MeshError(f"{reason}: try lossless")
+            raise ScaleError(f"{reason}: try lossless")
         payloads = partial(coder.encode, surface, parameters, integers)
         return Trial(settings, parameters, integers, payloads, decoded, errors_of(decoded))
 
-    trial = smallest(options, bounds, mean_edge(V[:used], surface.faces), attempt)
+    edge = mean_edge(V[:used], surface.faces)
+    trial = smallest(options, bounds, edge, partial(attempt, errors_from(V, faces)))
+    errors = recorded(trial.vertices)
+    if bounds is not None and bounds.excess(errors) > 1:
+        # So near to a bound that digits count, or a mesh of which the search has lost some.
+        trial = smallest(options, bounds, edge, partial(attempt, recorded))
+        errors = trial.errors
     content = replace(draft.content, integers=trial.integers)
-    return trial.payloads, replace(draft, trial=trial, content=content)
+    payloads, trial = trial.payloads, replace(trial, errors=errors)
+    return payloads, replace(draft, trial=trial, content=content)
 
 
 def decode(container: Container, content: Content) -> Content:
