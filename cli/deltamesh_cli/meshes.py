@@ -88,9 +88,9 @@ def note_memory(name: str, container: Container, *, quiet: bool) -> None:
 
     needed = memory_needed(container)
     if needed > DEFAULT_MEMORY and not quiet:
-        least = f"{-(-needed >> 30)}G"
-        text = f"decoding needs more memory than its default limit: give decode --memory {least}"
-        click.echo(f"note: {display_name(name)}: {text}", err=True)
+        text = "decoding needs more memory than its default limit"
+        least = f"give deltamesh decode --memory {-(-needed >> 30)}G"
+        click.echo(f"note: {display_name(name)}: {text}: {least}", err=True)
 
 
 def parse_container(name: str, data: bytes, problem: str) -> Container:
