@@ -5,13 +5,16 @@ from __future__ import annotations
 import base64
 import io
 import json
+import re
 import struct
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from filetests import POINTS, again, named, polygons, read, refused, rows
 
+from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles.files import mesh_bytes, written
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, from_triangles
 from deltamesh_formats.polymesh.texture_origin import with_origin
@@ -364,8 +367,11 @@ def test_we_read_what_trimesh_writes():
             "refers to materials 0, of 0",
         ),
         (lambda t: t["meshes"][0]["primitives"][0].update(attributes={}), "has no POSITION"),
-        (lambda t: t["meshes"][0]["primitives"][0].update(attributes=[]), "has no attributes"),
-        (lambda t: t["meshes"][0].update(primitives={}), "its primitives are not a list"),
+        (lambda t: t["meshes"][0]["primitives"][0].pop("attributes"), "has no attributes"),
+        (
+            lambda t: t["meshes"][0].update(primitives={}),
+            r"meshes\[0\].primitives is {}, not an array",
+        ),
         (lambda t: t["scenes"][0].update(nodes=[]), "no vertices and no faces"),
         (lambda t: t["scenes"][0].update(nodes=[7]), "refers to nodes 7, of 3"),
         (lambda t: t["nodes"][2].update(children=[1]), "node 1 is twice"),
@@ -404,8 +410,8 @@ def test_an_index_beyond_the_vertices():
         (glb(b"[" * 100_000), "its JSON is not readable"),
         (glb(b"[]"), "its JSON is not an object"),
         (struct.pack("<4sII", b"glTF", 2, 12), "it has no JSON"),
-        (glb({"meshes": 3}), "its meshes are not a list"),
-        (glb({"nodes": [3]}), "nodes 0 is not an object"),
+        (glb({"meshes": 3}), "meshes is 3, not an array"),
+        (glb({"nodes": [3]}), r"nodes\[0\] is 3, not an object"),
     ],
 )
 def test_what_is_no_glb(data, message):
@@ -417,10 +423,118 @@ def test_small_files_that_ask_for_much_memory(monkeypatch):
     tree, buffer = gltf_tree()
     tree["nodes"] = [{"mesh": 0}] * 1000
     tree["scenes"][0]["nodes"] = list(range(1000))
-    refused(glb(tree, buffer), "glb", "repeats meshes until")
+    refused(glb(tree, buffer), "glb", "has more than 1000 numbers: it repeats meshes")
     tree, buffer = gltf_tree()
     tree["meshes"][0]["primitives"] *= 1000
-    refused(glb(tree, buffer), "glb", "repeats meshes until")
+    refused(glb(tree, buffer), "glb", "has more than 1000 numbers: it repeats meshes")
     tree, buffer = gltf_tree()
     tree["meshes"][0]["primitives"][0]["attributes"] |= {f"_{i}": 0 for i in range(1000)}
-    refused(glb(tree, buffer), "glb", "repeats meshes until")
+    refused(glb(tree, buffer), "glb", "has more than 1000 numbers: it repeats meshes")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda t: t["meshes"][0].update(primitives=5), "meshes[0].primitives is 5, not an array"),
+        (
+            lambda t: t["nodes"][1].update(children=[[2]]),
+            "nodes[1].children[0] is [2], not a",
+        ),
+        (lambda t: t["bufferViews"][0].update(extensions=0.5), "bufferViews[0].extensions is 0.5"),
+        (lambda t: t["meshes"].insert(0, 7), "meshes[0] is 7, not an object"),
+        (lambda t: t.update(buffers=[3]), "buffers[0] is 3, not an object"),
+        (
+            lambda t: t["accessors"][1].update(type=["VEC3"]),
+            'accessors[1].type is ["VEC3"], not',
+        ),
+        (lambda t: t["accessors"][0].update(sparse=1), "accessors[0].sparse is 1, not an object"),
+        (
+            lambda t: t["accessors"][0].update(sparse={"count": 1, "indices": [], "values": {}}),
+            "accessors[0].sparse.indices is [], not an object",
+        ),
+        (
+            lambda t: t["accessors"][0].update(sparse={"count": 1}),
+            "a sparse accessor has no indices in a buffer view",
+        ),
+        (
+            lambda t: t["accessors"][0].update(sparse={"count": 1, "indices": {"bufferView": 1}}),
+            "a sparse accessor has no values in a buffer view",
+        ),
+        (lambda t: t.update(extensionsRequired={}), "extensionsRequired is {}, not an array"),
+        (lambda t: t.update(skins=True), "skins is true, not an array"),
+        (lambda t: t.update(scene="a"), 'scene is "a", not a number'),
+        (lambda t: t.update(materials=["x" * 99]), 'materials[0] is "xxxx'),
+    ],
+)
+def test_another_type_is_named_by_its_field(change, message):
+    tree, buffer = gltf_tree()
+    change(tree)
+    refused(glb(tree, buffer), "glb", re.escape(message))
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("attributes", 4, "meshes[0].primitives[0].attributes is 4, not an object"),
+        ("attributes", {"POSITION": [0]}, "primitives[0].attributes.POSITION is [0], not a number"),
+        (
+            "attributes",
+            {"POSITION": True},
+            "primitives[0].attributes.POSITION is true, not a",
+        ),
+        ("mode", [4], "meshes[0].primitives[0].mode is [4], not a number"),
+        ("indices", {"a": 1}, 'meshes[0].primitives[0].indices is {"a": 1}, not a number'),
+        ("material", "red", 'meshes[0].primitives[0].material is "red", not a number'),
+    ],
+)
+def test_another_type_in_a_primitive(field, value, message):
+    tree, buffer = gltf_tree(**{field: value})
+    refused(glb(tree, buffer), "glb", re.escape(message))
+
+
+def paths(value, path=()):
+    """All places in a JSON tree."""
+    inner = {dict: lambda: value.items(), list: lambda: enumerate(value)}.get(type(value))
+    for key, below in inner() if inner else ():
+        yield (*path, key)
+        yield from paths(below, (*path, key))
+
+
+def assert_read_or_refused(data):
+    """Read, or refused by a message of the reader's own."""
+    with suppress(MeshError):
+        read(data, "glb")
+        return
+    refused(data, "glb", "^<stream>: (?!not readable as)")
+
+
+@pytest.mark.parametrize("wrong", [5, -1, 0.5, "a", None, True, [], [[1]], {}, {"a": 1}, 10**30])
+def test_no_type_anywhere_is_met_unawares(wrong):
+    """Another value at any place of the JSON, or none, is no failure of the reader's."""
+    whole, buffer = gltf_tree(material=0)
+    whole |= {"materials": [{"name": "m"}], "extensionsUsed": ["a"]}
+    whole["accessors"][0]["sparse"] = {
+        "count": 1,
+        "indices": {"bufferView": 1, "componentType": 5123},
+        "values": {"bufferView": 0},
+    }
+    assert len(read(glb(whole, buffer), "glb").triangles) == 2
+    for path in list(paths(whole)):
+        tree = json.loads(json.dumps(whole))
+        place = tree
+        for key in path[:-1]:
+            place = place[key]
+        place[path[-1]] = wrong
+        assert_read_or_refused(glb(tree, buffer))
+        del place[path[-1]]
+        assert_read_or_refused(glb(tree, buffer))
+
+
+def test_many_attributes_of_few_vertices_are_bounded(monkeypatch):
+    """Each has a number for each vertex of the scene: memory would grow with the square."""
+    monkeypatch.setattr("deltamesh_formats.meshfiles.glb.reader._MOST", 100_000)
+    tree, buffer = gltf_tree()
+    one = tree["meshes"][0]["primitives"][0]
+    attributes = [one["attributes"] | {f"_{i}": 0} for i in range(200)]
+    tree["meshes"][0]["primitives"] = [one | {"attributes": each} for each in attributes]
+    refused(glb(tree, buffer), "glb", "has many attributes of few vertices")

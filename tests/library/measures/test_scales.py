@@ -146,8 +146,6 @@ SCALES = [9.9e148, 1e120, 1e-120, 1e-200, 1e-300, 1e-310]
 @pytest.mark.parametrize("scale", SCALES)
 def test_any_scale(scale: float, method: str) -> None:
     V, F = meshes.icosphere(2)
-    if scale == 9.9e148 and method == "highpass":
-        return  # below, with steps that are as large
     mesh = from_arrays(V * scale, F)
     data = encode(mesh, method=method, keep_order=True)
     again = decode(data)

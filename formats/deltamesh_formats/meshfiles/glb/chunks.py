@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
+from deltamesh_formats.meshfiles.glb.schema import check_types
 
 MAGIC: Final = b"glTF"
 JSON_CHUNK: Final = b"JSON"
@@ -58,13 +59,11 @@ class Gltf:
         Raises
         ------
         MeshError
-            For an index out of range, and an element that is not an object.
+            For an index out of range.
         """
         found = self.items(name)
         if not isinstance(index, int) or not 0 <= index < len(found):
             raise MeshError(f"it refers to {name} {index!r}, of {len(found)}")
-        if not isinstance(found[index], dict):
-            raise MeshError(f"{name} {index} is not an object")
         return found[index]  # type: ignore[no-any-return]
 
     def accessor(self, index: object) -> NDArray[Any]:
@@ -113,6 +112,9 @@ class Gltf:
 
     def _replace(self, values: NDArray[Any], sparse: Tree, kind: np.dtype[Any]) -> None:
         """Replace the elements that a sparse accessor lists."""
+        for name in ("indices", "values"):
+            if "bufferView" not in sparse.get(name, {}):
+                raise MeshError(f"a sparse accessor has no {name} in a buffer view")
         count, at, new = whole(sparse, "count"), sparse["indices"], sparse["values"]
         start = whole(at, "byteOffset", 0)
         indices = self._view(at["bufferView"], start, count, 1, _component(at)).ravel()
@@ -124,10 +126,8 @@ class Gltf:
 
 
 def items(tree: Tree, name: str) -> list[Any]:
-    """Return a list in an object, empty if it is not there."""
-    found = tree.get(name, [])
-    if not isinstance(found, list):
-        raise MeshError(f"its {name} are not a list")
+    """Return an array in an object whose type is checked, empty if it is not there."""
+    found: list[Any] = tree.get(name, [])
     return found
 
 
@@ -190,6 +190,7 @@ def read_chunks(data: bytes) -> Gltf:
         raise MeshError(f"its JSON is not readable: {error}") from None
     if not isinstance(tree, dict):
         raise MeshError("its JSON is not an object")
+    check_types(tree)
     for name in _COMPRESSED:
         if name in items(tree, "extensionsRequired"):
             raise MeshError(f"it needs the glTF extension {name}, which is not read")

@@ -63,7 +63,10 @@ class _Scene:
         """Count numbers that are read; too many are refused."""
         self.numbers += numbers
         if self.numbers > _MOST:
-            raise MeshError(f"its scene repeats meshes until it has more than {_MOST} numbers")
+            raise MeshError(
+                f"its scene has more than {_MOST} numbers: it repeats meshes, or has many"
+                " attributes of few vertices"
+            )
 
 
 def read(data: bytes) -> PolyMesh:
@@ -108,7 +111,7 @@ def _primitives(
     """Yield the primitives of a mesh that have faces; the same accessors are the same vertices."""
     blocks: dict[tuple[tuple[str, int], ...], _Block] = {}
     for primitive in items(gltf.item("meshes", mesh), "primitives"):
-        if not isinstance(primitive, dict) or not isinstance(primitive.get("attributes"), dict):
+        if "attributes" not in primitive:
             raise MeshError(f"a primitive of mesh {mesh} has no attributes")
         mode = primitive.get("mode", _TRIANGLES)
         if mode in _MODES:
@@ -206,6 +209,7 @@ def _attributes(scene: _Scene) -> Iterator[Attribute]:
     for (name, role, _, _, normalized), blocks in scene.attributes.items():
         values, index = np.concatenate([rows for _, rows in blocks]), None
         if len(values) < scene.count:
+            scene.add(scene.count)
             index, row = np.full(scene.count, -1, dtype=np.int64), 0
             for start, rows in blocks:
                 index[start : start + len(rows)] = np.arange(row, row + len(rows))

@@ -79,7 +79,7 @@ def _with_extras(gltf: Gltf) -> Iterator[Tree]:
         for i in range(len(gltf.items(name))):
             one = gltf.item(name, i)
             yield one
-            yield from (p for p in items(one, "primitives") if isinstance(p, dict))
+            yield from items(one, "primitives")
 
 
 def _roots(gltf: Gltf) -> list[int]:

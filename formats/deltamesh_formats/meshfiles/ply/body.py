@@ -37,6 +37,15 @@ class Binary:
         order = "little" if self.order == "<" else "big"
         return int.from_bytes(raw, order, signed=kind[0] == "i")  # type: ignore[arg-type]
 
+    def counts(self, at: Ints, kind: str) -> Ints:
+        """Return the counts at cells, -1 for a number that is none."""
+        width = int(kind[1])
+        raw = self.cells[at[:, None] + np.arange(width)]
+        found = raw.view(self.order + kind).ravel()
+        fits = (found >= 0) & (found <= len(self.cells))
+        counts: Ints = np.where(fits, found, 0).astype(np.int64) - ~fits
+        return counts
+
     def typed(self, block: NDArray[Any], at: Ints, kind: str) -> NDArray[Any]:
         """Return cells, (records, cells), as numbers, (records, numbers)."""
         raw = np.ascontiguousarray(block).view(self.order + kind)
@@ -71,6 +80,12 @@ class Ascii:
         if not value.is_integer():
             raise self.error(at, f"{value} is not a count")
         return int(value)
+
+    def counts(self, at: Ints, kind: str) -> Ints:
+        """Return the counts at cells, -1 for a number that is none."""
+        found = self.cells[at]
+        fits = (found >= 0) & (found <= len(self.cells)) & (np.floor(found) == found)
+        return np.where(fits, found, -1).astype(np.int64)
 
     def typed(self, block: NDArray[Any], at: Ints, kind: str) -> NDArray[Any]:
         """Return cells as numbers of a type; those that it cannot hold are refused."""

@@ -8,7 +8,7 @@ matrix.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles.ply.body import Ascii, Binary
 from deltamesh_formats.meshfiles.ply.header import Element, Property
+
+# Cells at which records are looked for at a time.
+_WINDOW: Final = 1 << 16
 
 
 class Column(NamedTuple):
@@ -135,14 +138,70 @@ def _are_alike(
 def _walk(
     body: Binary | Ascii, at: int, n: int, properties: list[Property]
 ) -> tuple[Ints, Ints, int]:
-    """Return the first cell and the lengths of lists of each record, and the end of the last."""
-    starts, lengths = [], []
-    for _ in range(n):
-        counts = _counts_of(body, at, properties)
-        starts.append(at)
-        lengths.append(counts)
-        at += _row_width(body, properties, counts)
-    return np.array(starts, dtype=np.int64), np.array(lengths, dtype=np.int64), at
+    """Return the first cell and the lengths of lists of each record, and the end of the last.
+
+    Where a record would end is found at all cells at once, from window to window: the pass over
+    the records is then a look-up in a list for each.
+    """
+    pieces: list[Ints] = []
+    while n:
+        window = np.arange(at, min(at + _WINDOW, len(body.cells)), dtype=np.int64)
+        ends = _lengths_at(body, window, properties)[1] - at
+        found, here = _followed(ends.tolist(), n)
+        if not found:  # a record that does not fit: the reason is raised
+            found, here = [0], _row_width(body, properties, _counts_of(body, at, properties))
+        pieces.append(at + np.array(found, dtype=np.int64))
+        n, at = n - len(found), at + here
+    starts = np.concatenate(pieces)
+    return starts, _lengths_at(body, starts, properties)[0], at
+
+
+def _followed(ends: list[int], most: int) -> tuple[list[int], int]:
+    """Return up to `most` starts of records, one behind the other from 0 on, and the last end.
+
+    `ends` has the end of a record at each cell, below 0 for what is no record.
+    """
+    found: list[int] = []
+    at, size = 0, len(ends)
+    while at < size and len(found) < most:
+        end = ends[at]
+        if end < 0:
+            break
+        found.append(at)
+        at = end
+    return found, at
+
+
+def _lengths_at(body: Binary | Ascii, at: Ints, properties: list[Property]) -> tuple[Ints, Ints]:
+    """Return the lengths of the lists of records, and their ends, -1 for what is no record.
+
+    Parameters
+    ----------
+    body : Binary or Ascii
+    at : int64 (k,)
+        Their first cells, within the body.
+    properties : list of Property
+
+    Returns
+    -------
+    int64 (k, properties), int64 (k,)
+    """
+    size, fits = len(body.cells), np.ones(len(at), dtype=bool)
+    lengths = np.zeros((len(at), len(properties)), dtype=np.int64)
+    ends = at
+    for i, prop in enumerate(properties):
+        if prop.count_type is not None:
+            width = body.width(prop.count_type)
+            fits &= ends + width <= size
+            counts = np.full(len(at), -1, dtype=np.int64)
+            counts[fits] = body.counts(ends[fits], prop.count_type)
+            fits &= counts >= 0
+            lengths[:, i] = np.where(fits, counts, 0)
+            ends = ends + width + lengths[:, i] * body.width(prop.type)
+        else:
+            ends = ends + body.width(prop.type)
+        fits &= ends <= size
+    return lengths, np.where(fits, ends, -1)
 
 
 def _columns(
@@ -171,14 +230,13 @@ def _by_length(
     body: Binary | Ascii, starts: Ints, lengths: Ints, properties: list[Property]
 ) -> dict[str, Column]:
     """Return the columns of records whose lists differ in length."""
-    kinds, which = np.unique(lengths, axis=0, return_inverse=True)
     ends = np.cumsum(lengths, axis=0)
     values = [
         np.empty(len(starts) if p.count_type is None else ends[-1, i], dtype=p.type)
         for i, p in enumerate(properties)
     ]
-    for kind, counts in enumerate(kinds.tolist()):
-        mine = np.flatnonzero(which.ravel() == kind)
+    for mine in _alike(lengths):
+        counts = lengths[mine[0]].tolist()
         at = starts[mine, None] + np.arange(_row_width(body, properties, counts))
         columns = _columns(body, body.cells[at], starts[mine], properties, counts)
         for i, (prop, column) in enumerate(zip(properties, columns, strict=True)):
@@ -190,3 +248,20 @@ def _by_length(
         p.name: Column(values[i], None if p.count_type is None else lengths[:, i])
         for i, p in enumerate(properties)
     }
+
+
+def _alike(lengths: Ints) -> list[Ints]:
+    """Return the records, ascending, of each kind: those whose lists have the same lengths."""
+    kind = np.zeros(len(lengths), dtype=np.int64)
+    for column in lengths.T:
+        present = np.bincount(column) > 0
+        rank = (np.cumsum(present) - 1)[column]
+        if kind.any() and rank.any():
+            rank += (int(rank.max()) + 1) * kind
+            rank = np.unique(rank, return_inverse=True)[1]
+        kind = rank if rank.any() else kind
+    sizes = np.bincount(kind)
+    if len(sizes) < 1 << 16:
+        kind = kind.astype(np.uint16)  # sorts faster
+    order = np.argsort(kind, kind="stable")
+    return np.split(order, np.cumsum(sizes)[:-1])
