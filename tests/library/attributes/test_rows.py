@@ -73,14 +73,6 @@ def test_a_palette_of_another_size_is_refused(count: int) -> None:
         decode_rows(payload, places, replace(entry, palette=count), owners, 0)
 
 
-def test_more_values_than_bytes_can_hold_are_refused() -> None:
-    """Before they are decoded: an empty stream would be all zeros."""
-    F = np.stack([np.arange(30_000)] * 3, axis=1)
-    owners = Owners(np.arange(30_000), of_vertices(F, 30_000), np.ones(30_000, dtype=bool))
-    with pytest.raises(FormatError, match="90000 attribute values do not fit into 0 bytes"):
-        decode_rows(memoryview(b""), [(0, 0), (0, 0)], BYTES, owners, 0)
-
-
 def test_codes_beyond_the_type_are_refused() -> None:
     owners = owners_of(np.ones(COUNT, dtype=bool))
     nine = replace(BYTES, bits=9)
