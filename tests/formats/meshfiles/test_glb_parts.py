@@ -33,6 +33,7 @@ from deltamesh_formats.meshfiles.glb.placement import (
     turned,
 )
 from deltamesh_formats.meshfiles.glb.scene import placed_meshes, scene_losses
+from deltamesh_formats.meshfiles.glb.schema import check_types
 from deltamesh_formats.meshfiles.glb.semantics import name_of, semantic_of
 from deltamesh_formats.meshfiles.glb.vertex_groups import grouped
 from deltamesh_formats.polymesh.mesh import Attribute
@@ -69,7 +70,7 @@ def test_buffers_are_the_binary_chunk_or_base64() -> None:
         (glb((JSON_CHUNK, b"{")), "its JSON is not readable"),
         (glb((JSON_CHUNK, b"[" * 100_000)), "its JSON is not readable"),
         (glb((JSON_CHUNK, b"[]")), "its JSON is not an object"),
-        (glb(json_chunk({"buffers": {}})), "its buffers are not a list"),
+        (glb(json_chunk({"buffers": {}})), "buffers is {}, not an array"),
         (glb(json_chunk({"buffers": [{"uri": "x.bin"}]})), "buffer 0 is in another file, 'x.bin'"),
         (
             glb(json_chunk({"buffers": [{"uri": "data:;base64,A"}]})),
@@ -201,7 +202,6 @@ def test_meshes_without_nodes_and_nodes_without_a_scene_are_shown() -> None:
         ([{"children": [0]}], "node 0 is twice"),
         ([{"children": [5]}], "refers to nodes 5, of 1"),
         ([{"mesh": 3}], "refers to meshes 3, of 0"),
-        ([7], "nodes 0 is not an object"),
     ],
 )
 def test_nodes_that_are_no_tree_are_refused(nodes: list[Any], message: str) -> None:
@@ -329,3 +329,27 @@ def test_attributes_that_only_some_corners_have_are_named() -> None:
     found = grouped(mesh, [partly], np.zeros(20, dtype=np.int64))
     assert found.lost == ("attributes that not all corners of a face have",)
     assert sorted(set((found.rows[0] < 0).tolist())) == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("tree", "message"),
+    [
+        ({"meshes": {}}, "meshes is {}, not an array"),
+        ({"meshes": [{}, 5]}, "meshes[1] is 5, not an object"),
+        (
+            {"meshes": [{"primitives": [{"attributes": {"POSITION": "0"}}]}]},
+            'meshes[0].primitives[0].attributes.POSITION is "0", not a number',
+        ),
+        ({"scene": True}, "scene is true, not a number"),
+        ({"buffers": [{"uri": ["x" * 99]}]}, f'buffers[0].uri is ["{"x" * 35}..., not a string'),
+    ],
+)
+def test_types_of_fields(tree: dict[str, Any], message: str) -> None:
+    with pytest.raises(MeshError) as refused:
+        check_types(tree)
+    assert str(refused.value) == message
+
+
+def test_fields_that_are_not_read_have_any_type() -> None:
+    check_types({})
+    check_types({"extras": 3, "nodes": [{"name": 7, "mesh": 0.0}], "textures": [None]})
