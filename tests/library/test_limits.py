@@ -12,6 +12,7 @@ from deltamesh._limits import (
     DEFAULT_MEMORY,
     Counts,
     check_limits,
+    filling,
     memory_for_counts,
     memory_needed,
 )
@@ -78,6 +79,22 @@ def test_more_elements_than_the_bytes_of_a_section_hold_are_refused() -> None:
     cart = MAX_ELEMENTS_PER_BYTE * (4 + 4)
     with pytest.raises(FormatError, match=f"CART: {cart + 1} isolated vertices do not fit"):
         check(file_of(cart + 4, 4, CART=b"four"), Counts(cart + 4, cart + 1, 3, 4), memory=2**60)
+
+
+def test_bytes_that_are_lacking_are_filled_with_zeros_and_no_more() -> None:
+    m = MAX_ELEMENTS_PER_BYTE * 8
+    counts = Counts(10, 0, 10, m)
+    assert filling(file_of(10, m, CONN=b"c"), counts) == 3
+    check(file_of(10, m, CONN=b"c", FILL=bytes(3)), counts, memory=2**60)
+    for fill, message in (
+        (bytes(2), "do not fit into 1 bytes and 2 of FILL"),
+        (bytes(4), "FILL: 4 bytes where 3 are lacking"),
+        (b"\0\1\0", "FILL: a byte that is not zero"),
+    ):
+        with pytest.raises(FormatError, match=message):
+            check(file_of(10, m, CONN=b"c", FILL=fill), counts, memory=2**60)
+    with pytest.raises(FormatError, match="FILL: 0 bytes where 0 are lacking"):
+        check(file_of(10, 20, FILL=b""), Counts(10, 0, 10, 20))
 
 
 def test_sections_bound_what_they_add() -> None:
