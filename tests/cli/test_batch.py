@@ -473,7 +473,7 @@ def finished() -> list[str]:
 @pytest.mark.parametrize(
     ("number", "code", "told"),
     [
-        (signal.SIGKILL, -9, b""),
+        pytest.param(signal.SIGKILL, -9, b"", marks=pytest.mark.slow),
         (signal.SIGINT, 130, b"deltamesh: interrupted\n"),
         pytest.param(signal.SIGTERM, 143, b"deltamesh: terminated\n", marks=pytest.mark.slow),
     ],

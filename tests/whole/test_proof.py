@@ -101,7 +101,7 @@ def compiled() -> None:
         decode(encode(*several(), method=method))
 
 
-@pytest.mark.parametrize("method", ["auto", "lossless"])
+@pytest.mark.parametrize("method", [pytest.param("auto", marks=pytest.mark.slow), "lossless"])
 @pytest.mark.parametrize("name", MADE)
 def test_many_elements_of_few_bytes(name: str, method: str) -> None:
     mesh = MADE[name]()
@@ -144,6 +144,7 @@ def test_fill_has_the_bytes_that_elements_lack() -> None:
     assert sizes == {0: 0, 1: 1, MAX_ELEMENTS_PER_BYTE: 1, MAX_ELEMENTS_PER_BYTE + 1: 2}
 
 
+@pytest.mark.slow
 def test_second_decoder_agrees_on_fill() -> None:
     data = copies(most_without_fill() + 1)
     assert bytes(info(data).sections["FILL"].payload) == b"\0"

@@ -207,6 +207,7 @@ for path in sorted(golden.glob("*.dmesh")):
 """
 
 
+@pytest.mark.slow
 def test_no_order_of_names_is_in_the_bytes():
     """Mesh kinds, domains, roles and every table of codes may be listed in any order."""
     made = []

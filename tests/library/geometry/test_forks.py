@@ -17,7 +17,14 @@ pytestmark = [
 ]
 
 
-@pytest.mark.parametrize("name", forking.PROGRAMS)
+# One of a fork after, one of a fork before rslab was loaded.
+QUICK = ("after_decode", "before_decode")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=[pytest.mark.slow] * (n not in QUICK)) for n in forking.PROGRAMS],
+)
 def test_every_process_decodes(name: str) -> None:
     program = Path(forking.__file__)
     done = children.run([sys.executable, program, name], text=True, seconds=120)
