@@ -98,6 +98,7 @@ def test_ctrl_c_ends_with_130_and_no_file(folder: Path) -> None:
 
     with children.started(command) as child:
         children.wait_for(is_open)
+        time.sleep(0.2)  # a signal between its opening and its first reading would wake nobody
         child.process.send_signal(signal.SIGINT)
         done = child.finish()
     os.close(*opened)
