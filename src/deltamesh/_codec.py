@@ -191,7 +191,7 @@ def encode(
         lossless_attributes=lossless_attributes,
         source_format=source_format,
     )
-    return encode_mesh(_checked(mesh, faces), options, progress or silent).data
+    return encode_checked(_mesh_of(mesh, faces), options, progress or silent).data
 
 
 def encode_checked(mesh: PolyMesh, options: Options, progress: Progress) -> Encoded:
@@ -199,19 +199,19 @@ def encode_checked(mesh: PolyMesh, options: Options, progress: Progress) -> Enco
     return encode_mesh(checked(mesh, LARGEST), options, progress)
 
 
-def _checked(mesh: PolyMesh | ArrayLike, faces: Faces | None) -> PolyMesh:
-    """Return the mesh of the arguments of `encode`, or refuse it."""
+def _mesh_of(mesh: PolyMesh | ArrayLike, faces: Faces | None) -> PolyMesh:
+    """Return the mesh of the arguments of `encode`, not checked yet."""
     if isinstance(mesh, PolyMesh):
         if faces is not None:
             raise MeshError("faces must not be given with a PolyMesh, which has its own")
-        return checked(mesh, LARGEST)
+        return mesh
     if faces is None:
         raise MeshError(
             f"{type(mesh).__name__} without faces: give vertices and faces, or a PolyMesh, "
             "which from_arrays and deltamesh.plugins make"
         )
     # The bytes are those of the numbers, whatever type they come in.
-    return checked(replace(unchecked(mesh, faces), precision="float64"), LARGEST)
+    return replace(unchecked(mesh, faces), precision="float64")
 
 
 def decode(
