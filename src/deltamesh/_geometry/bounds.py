@@ -1,4 +1,9 @@
-"""Bounds on errors, from a quality or from errors in units."""
+"""Bounds on errors, from a quality or from errors in units.
+
+They are of two kinds: angles (normals, dihedral angles) and distances (RMS, largest). Those of the
+default quality hold unless others of their kind are given; one kind alone is no bound on a shape: a
+box may keep all of its angles and lose a third of its size.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +11,14 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
+from deltamesh._measures.measure import Measured
 from deltamesh._measures.metrics import VertexErrors
-from deltamesh._methods import AUTO
+from deltamesh._measures.parts import PartErrors
+from deltamesh._methods import ANGLE_BOUNDS, AUTO, BOUNDS, DISTANCE_BOUNDS, RATES
 from deltamesh._options import DEFAULT_QUALITY, Options
+from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import TargetError
 
 # Positions may differ by that between machines and solvers, in diagonals of the bounding box
@@ -24,48 +34,109 @@ QUALITY_RMS: Final = 1.5e-3
 
 @dataclass(frozen=True)
 class Bounds:
-    """The largest errors that are allowed; of `metrics.VertexErrors`, with the same units."""
+    """The largest errors that are allowed.
+
+    Attributes
+    ----------
+    rms, max : float
+        Lengths, of the whole and of each part.
+    normal_deviation, dihedral : float
+        In degrees, of the whole.
+    part_rms : float
+        Of each part, over its own diagonal.
+    part_normal, part_dihedral : float
+        In degrees, of each part.
+    """
 
     rms: float = math.inf
     max: float = math.inf
     normal_deviation: float = math.inf
     dihedral: float = math.inf
+    part_rms: float = math.inf
+    part_normal: float = math.inf
+    part_dihedral: float = math.inf
 
-    def shares(self, errors: VertexErrors) -> dict[str, float]:
-        """Return each error over its bound; at most 1 where it is kept."""
-        return {name: _share(getattr(errors, name), bound) for name, bound in vars(self).items()}
-
-    def excess(self, errors: VertexErrors) -> float:
-        """Return the largest of the shares."""
-        return max(self.distance_excess(errors), self.angle_excess(errors))
+    def excess(self, measured: Measured) -> float:
+        """Return the largest error over its bound, of the whole and of every part."""
+        return self.binding(measured).share
 
     def distance_excess(self, errors: VertexErrors) -> float:
-        """Return the largest share of a distance."""
+        """Return the largest distance over its bound, of the whole."""
         return max(_share(errors.rms, self.rms), _share(errors.max, self.max))
 
     def angle_excess(self, errors: VertexErrors) -> float:
-        """Return the largest share of an angle."""
+        """Return the largest angle over its bound, of the whole."""
         normal = _share(errors.normal_deviation, self.normal_deviation)
         return max(normal, _share(errors.dihedral, self.dihedral))
+
+    def part_excess(self, parts: PartErrors) -> Floats:
+        """Return the largest error of each part over its bound, float64 (q,)."""
+        shares = [_shares(error, bound) for _, error, bound in self._of_parts(parts)]
+        return np.asarray(np.max(shares, axis=0))
+
+    def binding(self, measured: Measured) -> Binding:
+        """Return the bound that is the nearest to its error, or the furthest exceeded."""
+        e = measured.errors
+        found = [
+            Binding("RMS distance", e.rms, self.rms),
+            Binding("maximum distance", e.max, self.max),
+            Binding("normal deviation", e.normal_deviation, self.normal_deviation),
+            Binding("dihedral deviation", e.dihedral, self.dihedral),
+        ]
+        if measured.parts is not None:
+            for name, errors, bound in self._of_parts(measured.parts):
+                part = int(np.argmax(_shares(errors, bound)))
+                found.append(Binding(name, float(errors[part]), bound, part))
+        return max(found, key=lambda one: one.share)
 
     @property
     def has_angle(self) -> bool:
         """Whether an angle is bounded."""
         return min(self.normal_deviation, self.dihedral) < math.inf
 
-    def missed(self, errors: VertexErrors) -> TargetError:
-        """Return the error to raise where no trial has smaller errors than these."""
-        shares = self.shares(errors)
-        name = max(shares, key=lambda name: shares[name])
-        bound, had = getattr(self, name), getattr(errors, name)
-        text = name.replace("_", " ")
-        return TargetError(f"{text} {bound:g} cannot be met: the least found is {had:g}")
+    def _of_parts(self, parts: PartErrors) -> tuple[tuple[str, Floats, float], ...]:
+        return (
+            ("RMS distance over the diagonal", parts.relative_rms, self.part_rms),
+            ("RMS distance", parts.rms, self.rms),
+            ("maximum distance", parts.max, self.max),
+            ("normal deviation", parts.normal_deviation, self.part_normal),
+            ("dihedral deviation", parts.dihedral, self.part_dihedral),
+        )
+
+
+@dataclass(frozen=True)
+class Binding:
+    """An error and its bound.
+
+    Attributes
+    ----------
+    name : str
+    error, bound : float
+    part : int or None
+        The part whose error it is; None for the whole.
+    """
+
+    name: str
+    error: float
+    bound: float
+    part: int | None = None
+
+    @property
+    def share(self) -> float:
+        """The error over the bound."""
+        return _share(self.error, self.bound)
 
 
 def _share(error: float, bound: float) -> float:
     if bound:
         return error / bound
     return math.inf if error else 1.0  # a bound of 0 is kept by 0 alone
+
+
+def _shares(errors: Floats, bound: float) -> Floats:
+    if bound:
+        return errors / bound
+    return np.where(errors > 0, math.inf, 1.0)
 
 
 def bounds_of(options: Options, scale: float) -> Bounds | None:
@@ -82,25 +153,42 @@ def bounds_of(options: Options, scale: float) -> Bounds | None:
     TargetError
         For a distance that positions may differ by between machines.
     """
-    if options.method == AUTO and not options.has_rate:
-        return _of_quality(DEFAULT_QUALITY, scale)
-    largest = min(options.max_error or math.inf, (options.max_error_rel or math.inf) * scale)
-    if not largest > 2 * POSITION_TOLERANCE * scale and scale:
+    given = [name for name in BOUNDS if getattr(options, name) is not None]
+    if not given and (
+        options.method != AUTO or any(getattr(options, r) is not None for r in RATES)
+    ):
+        return None
+    quality, default = options.quality, None if options.only else DEFAULT_QUALITY
+    of_angles = quality or (None if set(given) & set(ANGLE_BOUNDS) else default)
+    of_distances = quality or (None if set(given) & set(DISTANCE_BOUNDS) else default)
+    normal = min(options.normal_error or math.inf, QUALITY_NORMAL * _factor(of_angles))
+    dihedral = options.dihedral_error or math.inf
+    part_rms = QUALITY_RMS * _factor(of_distances)
+    least = POSITION_TOLERANCE * scale
+    rms = _length(options.rms_error, options.rms_error_rel, scale)
+    largest = _length(options.max_error, options.max_error_rel, scale)
+    return Bounds(
+        rms=min(rms - least, part_rms * scale or math.inf),
+        max=largest - least,
+        normal_deviation=normal,
+        dihedral=dihedral,
+        part_rms=part_rms,
+        part_normal=normal,
+        part_dihedral=dihedral,
+    )
+
+
+def _length(error: float | None, relative: float | None, scale: float) -> float:
+    """Return the lesser of a length and of a share of the diagonal."""
+    length = min(error or math.inf, (relative or math.inf) * scale)
+    if not length > 2 * POSITION_TOLERANCE * scale and scale:
         raise TargetError(
-            f"a distance of {largest:g} cannot be promised: positions may differ by"
+            f"a distance of {length:g} cannot be promised: positions may differ by"
             f" {POSITION_TOLERANCE * scale:g} between machines"
         )
-    quality = Bounds() if options.quality is None else _of_quality(options.quality, scale)
-    bounds = Bounds(
-        rms=quality.rms,
-        max=largest - POSITION_TOLERANCE * scale,
-        normal_deviation=min(options.normal_error or math.inf, quality.normal_deviation),
-        dihedral=options.dihedral_error or math.inf,
-    )
-    return None if bounds == Bounds() else bounds
+    return length
 
 
-def _of_quality(quality: int, scale: float) -> Bounds:
-    factor = 2 ** ((DEFAULT_QUALITY - quality) / 2)
-    rms = QUALITY_RMS * factor * scale
-    return Bounds(rms=rms or math.inf, normal_deviation=QUALITY_NORMAL * factor)
+def _factor(quality: int | None) -> float:
+    """Return the bounds of a quality over those of the default one."""
+    return math.inf if quality is None else 2 ** ((DEFAULT_QUALITY - quality) / 2)

@@ -10,6 +10,7 @@ import pytest
 
 from deltamesh import MeshError, OptionError, TargetError, decode, encode, info
 from deltamesh._geometry.bounds import Bounds, bounds_of
+from deltamesh._measures.measure import Measured
 from deltamesh._measures.metrics import VertexErrors, diagonal
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
@@ -54,9 +55,10 @@ def test_a_better_quality_is_within_the_bounds_of_a_worse(quality):
 def test_the_excess_is_the_worst_share_and_names_what_was_missed():
     bounds = Bounds(rms=2.0, normal_deviation=1.0)
     errors = VertexErrors(rms=1.0, max=99.0, normal_deviation=3.0, dihedral=5.0)
-    assert bounds.excess(errors) == 3.0
+    assert bounds.excess(Measured(errors)) == 3.0
     assert bounds.distance_excess(errors) == 0.5
-    assert str(bounds.missed(errors)) == ("normal deviation 1 cannot be met: the least found is 3")
+    binding = bounds.binding(Measured(errors))
+    assert (binding.name, binding.error, binding.bound) == ("normal deviation", 3.0, 1.0)
 
 
 @pytest.mark.parametrize("method", METHODS)
