@@ -186,6 +186,9 @@ class Settings:
         As in `Options`.
     largest : float
         Correct the vertices that would be further than that from their input positions.
+    exponents : bytes
+        Of the step of each vertex of the faces in coding order, in quarters of an octave below
+        `step`; the smallest is 0. None: all vertices have the same step.
     """
 
     method: str
@@ -197,6 +200,7 @@ class Settings:
     anchor_method: str = "farthest"
     seed: int = 0
     largest: float = math.inf
+    exponents: bytes = b""
 
     @property
     def layout(self) -> MethodLayout:

@@ -92,3 +92,8 @@ def components(indptr: Ints, indices: Ints) -> Ints:
     _, labels = csgraph.connected_components(A, directed=False)
     # scipy does not promise an order of its labels, and the anchors of a file depend on it.
     return numbered(labels)[0]
+
+
+def lowest(labels: Ints) -> Ints:
+    """Return the lowest vertex of each component, in the order of the labels of `components`."""
+    return np.unique(labels, return_index=True)[1].astype(np.int64)
