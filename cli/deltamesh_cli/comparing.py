@@ -192,7 +192,7 @@ def _report_object(report: Report | None) -> dict[str, object]:
     }
 
 
-def _report_rows(report: Report) -> Iterator[tuple[str, str]]:
+def _report_rows(report: Report) -> Iterator[tuple[str, ...]]:
     worst = report.worst
     if worst is not None:
         yield f"worst of {report.parts} parts", display_name(worst.name)

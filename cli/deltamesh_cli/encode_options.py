@@ -82,8 +82,8 @@ _BOUNDS: Final = options.combined(
         "--only",
         is_flag=True,
         default=None,
-        help="Keep the given bounds alone. Without it, where only angles (normals, dihedral) or only"
-        f" distances (RMS, max) are bounded, quality {DEFAULT_QUALITY} bounds the others.",
+        help="Keep the given bounds alone. Without it, where only angles (normals, dihedral), or"
+        f" only distances (RMS, max), are bounded, quality {DEFAULT_QUALITY} bounds the others.",
     ),
     click.option(
         "--effort",

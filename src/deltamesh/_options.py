@@ -189,6 +189,9 @@ class Settings:
         As in `Options`.
     largest : float
         Correct the vertices that would be further than that from their input positions.
+    exponents : bytes
+        Of the step of each vertex of the faces in coding order, in quarters of an octave below
+        `step`; the smallest is 0. None: all vertices have the same step.
     """
 
     method: str

@@ -346,13 +346,14 @@ def level(x):
     return min(sum(start <= x for start in starts) + (x >= 2), 31)
 
 
-def diffuse(neighbours, delta, normals, step, zone, carry, along):
+def diffuse(neighbours, delta, normals, each, zone, carry, along):
     """Round each row of delta, or its component along the normal, and hand shares of the error on.
 
-    Neighbours are lists. The order of the operations is that of the kernel, for the last digit.
+    Neighbours are lists, and so are the steps. The order of the operations is that of the kernel,
+    for the last digit.
     """
     carried, out = delta.tolist(), []
-    for i, (around, n) in enumerate(zip(neighbours, normals.tolist(), strict=True)):
+    for i, (around, n, step) in enumerate(zip(neighbours, normals.tolist(), each, strict=True)):
         a = carried[i]
         later = [j for j in around if j > i]
         steps = [dot(a, n) / step] if along else [x / step for x in a]

@@ -92,9 +92,7 @@ def command(
         files.check_input(source)
         files.check_output(source, target, force=force)
         with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
-            encoded = encode_file(
-                source, target, input_format, progress, parameters, force=force
-            )
+            encoded = encode_file(source, target, input_format, progress, parameters, force=force)
         note_not_kept(source, encoded.lost, quiet=quiet)
         note_faces(source, encoded.report, quiet=quiet)
         note_memory(target, encoded.container, quiet=quiet)
@@ -114,7 +112,7 @@ def _object(source: str, target: str, encoded: EncodedFile) -> dict[str, object]
 
 
 def _print_summary(source: str, target: str, encoded: EncodedFile) -> None:
-    """Print the sizes of the input and the output, the errors, and the bound that cost the bytes."""
+    """Print the sizes of the files, the errors, and the bound that cost the bytes."""
     container, cost = encoded.container, encoded.cost
     click.echo(f"{display_name(source)}: {encoded.source_size} bytes")
     click.echo(f"{display_name(target)}: {container.size} bytes, {counts(container)}")

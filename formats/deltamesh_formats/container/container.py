@@ -97,6 +97,12 @@ class Meta:
     diagonal: float
     encoder: str
     source: str
+    lost: int = 0
+    turned: int = 0
+    parts: int = 1
+    part: str = ""
+    part_normal: float = 0.0
+    part_rms: float = 0.0
 
 
 @dataclass(frozen=True)

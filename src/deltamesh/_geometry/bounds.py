@@ -14,8 +14,6 @@ from typing import Final
 import numpy as np
 
 from deltamesh._measures.measure import Measured
-from deltamesh._measures.metrics import VertexErrors
-from deltamesh._measures.parts import PartErrors
 from deltamesh._methods import ANGLE_BOUNDS, AUTO, BOUNDS, DISTANCE_BOUNDS, RATES
 from deltamesh._options import DEFAULT_QUALITY, Options
 from deltamesh_formats.array_types import Floats
@@ -60,33 +58,28 @@ class Bounds:
         """Return the largest error over its bound, of the whole and of every part."""
         return self.binding(measured).share
 
-    def distance_excess(self, errors: VertexErrors) -> float:
-        """Return the largest distance over its bound, of the whole."""
-        return max(_share(errors.rms, self.rms), _share(errors.max, self.max))
+    def part_excess(self, measured: Measured) -> tuple[Floats, Floats]:
+        """Return the largest distance, and the largest angle, of each part over their bounds.
 
-    def angle_excess(self, errors: VertexErrors) -> float:
-        """Return the largest angle over its bound, of the whole."""
-        normal = _share(errors.normal_deviation, self.normal_deviation)
-        return max(normal, _share(errors.dihedral, self.dihedral))
-
-    def part_excess(self, parts: PartErrors) -> Floats:
-        """Return the largest error of each part over its bound, float64 (q,)."""
-        shares = [_shares(error, bound) for _, error, bound in self._of_parts(parts)]
-        return np.asarray(np.max(shares, axis=0))
+        Returns
+        -------
+        float64 (q,), float64 (q,)
+            Those of the whole, (1,), if the mesh is one part.
+        """
+        of_parts = self._of_whole(measured) if measured.parts is None else self._of_parts(measured)
+        distances, angles = (
+            [_shares(one.errors, one.bound) for one in of_parts if one.is_length == is_length]
+            for is_length in (True, False)
+        )
+        return np.max(distances, axis=0), np.max(angles, axis=0)
 
     def binding(self, measured: Measured) -> Binding:
         """Return the bound that is the nearest to its error, or the furthest exceeded."""
-        e = measured.errors
-        found = [
-            Binding("RMS distance", e.rms, self.rms),
-            Binding("maximum distance", e.max, self.max),
-            Binding("normal deviation", e.normal_deviation, self.normal_deviation),
-            Binding("dihedral deviation", e.dihedral, self.dihedral),
-        ]
-        if measured.parts is not None:
-            for name, errors, bound in self._of_parts(measured.parts):
-                part = int(np.argmax(_shares(errors, bound)))
-                found.append(Binding(name, float(errors[part]), bound, part))
+        whole = self._of_whole(measured)
+        found = [Binding(one.name, float(one.errors[0]), one.bound) for one in whole]
+        for one in self._of_parts(measured):
+            part = int(np.argmax(_shares(one.errors, one.bound)))
+            found.append(Binding(one.name, float(one.errors[part]), one.bound, part))
         return max(found, key=lambda one: one.share)
 
     @property
@@ -94,14 +87,37 @@ class Bounds:
         """Whether an angle is bounded."""
         return min(self.normal_deviation, self.dihedral) < math.inf
 
-    def _of_parts(self, parts: PartErrors) -> tuple[tuple[str, Floats, float], ...]:
+    def _of_whole(self, measured: Measured) -> tuple[_Bounded, ...]:
+        e = measured.errors
         return (
-            ("RMS distance over the diagonal", parts.relative_rms, self.part_rms),
-            ("RMS distance", parts.rms, self.rms),
-            ("maximum distance", parts.max, self.max),
-            ("normal deviation", parts.normal_deviation, self.part_normal),
-            ("dihedral deviation", parts.dihedral, self.part_dihedral),
+            _Bounded("RMS distance", np.array([e.rms]), self.rms, is_length=True),
+            _Bounded("maximum distance", np.array([e.max]), self.max, is_length=True),
+            _Bounded("normal deviation", np.array([e.normal_deviation]), self.normal_deviation),
+            _Bounded("dihedral deviation", np.array([e.dihedral]), self.dihedral),
         )
+
+    def _of_parts(self, measured: Measured) -> tuple[_Bounded, ...]:
+        e = measured.parts
+        if e is None:
+            return ()
+        relative = "RMS distance over the diagonal"
+        return (
+            _Bounded(relative, e.relative_rms, self.part_rms, is_length=True),
+            _Bounded("RMS distance", e.rms, self.rms, is_length=True),
+            _Bounded("maximum distance", e.max, self.max, is_length=True),
+            _Bounded("normal deviation", e.normal_deviation, self.part_normal),
+            _Bounded("dihedral deviation", e.dihedral, self.part_dihedral),
+        )
+
+
+@dataclass(frozen=True)
+class _Bounded:
+    """Errors of the whole, (1,), or of the parts, (q,), that have one bound."""
+
+    name: str
+    errors: Floats
+    bound: float
+    is_length: bool = False
 
 
 @dataclass(frozen=True)
@@ -124,19 +140,13 @@ class Binding:
     @property
     def share(self) -> float:
         """The error over the bound."""
-        return _share(self.error, self.bound)
-
-
-def _share(error: float, bound: float) -> float:
-    if bound:
-        return error / bound
-    return math.inf if error else 1.0  # a bound of 0 is kept by 0 alone
+        return float(_shares(np.array([self.error]), self.bound)[0])
 
 
 def _shares(errors: Floats, bound: float) -> Floats:
     if bound:
         return errors / bound
-    return np.where(errors > 0, math.inf, 1.0)
+    return np.where(errors > 0, math.inf, 1.0)  # a bound of 0 is kept by 0 alone
 
 
 def bounds_of(options: Options, scale: float) -> Bounds | None:

@@ -14,7 +14,6 @@ import numpy as np
 
 from deltamesh._geometry.bounds import Bounds
 from deltamesh._geometry.step_search import MOST_TRIES, PER_OCTAVE
-
 from deltamesh._geometry.trial import Attempt, ScaleError, Trial
 from deltamesh._measures.metrics import mean_edges
 from deltamesh._measures.parts import Parts
@@ -224,9 +223,7 @@ def with_fewer_levels(
 
 def _excess(trial: Trial, bounds: Bounds, components: Components) -> Floats:
     """Return the excess of each component; that of the whole too, where no part tells of it."""
-    parts = trial.measured.parts
-    assert parts is not None
-    excess = components.excess(bounds.part_excess(parts))
+    excess = components.excess(np.maximum(*bounds.part_excess(trial.measured)))
     whole = bounds.excess(trial.measured)
     return excess if whole <= 1 or (excess > 1).any() else np.maximum(excess, whole)
 

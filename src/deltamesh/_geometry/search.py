@@ -37,6 +37,8 @@ COARSE: Final = {1: (8.0,), 2: (8.0, 4.0), 3: (8.0, 4.0, 16.0, 2.0)}
 # three or so, for 0.15 bits a vertex; but not more of them than that share of the vertices.
 MORE_ANCHORS, LESS_DISTANCE = 4, 3
 MOST_ANCHORS: Final = 0.016
+# ... and no component asks for more than so many times four.
+MOST_TIMES: Final = 10
 # With corrections, steps change by this as long as the files shrink.
 GROWTH: Final = 1.6
 
@@ -76,7 +78,8 @@ def smallest(
         if best is not None and best.settings.method == settings.method:
             settings = replace(settings, anchors=best.settings.anchors)
         elif options.anchors is None and settings.layout.anchored:
-            settings = _anchored(settings, bounds, components.settings(settings, start), attempt)
+            first = components.settings(settings, start)
+            settings = _anchored(settings, bounds, components, first, attempt)
         if bounds.has_angle:
             settings = replace(settings, largest=bounds.max)
         try:
@@ -168,7 +171,13 @@ def _candidates(options: Options, bounds: Bounds) -> Iterator[Settings]:
         yield replace(refined, coarse=c)
 
 
-def _anchored(settings: Settings, bounds: Bounds, first: Settings, attempt: Attempt) -> Settings:
+def _anchored(
+    settings: Settings,
+    bounds: Bounds,
+    components: Components,
+    first: Settings,
+    attempt: Attempt,
+) -> Settings:
     """Return settings with more anchors where a distance, not an angle, would bound the step.
 
     The `first` settings are those of the first trial.
@@ -177,14 +186,14 @@ def _anchored(settings: Settings, bounds: Bounds, first: Settings, attempt: Atte
         trial = attempt(first)
     except MeshError:  # the step is too small for the mesh: the search will find it as well
         return settings
-    errors = trial.measured.errors
-    distance, angle = bounds.distance_excess(errors), bounds.angle_excess(errors)
-    if distance <= angle:
-        return settings
+    distance, angle = map(components.excess, bounds.part_excess(trial.measured))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        times = np.log(distance / angle) / math.log(LESS_DISTANCE)
+    times = np.clip(np.nan_to_num(times), -MOST_TIMES, MOST_TIMES)
+    wanted = max(float(times[components.of_vertex].mean()), 0.0)
     most = max(MOST_ANCHORS * len(trial.vertices) / trial.parameters.anchor_count, 1.0)
-    wanted = math.log(distance / angle, LESS_DISTANCE) if angle else math.inf
-    times = min(round(min(wanted, 99)), int(math.log(most, MORE_ANCHORS)))
-    return replace(settings, anchors=trial.parameters.anchor_count * MORE_ANCHORS**times)
+    by = min(round(wanted), int(math.log(most, MORE_ANCHORS)))
+    return replace(settings, anchors=trial.parameters.anchor_count * MORE_ANCHORS**by)
 
 
 def _start(

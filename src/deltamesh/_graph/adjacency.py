@@ -101,3 +101,8 @@ def components_of_faces(faces: Ints, n: int) -> Ints:
     in_face[faces] = True
     labels[in_face], labels[~in_face] = numbered(labels[in_face])[0], -1
     return labels
+
+
+def lowest(labels: Ints) -> Ints:
+    """Return the lowest vertex of each component, in the order of the labels of `components`."""
+    return np.unique(labels, return_index=True)[1].astype(np.int64)

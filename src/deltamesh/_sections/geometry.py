@@ -14,6 +14,7 @@ from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.part_search import components_of
 from deltamesh._geometry.search import smallest
 from deltamesh._geometry.solve import factorization
+from deltamesh._geometry.steps import anchor_ratios, ratios
 from deltamesh._geometry.trial import ScaleError, Trial
 from deltamesh._measures.measure import Measure
 from deltamesh._measures.metrics import diagonal
@@ -73,8 +74,10 @@ def _cost(binding: Binding, named: NamedParts) -> Cost:
 
 def has_scale(p: Parameters, i: Integers) -> bool:
     """Return whether no position that these integers could mean would overflow (SPEC.md 5.7)."""
-    numbers = (i.values, i.positions, i.isolated, i.refinements, i.corrections)
-    values = max(int(np.abs(a).max(initial=0)) for a in numbers)
+    of_vertices, of_anchors = ratios(i), anchor_ratios(i)
+    numbers = [np.abs(a) * of_vertices[: len(a)] for a in (i.values, i.refinements, i.corrections)]
+    numbers += [np.abs(i.positions) * of_anchors, np.abs(i.isolated)]
+    values = max(float(a.max(initial=0)) for a in numbers)
     steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
     return bool(values * steps + origin <= 100 * LARGEST)
 

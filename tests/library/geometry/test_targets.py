@@ -56,7 +56,7 @@ def test_the_excess_is_the_worst_share_and_names_what_was_missed():
     bounds = Bounds(rms=2.0, normal_deviation=1.0)
     errors = VertexErrors(rms=1.0, max=99.0, normal_deviation=3.0, dihedral=5.0)
     assert bounds.excess(Measured(errors)) == 3.0
-    assert bounds.distance_excess(errors) == 0.5
+    assert bounds.part_excess(Measured(errors)) == (0.5, 3.0)
     binding = bounds.binding(Measured(errors))
     assert (binding.name, binding.error, binding.bound) == ("normal deviation", 3.0, 1.0)
 
