@@ -7,7 +7,8 @@ component and each object is measured as if it were a mesh of its own.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,7 +22,6 @@ from deltamesh._measures.parts import LINE, WORTH_NORMAL, WORTH_RMS
 from deltamesh._options import Options
 from deltamesh._pipeline import Encoded, encode_mesh
 from deltamesh_formats.array_types import Floats, Ints
-from deltamesh_formats.container.layout import ORDER
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
 
@@ -39,11 +39,10 @@ class Found(NamedTuple):
 
     Attributes
     ----------
-    size : int
-        Bytes, without the order of the vertices.
+    encoded : Encoded
     seconds : float
         CPU time of encoding.
-    encoded : Encoded
+    trials : int
     whole : PartError
     parts : list of PartError
         Of each component and object; empty if there is just one.
@@ -51,13 +50,18 @@ class Found(NamedTuple):
         Numbers of triangles without an area, and of those turned over.
     """
 
-    size: int
-    seconds: float
     encoded: Encoded
+    seconds: float
+    trials: int
     whole: PartError
     parts: list[PartError]
     lost: int
     turned: int
+
+    @property
+    def size(self) -> int:
+        """Bytes of all of it."""
+        return len(self.encoded.data)
 
     @property
     def worst(self) -> PartError:
@@ -67,7 +71,12 @@ class Found(NamedTuple):
     @property
     def largest(self) -> PartError:
         """The largest error of each kind over all parts."""
-        return PartError(*map(max, zip(*(self.parts or [self.whole]), strict=True)))
+        return largest_of(self.parts or [self.whole])
+
+
+def largest_of(parts: Iterable[PartError]) -> PartError:
+    """Return the largest error of each kind."""
+    return PartError(*map(max, zip(*parts, strict=True)))
 
 
 def badness(part: PartError) -> float:
@@ -82,13 +91,14 @@ def found(mesh: PolyMesh, **options: Any) -> Found:
     ------
     DeltameshError
     """
+    stages: list[str] = []
     start = time.process_time()
-    encoded = encode_mesh(mesh, Options(**options, keep_order=True))
+    encoded = encode_mesh(mesh, Options(**options), stages.append)
     seconds = time.process_time() - start
-    order = encoded.container.sections.get(ORDER)
-    size = len(encoded.data) - (order.size if order else 0)
-    W = decode(encoded.data).vertices
-    return Found(size, seconds, encoded, *errors_of(mesh, W))
+    trials = sum(stage.startswith("geometry") for stage in stages)
+    made = decode(encoded.data)
+    reference = replace(made, vertices=mesh.vertices[encoded.order])
+    return Found(encoded, seconds, trials, *errors_of(reference, made.vertices))
 
 
 def errors_of(mesh: PolyMesh, W: Floats) -> tuple[PartError, list[PartError], int, int]:
