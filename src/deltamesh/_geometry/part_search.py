@@ -105,7 +105,12 @@ def steps_near(wanted: Floats) -> Steps:
     """Return the steps nearest to those wanted, float64 (c,)."""
     base = float(wanted.max())
     level = np.rint(-LEVELS * np.log2(wanted / base)).astype(np.int64)
-    return Steps(base, np.minimum(level, MAX_EXPONENT))
+    return Steps(base, _within_reach(level))
+
+
+def _within_reach(level: Ints) -> Ints:
+    """Return levels of which none is coarser than exponents can tell, beside the finest."""
+    return np.maximum(level, level.max() - MAX_EXPONENT)
 
 
 @dataclass
@@ -192,7 +197,8 @@ def fit_steps(
         level = _next(known, steps.level)
         if done and np.isfinite(known.good).all():
             level = known.good.astype(np.int64)
-        if (level == steps.level).all() or np.ptp(level) > MAX_EXPONENT:
+        level = _within_reach(level)
+        if (level == steps.level).all():
             break
         steps = Steps(steps.base, level)
     return found
