@@ -85,7 +85,7 @@ def write_meta(meta: Meta) -> bytes:
     MeshError
         For a value that its field does not hold.
     """
-    fields = layout.META_FIELDS
+    fields: tuple[Field, ...] = layout.META_FIELDS
     if meta.has_losses:
         fields += layout.META_LOSS_FIELDS
     if meta.parts > 1:
