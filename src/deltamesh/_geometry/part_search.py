@@ -110,7 +110,7 @@ def steps_near(wanted: Floats) -> Steps:
 
 def _within_reach(level: Ints) -> Ints:
     """Return levels of which none is coarser than exponents can tell, beside the finest."""
-    return np.maximum(level, level.max() - MAX_EXPONENT)
+    return np.asarray(np.maximum(level, level.max() - MAX_EXPONENT))
 
 
 @dataclass
