@@ -28,6 +28,19 @@ def least_squares(matrix, anchors, delta, positions):
     )[0]
 
 
+def solution_by_component(matrix, anchors, delta, positions):
+    """The least-squares solution of each component by itself, about the mean of its anchors."""
+    x = np.zeros_like(delta)
+    for first in lowest_of_components(matrix):
+        part = np.flatnonzero(np.array(graph_distances(matrix, [first])) < len(matrix))
+        own = np.isin(anchors, part)
+        centre = positions[own].mean(axis=0)
+        held = np.searchsorted(part, anchors[own])
+        right = delta[part], positions[own] - centre
+        x[part] = least_squares(matrix[np.ix_(part, part)], held, *right) + centre
+    return x
+
+
 def graph_distances(matrix, sources):
     """Edges from each vertex to the nearest source; n where there is none."""
     n = len(matrix)
@@ -624,7 +637,7 @@ def normals(V, F, step):
         for v in (a, b, c):
             s[v] += cross
             area[v] += np.linalg.norm(cross)
-    length = np.linalg.norm(s, axis=1) + 1e-6 * (area + step**2)
+    length = np.linalg.norm(s, axis=1) + 1e-6 * (area + np.ravel(step) ** 2)
     return s / length[:, None]
 
 

@@ -234,14 +234,6 @@ META_PART_FIELDS: Final = (
 # spare for diffused errors.
 MAX_GRID_BITS: Final = 30
 
-# SPEC.md#519-step
-
-# Exponents of steps, in quarters of an octave, and the ratios of those below an octave: the doubles
-# nearest to 1, 2^-1/4, 2^-1/2 and 2^-3/4.
-MAX_EXPONENT: Final = 120
-PER_OCTAVE: Final = 4
-QUARTERS: Final = (1.0, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605)
-
 # SPEC.md#57-chek
 
 CHECK_FIELDS: Final = (Field("digest", "bytes8"),)
@@ -349,6 +341,14 @@ NORMAL_STATES: Final[Mapping[str, int]] = {"relative": 0, "absolute": 1, "zero":
 # Elements that a byte stands for at most. A predicted bit takes log2(65536 / 65512) bits of a byte
 # where most bits are alike, so that few meshes have more.
 MAX_ELEMENTS_PER_BYTE: Final = 15200
+
+# SPEC.md#519-step
+
+# Exponents of steps, in quarters of an octave, and the ratios of those below an octave: the doubles
+# nearest to 1, 2^-1/4, 2^-1/2 and 2^-3/4.
+MAX_EXPONENT: Final = 120
+PER_OCTAVE: Final = 4
+QUARTERS: Final = (1.0, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605)
 
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:

@@ -10,7 +10,15 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from deltamesh_formats.container.container import Container, Meta, Parameters
-from deltamesh_formats.container.layout import ATTRIBUTES, METHODS, ORDER, POLYGONS
+from deltamesh_formats.container.layout import (
+    ATTRIBUTES,
+    METHODS,
+    ORDER,
+    PER_OCTAVE,
+    POLYGONS,
+    QUARTERS,
+    STEPS,
+)
 from deltamesh_formats.container.listing import text_lines
 from deltamesh_formats.container.reader import read_varint
 from deltamesh_formats.container.texts import texts_of
@@ -47,6 +55,16 @@ def polygons(container: Container) -> int:
         return read_varint(memoryview(container.sections[POLYGONS].payload), 0)[0]
     except FormatError:
         return container.triangles
+
+
+def finest_step(container: Container) -> float:
+    """Return the finest step of any vertex; it may be damaged there, which decoding tells."""
+    finest = 0
+    if STEPS in container.sections:
+        payload = container.sections[STEPS].payload
+        finest = max(payload[1 : 1 + payload[0]], default=0) if payload else 0
+    octaves, quarter = divmod(finest, PER_OCTAVE)
+    return container.parameters.step * QUARTERS[quarter] / (1 << octaves)
 
 
 def counts(container: Container) -> str:
@@ -104,7 +122,7 @@ def _headline(container: Container) -> str:
 
 def _lines(container: Container) -> Iterator[str]:
     meta = container.meta
-    yield from _described(container.parameters)
+    yield from _described(container.parameters, finest_step(container))
     if ORDER in container.sections:
         yield "order of vertices and faces: that of the source"
     yield from text_lines(texts_of(container))
@@ -116,11 +134,12 @@ def _lines(container: Container) -> Iterator[str]:
         yield f"written by {meta.encoder}{source}; format version {container.version}"
 
 
-def _described(parameters: Parameters) -> Iterator[str]:
+def _described(parameters: Parameters, finest: float) -> Iterator[str]:
     method = METHODS[parameters.method]
     facts = [] if parameters.bits is None else [f"{parameters.bits} bits"]
     if parameters.step:
-        facts.append(f"step {number(parameters.step)}")
+        down = f" down to {number(finest)}" if finest < parameters.step else ""
+        facts.append(f"step {number(parameters.step)}{down}")
         if method.coarse:
             facts.append(f"deltas {number(parameters.coarse)} times as coarse")
         if method.anchored:

@@ -60,7 +60,7 @@ def quantize(
         isolated=surface.isolated_count,
     )
     integers = Integers(grid, exponents=exponents)
-    check_size(_from_roots(surface, integers), step * steps.ratios(integers))
+    check_size(from_roots(surface, integers), step * steps.ratios(integers))
     return parameters, integers, reconstruct(surface, parameters, integers, factor)
 
 
@@ -87,7 +87,7 @@ def reconstruct(
 def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
     """Return the payload of CART, and of STEP where steps differ."""
     roots = _encode_roots(surface, integers) if len(integers.exponents) else b""
-    stream = encode_three(surface.elements, _from_roots(surface, integers))
+    stream = encode_three(surface.elements, from_roots(surface, integers))
     return {**steps.encode(surface, integers.exponents), layout.CARTESIAN: roots + stream}
 
 
@@ -116,7 +116,7 @@ def _decode_exponents(
     return exponents
 
 
-def _from_roots(surface: Surface, integers: Integers) -> Ints:
+def from_roots(surface: Surface, integers: Integers) -> Ints:
     """Return the values, where steps differ as seen from the roots of their components."""
     values = integers.values.copy()
     if len(integers.exponents):
