@@ -123,7 +123,11 @@ def command(
     method refined at the same rate.
     """
     start = time.perf_counter()
-    tasks = [(name, turned, options or OPTIONS) for name in names or shapes.SHAPES for turned in (False, True)]
+    tasks = [
+        (name, turned, options or OPTIONS)
+        for name in names or shapes.SHAPES
+        for turned in (False, True)
+    ]
     found = [one for results in pool.each(measured, tasks, jobs) for one in results]
     if each:
         click.echo(table(_each(found)))
@@ -231,12 +235,27 @@ def worse(one: decoded.Found, mesh: PolyMesh, given: Mapping[str, Any]) -> tuple
 
 
 def _rows(found: Sequence[Result], options: Sequence[str]) -> Iterator[tuple[str, ...]]:
-    yield ("option", "bytes", "max", "of shape", "rms", "normal", "of shape", "dihedral", "/ bound", "lost", "turned")
+    yield (
+        "option",
+        "bytes",
+        "max",
+        "of shape",
+        "rms",
+        "normal",
+        "of shape",
+        "dihedral",
+        "/ bound",
+        "lost",
+        "turned",
+    )
     for option in options:
         of_option = [one for one in found if one.option == option and not one.failure]
         if not of_option:
             continue
-        worst = {e: max(of_option, key=lambda one: getattr(one, e)) for e in ("rms", "max", "normal", "dihedral", "share")}  # noqa: B023
+        worst = {
+            e: max(of_option, key=lambda one: getattr(one, e))
+            for e in ("rms", "max", "normal", "dihedral", "share")
+        }
         yield (
             option,
             str(sum(one.size for one in of_option)),
@@ -253,11 +272,35 @@ def _rows(found: Sequence[Result], options: Sequence[str]) -> Iterator[tuple[str
 
 
 def _each(found: Sequence[Result]) -> Iterator[tuple[str, ...]]:
-    yield ("option", "shape", "bytes", "max", "rms", "normal", "dihedral", "/ bound", "lost", "turned")
+    yield (
+        "option",
+        "shape",
+        "bytes",
+        "max",
+        "rms",
+        "normal",
+        "dihedral",
+        "/ bound",
+        "lost",
+        "turned",
+    )
     for one in found:
         if not one.failure:
-            numbers = (f"{one.max:.2e}", f"{one.rms:.2e}", f"{one.normal:.3f}", f"{one.dihedral:.3f}")
-            yield (one.option, one.place, str(one.size), *numbers, f"{one.share:.3f}", str(one.lost), str(one.turned_over))
+            numbers = (
+                f"{one.max:.2e}",
+                f"{one.rms:.2e}",
+                f"{one.normal:.3f}",
+                f"{one.dihedral:.3f}",
+            )
+            yield (
+                one.option,
+                one.place,
+                str(one.size),
+                *numbers,
+                f"{one.share:.3f}",
+                str(one.lost),
+                str(one.turned_over),
+            )
 
 
 if __name__ == "__main__":

@@ -306,9 +306,7 @@ def _bolts(share: float, rng: np.random.Generator) -> PolyMesh:
 def _city(share: float, rng: np.random.Generator) -> PolyMesh:
     count = _count(5000, share)
     sizes, places = rng.uniform(5, 40, (count, 3)), rng.uniform(-900, 900, (count, 3))
-    houses = (
-        moved(box(*size), at * [1, 1, 0]) for size, at in zip(sizes, places, strict=True)
-    )
+    houses = (moved(box(*size), at * [1, 1, 0]) for size, at in zip(sizes, places, strict=True))
     return _scene(ground(2000, 60, 5, rng), *houses)
 
 
