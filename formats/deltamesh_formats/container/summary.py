@@ -85,15 +85,12 @@ def achieved(meta: Meta) -> str:
     )
 
 
-def achieved_in_parts(meta: Meta) -> Iterator[str]:
-    """Yield what the encoder measured of the parts and the faces, in lines of words."""
-    if meta.parts > 1:
-        yield (
-            f"worst of {meta.parts} parts: {printable(meta.part)}, normals"
-            f" {number(meta.part_normal)} degrees, RMS {number(meta.part_rms)} of its own diagonal"
-        )
-    if meta.lost or meta.turned:
-        yield f"triangles that lost their area: {meta.lost}, that turned over: {meta.turned}"
+def achieved_in_worst_part(meta: Meta) -> str:
+    """Return what the encoder measured of the part that is kept worst, in words."""
+    return (
+        f"worst of {meta.parts} parts: {printable(meta.part)}, normals"
+        f" {number(meta.part_normal)} degrees, RMS {number(meta.part_rms)} of its own diagonal"
+    )
 
 
 def container_text(container: Container) -> str:
@@ -130,7 +127,10 @@ def _lines(container: Container) -> Iterator[str]:
         source = f", from {meta.source}" if meta.source else ""
         source += ", positions in float32" if container.parameters.single else ""
         yield f"errors: {achieved(meta)}"
-        yield from achieved_in_parts(meta)
+        if meta.parts > 1:
+            yield achieved_in_worst_part(meta)
+        if meta.lost or meta.turned:
+            yield f"triangles that lost their area: {meta.lost}, that turned over: {meta.turned}"
         yield f"written by {meta.encoder}{source}; format version {container.version}"
 
 
