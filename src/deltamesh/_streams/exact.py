@@ -80,9 +80,7 @@ def parallelogram_errors(V: Floats, elements: Elements) -> Floats:
 
 
 def _model(columns: Sequence[ColumnFormats]) -> Model:
-    count = sum(len(column.formats) for column in columns)
-    slots = exact.FORMATS_AT + count * exact.FORMAT_SLOTS
-    return Model(slots, 3 * exact.AXIS_MIXERS + count * exact.FORMAT_MIXERS)
+    return exact.model_for(sum(len(column.formats) for column in columns))
 
 
 def _code(
@@ -102,7 +100,7 @@ def _code(
             formats.append((f.base, column.grid - f.places, f.digits, usual))
     tables = np.array(table), np.array(formats, dtype=np.int64).reshape(-1, grid.FORMAT_SIZE)
     around = e.indptr, e.indices, e.first, e.corners
-    exact.code_exact(coder, *around, *tables, np.int64(width), choices, indices)
+    exact.code_exact(coder, *around, *tables, width, choices, indices)
 
 
 def pack_formats(width: int, columns: Sequence[ColumnFormats]) -> bytes:

@@ -20,7 +20,6 @@ from deltamesh._geometry.normals import vertex_normals
 from deltamesh._geometry.quantize import quantize_delta
 from deltamesh._geometry.solve import factorization
 from deltamesh._graph.adjacency import adjacency
-from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import delta as kernels
 from deltamesh._kernels.coding import residual
 from deltamesh._measures.metrics import diagonal
@@ -142,7 +141,7 @@ def test_any_bytes_are_the_refinements_of_the_oracle(data, filler, more, draw):
     kernels.code_refinements(decoder, *graph, deltas, out)
     zeros = [[0]] * n
     assert oracle.code_refinements(twin, around, deltas.tolist(), zeros) == out.tolist()
-    assert int(decoder.state[coder_kernels.CODE]) == twin.code
+    assert decoder.registers.code == twin.code
     assert np.abs(out).max() < 2**31
     coder, twin = entropy.encoder(n, residual.SLOTS, residual.MIXERS), twin_of(None)
     kernels.code_refinements(coder, *graph, deltas, out.copy())
