@@ -19,10 +19,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 SOURCES = Path(__file__).parent
-LIBRARY = SOURCES.parent / "deltamesh" / "_kernels" / {
-    "win32": "_core.dll",
-    "darwin": "_core.dylib",
-}.get(sys.platform, "_core.so")
+LIBRARY = (
+    SOURCES.parent
+    / "deltamesh"
+    / "_kernels"
+    / {
+        "win32": "_core.dll",
+        "darwin": "_core.dylib",
+    }.get(sys.platform, "_core.so")
+)
 
 # No contraction: a fused multiply-add rounds once where the others round twice.
 FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-shared")
@@ -86,8 +91,11 @@ def build(library: Path = LIBRARY, flags: Sequence[str] = ()) -> Path:
     position = () if sys.platform == "win32" else ("-fPIC",)
     libraries = () if sys.platform == "win32" else ("-lm",)
     done = subprocess.run(
-        [*command(), *FLAGS, *position, *flags, f'-DDM_SOURCES="{digest()}"']
-        + [*map(str, sorted(SOURCES.glob("*.c"))), "-o", str(unfinished), *libraries],
+        [
+            *(*command(), *FLAGS, *position, *flags, f'-DDM_SOURCES="{digest()}"'),
+            *map(str, sorted(SOURCES.glob("*.c"))),
+            *("-o", str(unfinished), *libraries),
+        ],
         capture_output=True,
         text=True,
         errors="replace",

@@ -40,11 +40,12 @@ def main() -> None:
         "int16_t dm_stretch[4096]",
         (round(256 * math.log((p + 0.5) / (4095.5 - p))) for p in range(4096)),
     )
-    printed("Its inverse: p in 1/65536.", "int32_t dm_squash[4096]", map(squashed, range(-2048, 2048)))
+    squash = map(squashed, range(-2048, 2048))
+    printed("Its inverse: p in 1/65536.", "int32_t dm_squash[4096]", squash)
     printed(
-        "The rate at which a slot that has seen n bits moves towards the next, in 1/65536: that of a\n"
-        "   running mean, with 1.8 for the 1.5 of Krichevsky and Trofimov's estimator, which measured\n"
-        "   best.",
+        "The rate at which a slot that has seen n bits moves towards the next, in 1/65536: that of\n"
+        "   a running mean, with 1.8 for the 1.5 of Krichevsky and Trofimov's estimator, which\n"
+        "   measured best.",
         "int32_t dm_rate[1024]",
         (int(65536 / (n + 1.8)) for n in range(1024)),
     )

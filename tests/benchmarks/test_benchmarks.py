@@ -316,7 +316,7 @@ def test_a_folder_of_many_meshes_from_few(tmp_path: Path) -> None:
 def test_a_process_is_measured_without_its_parent() -> None:
     used = processes.deltamesh("--version")
     assert 0 < used.seconds < 60
-    # This process, with numba in it, has several times that.
+    # This process, with scipy in it, has several times that.
     assert 5 << 20 < used.peak < 80 << 20
     with pytest.raises(RuntimeError, match="No such command"):
         processes.deltamesh("nothing")

@@ -11,7 +11,7 @@ from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import signed_integers
 
 TABLES = (coder_kernels.STRETCH, coder_kernels.SQUASH, coder_kernels.RATE)
-WEIGHT_SUM = 1.2  # of a mixer of several inputs, at first: SPEC.md 5.1
+WEIGHT_SUM = 1.2  # of a mixer of several inputs, at first: SPEC.md, "Entropy coder"
 
 
 def slow_coder(data, slots, mixers):

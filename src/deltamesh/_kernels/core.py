@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 _SUFFIX: Final = {"win32": "dll", "darwin": "dylib"}.get(sys.platform, "so")
 PATH: Final = Path(__file__).with_name(f"_core.{_SUFFIX}")
 
-# Status of a call; see `deltamesh_core.h`.
+# Status of a call; see `src/core/deltamesh_core.h`.
 OK, CORRUPT, INVALID = range(3)
 
 
@@ -27,8 +27,8 @@ def _load() -> ctypes.CDLL:
         return ctypes.CDLL(str(PATH))
     except OSError as error:
         raise ImportError(
-            f"the compiled core cannot be loaded ({error}); an installation compiles it, and so does "
-            "`python src/core/build.py` in a checkout"
+            f"the compiled core cannot be loaded ({error}); an installation compiles it, and so "
+            "does `python src/core/build.py` in a checkout"
         ) from error
 
 
@@ -138,7 +138,5 @@ def constant(name: str) -> int:
 
 def table(name: str, dtype: type[np.generic], size: int) -> NDArray[Any]:
     """Return a table of the core, read-only."""
-    code = np.ctypeslib.as_ctypes_type(dtype) * size
-    array = np.frombuffer(code.in_dll(LIBRARY, name), dtype=dtype)
-    array.flags.writeable = False
-    return array
+    memory = (ctypes.c_char * (size * np.dtype(dtype).itemsize)).in_dll(LIBRARY, name)
+    return np.frombuffer(memoryview(memory).toreadonly(), dtype=dtype)

@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 
 from deltamesh._kernels.coding.coder import Coder, finish_encoding, is_finished, new_coder
-from deltamesh._kernels.coding.models import Model, Mixers
+from deltamesh._kernels.coding.models import Mixers, Model
 from deltamesh_formats.errors import FormatError
 
 # No element takes more: three numbers of 31 + 31 + 1 bits, each of at most log2(65536 / P_MIN)

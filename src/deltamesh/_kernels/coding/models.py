@@ -9,7 +9,6 @@ from typing import ClassVar, NamedTuple
 
 from deltamesh._kernels.core import LIBRARY
 
-
 # Number of inputs of each mixer, and the bound of the counts of its slots.
 Mixers = Sequence[tuple[int, int]]
 

@@ -88,7 +88,7 @@ def select(r: Remaining, rank: int) -> int:
 def rings_of(groups: Ints, count: int) -> Rings:
     """Return the rings of elements in ascending order; element e belongs to `groups[e]`."""
     e = len(groups)
-    r = Rings(*np.empty((2, e), dtype=np.int64), np.empty(count, dtype=np.int64))
+    r = Rings(*(np.empty(size, dtype=np.int64) for size in (e, e, count)))
     call("dm_rings_of", ints(groups, e), e, count, *_ring_arrays(r))
     return r
 
