@@ -31,7 +31,9 @@ LIBRARY = (
 
 # No contraction: a fused multiply-add rounds once where the others round twice.
 FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-shared")
-WARNINGS = ("-Wall", "-Wextra", "-Wconversion")
+STRICT = ("-Wall", "-Wextra", "-Wconversion", "-Werror")
+# Faults end the process: what goes on after one proves nothing.
+SANITIZED = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
 
 class BuildError(Exception):
@@ -111,9 +113,12 @@ def main() -> None:
     """Build the library of this checkout."""
     parser = argparse.ArgumentParser(description="Build the compiled core of this checkout.")
     parser.add_argument("--strict", action="store_true", help="take warnings for errors")
+    parser.add_argument(
+        "--sanitize", action="store_true", help="check accesses and arithmetic while it runs"
+    )
     arguments = parser.parse_args()
     try:
-        print(build(flags=(*WARNINGS, "-Werror") if arguments.strict else ()))
+        print(build(flags=STRICT * arguments.strict + SANITIZED * arguments.sanitize))
     except BuildError as error:
         sys.exit(str(error))
 

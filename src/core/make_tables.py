@@ -43,8 +43,8 @@ def main() -> None:
     squash = map(squashed, range(-2048, 2048))
     printed("Its inverse: p in 1/65536.", "int32_t dm_squash[4096]", squash)
     printed(
-        "The rate at which a slot that has seen n bits moves towards the next, in 1/65536: that of\n"
-        "   a running mean, with 1.8 for the 1.5 of Krichevsky and Trofimov's estimator, which\n"
+        "The rate at which a slot that has seen n bits moves towards the next, in 1/65536: that\n"
+        "   of a running mean, with 1.8 for the 1.5 of Krichevsky and Trofimov's estimator, which\n"
         "   measured best.",
         "int32_t dm_rate[1024]",
         (int(65536 / (n + 1.8)) for n in range(1024)),

@@ -522,8 +522,8 @@ const int32_t dm_squash[4096] = {
     65512, 65512, 65512, 65512, 65512, 65512, 65512, 65512, 65512, 65512, 65512, 65512, 65512, 65512, 65512, 65512,
 };
 
-/* The rate at which a slot that has seen n bits moves towards the next, in 1/65536: that of
-   a running mean, with 1.8 for the 1.5 of Krichevsky and Trofimov's estimator, which
+/* The rate at which a slot that has seen n bits moves towards the next, in 1/65536: that
+   of a running mean, with 1.8 for the 1.5 of Krichevsky and Trofimov's estimator, which
    measured best. */
 const int32_t dm_rate[1024] = {
     36408, 23405, 17246, 13653, 11299, 9637, 8402, 7447, 6687, 6068, 5553, 5120, 4748, 4428, 4147, 3900,
