@@ -88,16 +88,18 @@ static int64_t rounded(double steps, double zone)
 
 /* Round delta / step into `out` (n, 3), or its component along `normals` into `out` (n, 1).
 
-   Numbers within 0.5 + `zone` steps of 0 become 0. The error is passed on, in equal parts, to the
-   neighbours that are still to come, into `delta` (n, 3), which is used up: the share `normal` of
-   its component along the normal, the share `tangential` of the rest. */
+   Each vertex has its own of the `steps` (n,). Numbers within 0.5 + `zone` steps of 0 become 0. The
+   error is passed on, in equal parts, to the neighbours that are still to come, into `delta` (n, 3),
+   which is used up: the share `normal` of its component along the normal, the share `tangential` of
+   the rest. */
 int dm_diffuse(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
-               double *delta, const double *normals, double step, double zone, double tangential,
-               double normal, int64_t columns, int64_t *out)
+               double *delta, const double *normals, const double *steps, double zone,
+               double tangential, double normal, int64_t columns, int64_t *out)
 {
     if ((columns != 1 && columns != 3) || !dm_is_graph(indptr, n, indices, entries))
         return DM_INVALID;
     for (int64_t i = 0; i < n; i++) {
+        const double step = steps[i];
         double *const a = delta + 3 * i; /* the rounded part is taken off: the error stays */
         const double *const N = normals + 3 * i;
         if (columns == 3) {

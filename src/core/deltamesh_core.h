@@ -109,12 +109,13 @@ DM_API int dm_code_refinements(dm_coder *c, const int64_t *indptr, int64_t n,
                                const int64_t *indices, int64_t entries, const int64_t *deltas,
                                int64_t *values);
 DM_API int dm_diffuse(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
-                      double *delta, const double *normals, double step, double zone,
+                      double *delta, const double *normals, const double *steps, double zone,
                       double tangential, double normal, int64_t columns, int64_t *out);
 
 /* points.c */
 DM_API int dm_code_gaps(dm_coder *c, int64_t *indices, int64_t count, int64_t n);
-DM_API int dm_code_points(dm_coder *c, int64_t *points, int64_t count, const int64_t *bits);
+DM_API int dm_code_points(dm_coder *c, int64_t *points, int64_t count, const int64_t *bits,
+                          const int64_t *extra);
 DM_API int dm_code_sorted_points(dm_coder *c, int64_t *points, int64_t count, const int64_t *bits);
 
 /* parallelogram.c */

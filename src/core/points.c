@@ -32,14 +32,20 @@ static int has_bits(const int64_t *bits)
            bits[2] < 63;
 }
 
-/* Code `points` (count, 3), filled in when decoding, in `bits` (3,) bits a coordinate. */
-int dm_code_points(dm_coder *c, int64_t *points, int64_t count, const int64_t *bits)
+/* Code `points` (count, 3), filled in when decoding, in `bits` (3,) and `extra` (count,) bits each. */
+int dm_code_points(dm_coder *c, int64_t *points, int64_t count, const int64_t *bits,
+                   const int64_t *extra)
 {
     if (!has_bits(bits))
         return DM_INVALID;
-    for (int64_t k = 0; k < count; k++)
-        for (int axis = 0; axis < 3; axis++)
-            points[3 * k + axis] = dm_code_raw(c, points[3 * k + axis], bits[axis]);
+    for (int64_t k = 0; k < count; k++) {
+        for (int axis = 0; axis < 3; axis++) {
+            const int64_t length = dm_add(bits[axis], extra[k]);
+            if (length < 0 || length > 63)
+                return DM_INVALID;
+            points[3 * k + axis] = dm_code_raw(c, points[3 * k + axis], length);
+        }
+    }
     return DM_OK;
 }
 

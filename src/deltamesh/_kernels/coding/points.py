@@ -20,10 +20,11 @@ def code_gaps(c: Coder, indices: Ints, n: int) -> bool:
     return call("dm_code_gaps", c.pointer, ints_out(indices, count), count, n) == OK
 
 
-def code_points(c: Coder, points: Ints, bits: Ints) -> None:
-    """Code `points` (k, 3), filled in when decoding, in `bits` (3,) bits a coordinate."""
+def code_points(c: Coder, points: Ints, bits: Ints, extra: Ints) -> None:
+    """Code `points` (k, 3), filled in when decoding, in `bits` (3,) and `extra` (k,) bits each."""
     count = len(points)
-    call("dm_code_points", c.pointer, ints_out(points, count, 3), count, ints(bits, 3))
+    arrays = ints_out(points, count, 3), count, ints(bits, 3), ints(extra, count)
+    call("dm_code_points", c.pointer, *arrays)
 
 
 def code_sorted_points(c: Coder, points: Ints, bits: Ints) -> bool:
