@@ -300,6 +300,12 @@ DM_API int dm_local_maxima(const int64_t *indptr, int64_t n, const int64_t *indi
 DM_API int dm_subtract_product(double *block, int64_t n, int64_t width, const double *W,
                                int64_t row, int64_t count, const int64_t *rows, double *columns);
 
+/* neighbours.c */
+DM_API int dm_fill_neighbours(const int64_t *pairs, int64_t edges, int64_t n, int64_t *indptr,
+                              int64_t *indices);
+DM_API int dm_label_components(const int64_t *indptr, int64_t n, const int64_t *indices,
+                               int64_t entries, int64_t *label, int64_t *queue, int64_t *count);
+
 /* outlines.c */
 DM_API int dm_walk_outlines(const int64_t *merged, int64_t faces, int64_t *corners,
                             int64_t corner_count, int64_t *offsets, int64_t polygons,

@@ -82,6 +82,7 @@ TWINS: Mapping[str, tuple[str, ...] | str] = {
     "mesh.diagonals": ("polygon_oracle.choose",),
     "mesh.distance": ("oracle.farthest",),
     "mesh.halfedges": ("polygon_oracle.after", "polygon_oracle.before"),
+    "mesh.neighbours": ("oracle.neighbours", "oracle.component_labels"),
     "mesh.outlines": ("polygon_oracle.outlines",),
 }
 

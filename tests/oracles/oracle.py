@@ -920,3 +920,22 @@ def _other(coder, wanted, seen, before, order, new):
         bit = (wanted >> len(digits)) & 1
         digits = str(coder.bit(bit, slots, 4 + len(digits))) + digits
     return int("0" + digits, 2)
+
+
+# ---- Neighbours and components -----------------------------------------------------------------
+
+
+def neighbours(pairs, n):
+    """The neighbours of each vertex, ascending, by a look at all edges."""
+    return [
+        sorted([j for i, j in pairs if i == v] + [i for i, j in pairs if j == v]) for v in range(n)
+    ]
+
+
+def component_labels(pairs, n):
+    """The lowest vertex of the component of each vertex, then which of these it is."""
+    lowest = list(range(n))
+    for _ in range(n):
+        for i, j in pairs:
+            lowest[i] = lowest[j] = min(lowest[i], lowest[j])
+    return [sorted(set(lowest)).index(v) for v in lowest]

@@ -16,15 +16,18 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse as sparse
-from scipy.sparse import csgraph
 
 from deltamesh._geometry.solvers import SOLVERS, Solve, solver_name
+from deltamesh._graph.adjacency import components
 from deltamesh._machine import available_cores
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.errors import SolveError
+
+if TYPE_CHECKING:
+    import scipy.sparse as sparse
 
 Factor = Callable[[Ints], "LeastSquares"]
 
@@ -72,6 +75,8 @@ class LeastSquares:
         solver: str = "auto",
         threads: int | None = None,
     ) -> None:
+        import scipy.sparse as sparse
+
         self._count, self._labels = _components(L, anchors)
         self._anchors = anchors
         n, k = L.shape[0], len(anchors)
@@ -151,7 +156,8 @@ def factorization(L: sparse.csr_array, solver: str = "auto", threads: int | None
 
 def _components(L: sparse.csr_array, anchors: Ints) -> tuple[int, Ints]:
     """Return the number of components, each of which has an anchor, and that of each vertex."""
-    count, labels = csgraph.connected_components(L, directed=False)
+    labels = components(L.indptr.astype(np.int64), L.indices.astype(np.int64))
+    count = int(labels.max(initial=-1)) + 1
     anchored = np.zeros(count, dtype=bool)
     anchored[labels[anchors]] = True
     if not anchored.all():
@@ -184,6 +190,8 @@ def _quasidefinite(A: sparse.csr_array, transposed: sparse.csr_array) -> sparse.
     quasidefinite matrices", SIAM J. Optim. 5, 1995). B alone may be singular; B and a weak pin on
     every vertex whose row was taken (a Dirichlet problem) is not. Refinement removes the pins.
     """
+    import scipy.sparse as sparse
+
     is_long = np.diff(A.indptr) > LONGEST_ROW
     if not is_long.any():
         return (transposed @ A).tocsr()

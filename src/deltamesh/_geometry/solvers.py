@@ -18,13 +18,15 @@ import weakref
 from collections.abc import Callable, Iterator, Mapping
 from ctypes import c_int
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-import scipy.sparse as sparse
 
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import SolveError
+
+if TYPE_CHECKING:
+    import scipy.sparse as sparse
 
 # From the right-hand sides, float64 (n, c), to the solutions.
 Solve = Callable[[Floats], Floats]
@@ -118,6 +120,7 @@ def _factor_rslab(matrix: sparse.csr_array, threads: int) -> Solve:
 
 def _factor_pardiso(matrix: sparse.csr_array, threads: int) -> Solve:
     import pypardiso
+    import scipy.sparse as sparse
 
     upper = sparse.csr_matrix(sparse.triu(matrix))
     solver = pypardiso.PyPardisoSolver(mtype=-2)  # real, symmetric, indefinite
