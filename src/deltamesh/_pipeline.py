@@ -165,7 +165,7 @@ def decode_mesh(
     content = proven_content(container, max_vertices, memory, progress)
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
-    factor = factorization(surface.laplacian, solver, threads)
+    factor = factorization(lambda: surface.laplacian, solver, threads)
     coder = geometry_codec(parameters.method)
     points = coder.reconstruct(surface, parameters, content.integers, factor)
     return content.mesh(points, parameters.single)

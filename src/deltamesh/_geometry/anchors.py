@@ -178,7 +178,7 @@ def greedy(
     SolveError
     """
     positions = vertices if positions is None else positions
-    factor = factor or factorization(L)
+    factor = factor or factorization(lambda: L)
     graph = _off_diagonal(L)
     labels = components(*graph)
     k = _clipped(k, labels)

@@ -140,16 +140,19 @@ class LeastSquares:
             raise SolveError(f"the linear solver failed: {error}") from error
 
 
-def factorization(L: sparse.csr_array, solver: str = "auto", threads: int | None = None) -> Factor:
+def factorization(
+    laplacian: Callable[[], sparse.csr_array], solver: str = "auto", threads: int | None = None
+) -> Factor:
     """Return a function of the anchors that makes a `LeastSquares`.
 
-    It remembers the last one: a search asks for the same again and again, and factoring is what
+    The matrix is not made before it is needed, which for some methods it never is. The function
+    remembers the last one: a search asks for the same again and again, and factoring is what
     costs most.
     """
 
     @functools.lru_cache(maxsize=1)
     def remembered(anchors: bytes) -> LeastSquares:
-        return LeastSquares(L, np.frombuffer(anchors, dtype=np.int64), solver, threads)
+        return LeastSquares(laplacian(), np.frombuffer(anchors, dtype=np.int64), solver, threads)
 
     return lambda anchors: remembered(anchors.tobytes())
 

@@ -32,7 +32,7 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
     """Return the payloads of the smallest geometry that is good enough, and the draft with it."""
     options, structure, V = draft.options, draft.shape.structure, draft.positions
     surface, used = structure.surface, structure.complex.used
-    factor = factorization(surface.laplacian, options.solver, options.threads)
+    factor = factorization(lambda: surface.laplacian, options.solver, options.threads)
     faces, polygons = _measured(draft)
     component = np.pad(surface.labels, (0, len(V) - used), constant_values=-1)
     named = named_parts(draft.mesh, faces, polygons, component)

@@ -181,7 +181,11 @@ def test_the_second_decoder(name: str) -> None:
 
 SPHERE = surface_of(meshes.icosphere(0)[1], 12, 0)
 PARAMETERS = lossless.quantize(
-    SPHERE, meshes.icosphere(0)[0], np.zeros((0, 3)), EXACTLY, factorization(SPHERE.laplacian)
+    SPHERE,
+    meshes.icosphere(0)[0],
+    np.zeros((0, 3)),
+    EXACTLY,
+    factorization(lambda: SPHERE.laplacian),
 )[0]
 flags, small = st.integers(0, 15), st.integers(-40, 1100)
 form = st.builds(
