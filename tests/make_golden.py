@@ -14,6 +14,8 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import math
+import struct
 import zlib
 
 import attributed
@@ -661,7 +663,18 @@ def refused_steps():
         "steps-roots-cut": forging.forged(c, CART=roots[:3] + bytes([roots[3] - 1]) + roots[4:]),
         "steps-roots-moved": moved_root(c),
         "steps-within-a-component": uneven(c),
+        "parts-told-of-nothing": told(h, b"\0\0\1"),
+        "parts-told-of-0": told(h, b"\1\0\0"),
+        "parts-told-cut": told(h, b"\0\0\2" + bytes(12)),
+        "parts-told-and-more": told(h, b"\1\0\1\0"),
+        "parts-told-infinite": told(h, b"\0\0\2" + struct.pack("<fd", 0, math.inf) + b"\0"),
+        "parts-told-unprintable": told(h, b"\0\0\2" + bytes(12) + b"\2\x1b["),
     }
+
+
+def told(data, tail):
+    """The file with this after the source in `meta`."""
+    return with_section(data, "meta", forging.section("meta", payload_of(data, "meta") + tail))
 
 
 def moved_root(data):

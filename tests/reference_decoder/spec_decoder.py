@@ -1266,7 +1266,7 @@ def positions(p, faces, near, exact):
     of_vectors = np.concatenate((r, free))
     held = r[indices] if indices else free[:0]
     all_of_them = vectors * of_vectors, points * held, isolated, fine * r[: len(fine)], fixes
-    largest = max(np.abs(one).max(initial=0) for one in all_of_them)
+    largest = max(float(np.abs(one).max(initial=0)) for one in all_of_them)
     check(
         largest * max(step * p["coarse"], p["anchor_step"]) + max(map(abs, origin)) <= 1e152,
         "positions that are too large",

@@ -79,6 +79,14 @@ def test_golden_file_tells_of_itself(name: str) -> None:
     assert container.meta is not None
 
 
+def test_golden_files_tell_of_parts_and_of_faces_that_are_lost() -> None:
+    """Each beginning of the end of `meta`: all of it, without a part, none."""
+    metas = [info((GOLDEN / f"{name}.dmesh").read_bytes()).meta for name in names(GOLDEN)]
+    assert {(m.lost, m.turned, m.parts) for m in metas} >= {(0, 0, 1), (3, 300, 3), (0, 1, 1)}
+    (several,) = (m for m in metas if m.parts > 1)
+    assert (several.part, several.part_normal, several.part_rms) == ("tétraèdre", 1.5, 0.0123)
+
+
 @pytest.mark.parametrize("row", TABLE, ids=lambda row: row.split("\t")[0])
 def test_refused_file_is_refused(row: str) -> None:
     name, kind, offset, message = row.split("\t")
