@@ -48,7 +48,14 @@ def _pointer(
             f"an array of {array.dtype}, {array.shape}, where the core takes a contiguous one of "
             f"{np.dtype(dtype)}, {shape}"
         )
-    return c_void_p(array.__array_interface__["data"][0])
+    return address(array)
+
+
+def address(array: NDArray[Any]) -> c_void_p:
+    """Return the pointer to an array of any kind, which it keeps; the caller has checked it."""
+    pointer = c_void_p(array.__array_interface__["data"][0])
+    pointer.array = array  # type: ignore[attr-defined]
+    return pointer
 
 
 def ints(array: NDArray[Any], *shape: int) -> c_void_p:
@@ -88,11 +95,8 @@ def bools_out(array: NDArray[Any], *shape: int) -> c_void_p:
 
 
 def scratch(*shape: int) -> c_void_p:
-    """Return a pointer to int64 numbers that a call may use; it keeps the memory."""
-    array = np.empty(shape, dtype=np.int64)
-    pointer = ints_out(array, *shape)
-    pointer.array = array  # type: ignore[attr-defined]
-    return pointer
+    """Return a pointer to int64 numbers that a call may use, of any value."""
+    return address(np.empty(shape, dtype=np.int64))
 
 
 def number() -> c_int64:
@@ -114,10 +118,16 @@ def call(name: str, *arguments: object) -> int:
     ValueError
         If the core finds that the arguments contradict each other.
     """
-    status: int = getattr(LIBRARY, name)(*map(_converted, arguments))
+    status = invoke(name, *arguments)
     if status == INVALID:
         raise ValueError(f"{name}: arguments that contradict each other")
     return status
+
+
+def invoke(name: str, *arguments: object) -> int:
+    """Call a function of the core, and return what it does; for the arguments, see `call`."""
+    result: int = getattr(LIBRARY, name)(*map(_converted, arguments))
+    return result
 
 
 def _converted(argument: object) -> object:

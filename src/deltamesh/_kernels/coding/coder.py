@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.models import Model
-from deltamesh._kernels.core import LIBRARY, call, constant, ints, number, table
+from deltamesh._kernels.core import LIBRARY, address, call, constant, ints, invoke, number, table
 
 MAX_INPUTS = constant("DM_MAX_INPUTS")
 PROBABILITY_BITS = constant("DM_PROBABILITY_BITS")  # of a slot; below it count the observations
@@ -105,13 +105,13 @@ def new_coder(model: Model, data: NDArray[np.uint8], decoding: bool) -> Coder:
     call(
         "dm_start",
         coder.pointer,
-        slots.ctypes,
+        address(slots),
         len(slots),
-        mixers.ctypes,
+        address(mixers),
         len(mixers),
-        kinds.ctypes,
+        address(kinds),
         len(kinds),
-        data.ctypes,
+        address(data),
         len(data),
         decoding,
     )
@@ -120,13 +120,12 @@ def new_coder(model: Model, data: NDArray[np.uint8], decoding: bool) -> Coder:
 
 def is_finished(c: Coder) -> bool:
     """Return whether a decoder has come to where the encoder stopped, with nothing left over."""
-    return bool(LIBRARY.dm_is_finished(c.pointer))
+    return bool(invoke("dm_is_finished", c.pointer))
 
 
 def finish_encoding(c: Coder) -> int:
     """Flush, with as many zero bytes at the end as can be, leave these out, return the length."""
-    length: int = LIBRARY.dm_finish(c.pointer)
-    return length
+    return invoke("dm_finish", c.pointer)
 
 
 def code_raw(c: Coder, value: int, bits: int) -> int:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.front import Front
-from deltamesh._kernels.core import OK, call, ints_out
+from deltamesh._kernels.core import OK, address, call, ints_out
 from deltamesh_formats.array_types import Ints
 
 HALFEDGE = np.dtype([("start", np.int64), ("opposite", np.int64), ("node", np.int64)])
@@ -66,4 +66,4 @@ def grow(c: Coder, front: Front, r: Region, loops: int, loop_start: int) -> bool
 def _records(array: NDArray[Any], dtype: np.dtype[Any]) -> c_void_p:
     if array.dtype != dtype or not array.flags.c_contiguous or not array.flags.writeable:
         raise ValueError(f"an array of {array.dtype}, where the core takes one of {dtype}")
-    return c_void_p(array.ctypes.data)
+    return address(array)

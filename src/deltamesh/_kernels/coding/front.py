@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._kernels.core import LIBRARY, call, ints_out, number
+from deltamesh._kernels.core import LIBRARY, address, call, ints_out, invoke, number
 from deltamesh_formats.array_types import Ints
 
 _BUCKETS = 64
@@ -75,8 +75,7 @@ def new_front(capacity: int) -> Front:
     """Return an empty front for at most `capacity` nodes."""
     nodes, live = np.empty(capacity, dtype=NODE), np.empty(capacity, dtype=np.int64)
     front = Front(Counts(), nodes, live)
-    arrays = c_void_p(nodes.ctypes.data), ints_out(live, capacity)
-    LIBRARY.dm_start_front(front.pointer, *arrays, c_int64(capacity))
+    invoke("dm_start_front", front.pointer, address(nodes), ints_out(live, capacity), capacity)
     return front
 
 
@@ -99,5 +98,4 @@ def set_free(front: Front, node: int, free: int) -> None:
 
 def choose_pivot(front: Front) -> int:
     """Return the oldest node with the fewest free edges, -1 when all fronts are closed."""
-    node: int = LIBRARY.dm_choose_pivot(front.pointer)
-    return node
+    return invoke("dm_choose_pivot", front.pointer)
