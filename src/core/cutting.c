@@ -93,26 +93,30 @@ int dm_pair_up(const int64_t *order, int64_t length, const int64_t *bounds, int6
 /* Label the fans of corners in the order of first corners, and set how many there are. */
 int dm_label_fans(const int64_t *opposite, int64_t halfedges, int64_t *label, int64_t *count)
 {
-    if (halfedges % 3 != 0 || !dm_all_in(opposite, halfedges, -1, halfedges))
-        return DM_INVALID;
-    for (int64_t h = 0; h < halfedges; h++)
+    int64_t fans = 0;
+    int valid = halfedges % 3 == 0;
+    for (int64_t h = 0; h < halfedges; h++) {
+        valid &= (uint64_t)opposite[h] + 1 <= (uint64_t)halfedges;
         label[h] = -1;
-    *count = 0;
+    }
+    if (!valid)
+        return DM_INVALID;
     for (int64_t h = 0; h < halfedges; h++) {
         if (label[h] >= 0)
             continue;
         int64_t g = h;
         while (g >= 0 && label[g] < 0) {
-            label[g] = *count;
+            label[g] = fans;
             g = opposite[g] >= 0 ? dm_next(opposite[g]) : -1;
         }
         g = g < 0 ? h : -1;
         for (int64_t left = halfedges; left > 0 && g >= 0; left--) {
-            label[g] = *count;
+            label[g] = fans;
             g = opposite[dm_previous(g)];
         }
-        (*count)++;
+        fans++;
     }
+    *count = fans;
     return DM_OK;
 }
 

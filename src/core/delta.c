@@ -78,12 +78,17 @@ int dm_code_refinements(dm_coder *c, const int64_t *indptr, int64_t n, const int
     return DM_OK;
 }
 
-/* A number of steps as an integer, the nearest one; what has none becomes the least integer. */
+/* A number of steps as an integer, the nearest one, the even one of two; what has none becomes the
+   least integer. */
 static int64_t rounded(double steps, double zone)
 {
+    /* Doubles around it are 1 apart: the sum is rounded to an integer, without a call of rint. */
+    const double shift = 0x1.8p52;
     if (!(fabs(steps) > 0.5 + zone))
         return 0;
-    return fabs(steps) < 9e18 ? (int64_t)rint(steps) : INT64_MIN;
+    if (fabs(steps) < 0x1p51)
+        return (int64_t)((steps + shift) - shift);
+    return fabs(steps) < 0x1p63 ? (int64_t)steps : INT64_MIN; /* an integer already */
 }
 
 /* Round delta / step into `out` (n, 3), or its component along `normals` into `out` (n, 1).
@@ -91,12 +96,12 @@ static int64_t rounded(double steps, double zone)
    Each vertex has its own of the `steps` (n,). Numbers within 0.5 + `zone` steps of 0 become 0. The
    error is passed on, in equal parts, to the neighbours that are still to come, into `delta` (n, 3),
    which is used up: the share `normal` of its component along the normal, the share `tangential` of
-   the rest. */
+   the rest. Neighbours ascend in the rows of the graph. */
 int dm_diffuse(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
                double *delta, const double *normals, const double *steps, double zone,
                double tangential, double normal, int64_t columns, int64_t *out)
 {
-    if ((columns != 1 && columns != 3) || !dm_is_graph(indptr, n, indices, entries))
+    if ((columns != 1 && columns != 3) || !dm_are_bounds(indptr, n, entries))
         return DM_INVALID;
     for (int64_t i = 0; i < n; i++) {
         const double step = steps[i];
@@ -112,16 +117,21 @@ int dm_diffuse(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t
             for (int axis = 0; axis < 3; axis++)
                 a[axis] -= (double)out[i] * step * N[axis];
         }
-        int64_t waiting = 0;
-        for (int64_t at = indptr[i]; at < indptr[i + 1]; at++)
-            waiting += indices[at] > i;
+        const int64_t end = indptr[i + 1];
+        int64_t first = end; /* of the neighbours still to come, which are the last ones */
+        while (first > indptr[i] && indices[first - 1] > i)
+            if (indices[--first] >= n)
+                return DM_INVALID;
+        if (first == end)
+            continue;
         const double along = a[0] * N[0] + a[1] * N[1] + a[2] * N[2];
-        for (int axis = 0; axis < 3; axis++) {
-            const double share = tangential * (a[axis] - along * N[axis]) + normal * along * N[axis];
-            for (int64_t at = indptr[i]; at < indptr[i + 1]; at++)
-                if (indices[at] > i)
-                    delta[3 * indices[at] + axis] += share / (double)waiting;
-        }
+        double share[3];
+        for (int axis = 0; axis < 3; axis++)
+            share[axis] = (tangential * (a[axis] - along * N[axis]) + normal * along * N[axis]) /
+                          (double)(end - first);
+        for (int64_t at = first; at < end; at++)
+            for (int axis = 0; axis < 3; axis++)
+                delta[3 * indices[at] + axis] += share[axis];
     }
     return DM_OK;
 }

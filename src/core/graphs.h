@@ -7,10 +7,12 @@
 /* Whether all of `count` numbers are in [low, end). */
 static inline int dm_all_in(const int64_t *numbers, int64_t count, int64_t low, int64_t end)
 {
+    /* One comparison a number: those below `low` are large without a sign. */
+    const uint64_t range = (uint64_t)end - (uint64_t)low;
     int good = 1;
     for (int64_t i = 0; i < count; i++)
-        good &= numbers[i] >= low && numbers[i] < end;
-    return good;
+        good &= (uint64_t)numbers[i] - (uint64_t)low < range;
+    return end >= low ? good : count == 0;
 }
 
 /* Whether `bounds` (rows + 1,) ascend from 0 to `entries`. */
