@@ -300,6 +300,20 @@ DM_API int dm_local_maxima(const int64_t *indptr, int64_t n, const int64_t *indi
 DM_API int dm_subtract_product(double *block, int64_t n, int64_t width, const double *W,
                                int64_t row, int64_t count, const int64_t *rows, double *columns);
 
+/* elimination.c */
+DM_API int dm_breadth(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+                      int64_t *part, int64_t *level, int64_t *queue, double *breadth);
+DM_API int dm_dissect(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+                      int64_t *order, int64_t *part, int64_t *level, int64_t *queue, int64_t *old,
+                      int64_t *begins, int64_t *ends);
+DM_API int dm_factor_entries(const int64_t *indptr, int64_t n, const int64_t *indices,
+                             int64_t entries, const int64_t *order, int64_t most, int64_t *rank,
+                             int64_t *parent, int64_t *ancestor, int64_t *seen, int64_t *count);
+DM_API int dm_product_entries(const int64_t *rows, int64_t m, const int64_t *row_indices,
+                              int64_t entries, const int64_t *columns, int64_t n,
+                              const int64_t *column_indices, int64_t most, int64_t *seen,
+                              int64_t *count);
+
 /* neighbours.c */
 DM_API int dm_fill_neighbours(const int64_t *pairs, int64_t edges, int64_t n, int64_t *indptr,
                               int64_t *indices);
