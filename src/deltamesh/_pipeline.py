@@ -15,7 +15,7 @@ from deltamesh._content import NOTHING, Content
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.solve import factorization
-from deltamesh._limits import check_limits
+from deltamesh._limits import check_limits, memory_to_solve
 from deltamesh._measures.metrics import diagonal
 from deltamesh._options import Options
 from deltamesh._progress import Progress, silent
@@ -127,7 +127,8 @@ def decode_mesh(
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
     _check_scale(container, content.integers)
-    factor = factorization(surface.laplacian, solver, threads)
+    to_solve = memory_to_solve(container, memory)
+    factor = factorization(surface.laplacian, solver, threads, to_solve)
     coder = geometry_codec(parameters.method)
     points = coder.reconstruct(surface, parameters, content.integers, factor)
     return content.mesh(points, parameters.single)

@@ -13,14 +13,16 @@ from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.search import Trial, smallest
 from deltamesh._geometry.solve import factorization
+from deltamesh._limits import memory_to_encode
 from deltamesh._measures.metrics import diagonal, errors_from, mean_edge
 from deltamesh._mesh import LARGEST
+from deltamesh._methods import AUTO, CARTESIAN
 from deltamesh._options import Settings
 from deltamesh._sections.draft import Draft
 from deltamesh._shape.complexes import distinct_faces
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Container, Parameters
-from deltamesh_formats.errors import MeshError
+from deltamesh_formats.errors import LimitError, MeshError
 from deltamesh_formats.polymesh.triangles import fans
 
 
@@ -28,7 +30,8 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
     """Return the payloads of the smallest geometry that is good enough, and the draft with it."""
     options, structure, V = draft.options, draft.shape.structure, draft.positions
     surface, used = structure.surface, structure.complex.used
-    factor = factorization(surface.laplacian, options.solver, options.threads)
+    memory = memory_to_encode(surface.vertex_count)
+    factor = factorization(surface.laplacian, options.solver, options.threads, memory)
     bounds = bounds_of(options, diagonal(V))
     errors_of = errors_from(V, _measured(draft))
 
@@ -45,7 +48,14 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
         payloads = partial(coder.encode, surface, parameters, integers)
         return Trial(settings, parameters, integers, payloads, decoded, errors_of(decoded))
 
-    trial = smallest(options, bounds, mean_edge(V[:used], surface.faces), attempt)
+    edge = mean_edge(V[:used], surface.faces)
+    try:
+        trial = smallest(options, bounds, edge, attempt)
+    except LimitError as error:
+        if options.method != AUTO or options.bits == 0:
+            raise MeshError(f"{error}; try method cartesian") from error
+        options = replace(options, method=CARTESIAN.name, coarse=None)
+        trial = smallest(options, bounds, edge, attempt)
     content = replace(draft.content, integers=trial.integers)
     return trial.payloads, replace(draft, trial=trial, content=content)
 
