@@ -82,6 +82,7 @@ TWINS: Mapping[str, tuple[str, ...] | str] = {
     "mesh.cutting": ("oracle.fans", "oracle.orient"),
     "mesh.diagonals": ("polygon_oracle.choose",),
     "mesh.distance": ("oracle.farthest",),
+    "mesh.elimination": ("oracle.factor_entries",),
     "mesh.halfedges": ("polygon_oracle.after", "polygon_oracle.before"),
     "mesh.outlines": ("polygon_oracle.outlines",),
 }

@@ -28,6 +28,15 @@ def least_squares(matrix, anchors, delta, positions):
     )[0]
 
 
+def factor_entries(matrix, order):
+    """Entries of the triangular factor, by playing the elimination game on a dense matrix."""
+    filled = matrix.toarray()[order][:, order] != 0
+    for i in range(len(filled)):
+        below = np.flatnonzero(filled[i + 1 :, i]) + i + 1
+        filled[np.ix_(below, below)] = True
+    return int(np.tril(filled).sum())
+
+
 def graph_distances(matrix, sources):
     """Edges from each vertex to the nearest source; n where there is none."""
     n = len(matrix)

@@ -14,6 +14,7 @@ from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.search import ScaleError, Trial, smallest
 from deltamesh._geometry.solve import factorization
+from deltamesh._limits import memory_to_encode
 from deltamesh._measures.metrics import (
     VertexErrors,
     diagonal,
@@ -23,18 +24,31 @@ from deltamesh._measures.metrics import (
     vertex_errors,
 )
 from deltamesh._mesh import LARGEST
-from deltamesh._options import Settings
+from deltamesh._methods import AUTO, CARTESIAN
+from deltamesh._options import Options, Settings
 from deltamesh._sections.draft import Draft
 from deltamesh._shape.complexes import distinct_faces
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.container import Container, Parameters
+from deltamesh_formats.errors import LimitError, MeshError
 
 
 def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
     """Return the payloads of the smallest geometry that is good enough, and the draft with it."""
-    options, structure, V = draft.options, draft.shape.structure, draft.positions
+    options = draft.options
+    try:
+        return _encode(draft, options)
+    except LimitError as error:
+        if options.method != AUTO or options.bits == 0:
+            raise MeshError(f"{error}: try method cartesian") from error
+        return _encode(draft, replace(options, method=CARTESIAN.name, coarse=None))
+
+
+def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
+    structure, V = draft.shape.structure, draft.positions
     surface, used = structure.surface, structure.complex.used
-    factor = factorization(surface.laplacian, options.solver, options.threads)
+    memory = memory_to_encode(surface.vertex_count)
+    factor = factorization(surface.laplacian, options.solver, options.threads, memory)
     bounds = bounds_of(options, diagonal(V))
     faces = _measured(draft)
 
