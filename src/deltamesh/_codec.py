@@ -152,7 +152,7 @@ def encode(
     ------
     MeshError
         If the arrays are not a mesh; the first element at fault is named. If decoding method
-        "refined" or "highpass" would take more than three times the usual memory.
+        "refined" or "highpass" would take more than twice the usual memory.
     OptionError
     TargetError
         If no trial keeps the errors within their bounds; the message has the least ones found.

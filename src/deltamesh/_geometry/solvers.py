@@ -136,8 +136,8 @@ def check_memory(needed: float, memory: float) -> None:
     """
     if needed > memory:
         raise LimitError(
-            f"solving for the positions takes {needed / 2**20:.0f} MiB or more, above the limit of"
-            f" {memory / 2**20:.0f} MiB: the edges are not those of a surface"
+            "the edges are not those of a surface: solving for the positions takes more than the"
+            f" limit of {memory / 2**20:.0f} MiB"
         )
 
 
@@ -158,7 +158,7 @@ def _check_breadth(matrix: sparse.csr_array, entry: float, memory: float) -> Non
 
 
 def _check_fill(matrix: sparse.csr_array, order: Ints, entry: float, memory: float) -> None:
-    """Refuse an order of elimination with too many entries of so many bytes."""
+    """Refuse an order of elimination whose factor has too many entries of so many bytes."""
     most = int(min(memory / entry, 1 << 60))
     entries = elimination.factor_entries(*pattern(matrix), order, most)
     check_memory(entry * entries, memory)

@@ -40,7 +40,7 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
         return _encode(draft, options)
     except LimitError as error:
         if options.method != AUTO or options.bits == 0:
-            raise MeshError(f"{error}: try method cartesian") from error
+            raise MeshError(f"{error}; try method cartesian") from error
         return _encode(draft, replace(options, method=CARTESIAN.name, coarse=None))
 
 
