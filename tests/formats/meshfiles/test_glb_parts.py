@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import tracemalloc
 from typing import Any
 
 import numpy as np
@@ -36,7 +37,7 @@ from deltamesh_formats.meshfiles.glb.scene import placed_meshes, scene_losses
 from deltamesh_formats.meshfiles.glb.schema import check_types
 from deltamesh_formats.meshfiles.glb.semantics import name_of, semantic_of
 from deltamesh_formats.meshfiles.glb.vertex_groups import grouped
-from deltamesh_formats.polymesh.mesh import Attribute
+from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 
 # ---- Chunks ------------------------------------------------------------------------------------
 
@@ -305,7 +306,7 @@ def test_vertices_are_repeated_where_corners_differ() -> None:
     assert len(found.vertex) == len(mesh.corners)
     cut = mesh.triangulation()
     np.testing.assert_array_equal(found.vertex[found.faces], cut.faces)
-    np.testing.assert_array_equal(found.rows[0][found.faces], cut.corners)
+    np.testing.assert_array_equal(found.rows[0][0][found.faces], cut.corners)
     np.testing.assert_array_equal(found.polygon, cut.polygon)
     assert found.lost == ()
 
@@ -328,7 +329,29 @@ def test_attributes_that_only_some_corners_have_are_named() -> None:
     partly = Attribute("heat", "vertex", np.zeros((20, 1)), index=index)
     found = grouped(mesh, [partly], np.zeros(20, dtype=np.int64))
     assert found.lost == ("attributes that not all corners of a face have",)
-    assert sorted(set((found.rows[0] < 0).tolist())) == [False, True]
+    assert [list(rows) for rows in found.rows] == [[0], []]
+
+
+def test_many_attributes_of_few_vertices_take_less_than_their_mesh() -> None:
+    """Of each only the corners that have it are kept, and not a number for every corner."""
+    count = 400
+    corners = np.arange(4 * count)
+    index = np.where(np.arange(count)[:, None] == corners // 4, corners % 4, -1)
+    values = np.zeros((4, 1))
+    attributes = [Attribute(f"_{i}", "vertex", values, index=row) for i, row in enumerate(index)]
+    squares = np.random.default_rng(0).random((4 * count, 3))
+    mesh = PolyMesh(squares, corners, 4 * np.arange(count + 1), tuple(attributes))
+    objects = np.zeros(count, dtype=np.int64)
+    tracemalloc.start()
+    found = grouped(mesh, attributes, objects)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < index.nbytes / 2
+    assert found.lost == ()
+    assert [list(rows) for rows in found.rows] == [[i] for i in range(count)]
+    for i, rows in enumerate(found.rows):
+        here = found.vertex[found.starts[i] : found.starts[i + 1]]
+        np.testing.assert_array_equal(rows[i], index[i][here])
 
 
 @pytest.mark.parametrize(
