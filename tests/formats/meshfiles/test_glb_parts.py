@@ -69,10 +69,12 @@ def test_buffers_are_the_binary_chunk_or_base64() -> None:
         (glb((JSON_CHUNK, b"{}"))[:-1], "is it cut short"),
         (glb((BINARY_CHUNK, b"")), "it has no JSON"),
         (glb((JSON_CHUNK, b"{")), "its JSON is not readable"),
-        (glb((JSON_CHUNK, b"[" * 100_000)), "its JSON is not readable"),
+        (glb((JSON_CHUNK, b"[" * 100_000)), "a number that is too long, or too many brackets"),
+        (glb((JSON_CHUNK, b"[" + b"1" * 5000 + b"]")), "a number that is too long"),
+        (glb((JSON_CHUNK, b'{"a": "\xff"}')), "its JSON is not UTF-8"),
         (glb((JSON_CHUNK, b"[]")), "its JSON is not an object"),
         (glb(json_chunk({"buffers": {}})), "buffers is {}, not an array"),
-        (glb(json_chunk({"buffers": [{"uri": "x.bin"}]})), "buffer 0 is in another file, 'x.bin'"),
+        (glb(json_chunk({"buffers": [{"uri": "x.bin"}]})), 'buffer 0 is in another file, "x.bin"'),
         (
             glb(json_chunk({"buffers": [{"uri": "data:;base64,A"}]})),
             "buffer 0 is not readable",
@@ -134,11 +136,11 @@ ACCESSOR = {"bufferView": 0, "count": 3, "componentType": 5126, "type": "SCALAR"
         ({"buffer": 1}, {}, "refers to buffer 1, of 1"),
         ({"extensions": {"EXT_meshopt_compression": {}}}, {}, "is compressed"),
         ({}, {"count": -1}, "its count is -1, not a count"),
-        ({}, {"count": True}, "its count is True, not a count"),
+        ({}, {"count": True}, "its count is true, not a count"),
         ({}, {"componentType": 5124}, "no component type 5124"),
-        ({}, {"type": "VEC5"}, "unknown type 'VEC5'"),
+        ({}, {"type": "VEC5"}, 'unknown type "VEC5"'),
         ({}, {"bufferView": 1}, "refers to bufferViews 1, of 1"),
-        ({}, {"bufferView": "0"}, "refers to bufferViews '0', of 1"),
+        ({}, {"bufferView": "0"}, 'refers to bufferViews "0", of 1'),
     ],
 )
 def test_accessors_that_lead_out_are_refused(
@@ -164,7 +166,7 @@ def test_numbers_and_lists_in_json_are_checked() -> None:
     found = reals({"scale": [1, 2.5, 3]}, "scale", 3)
     assert found is not None
     assert found.tolist() == [1, 2.5, 3]
-    for bad in ([1, 2], [1, 2, "3"], [1, 2, float("nan")], "123"):
+    for bad in ([1, 2], [1, 2, "3"], [1, 2, float("nan")], [1, 2, 10**400], [1, 2, True], "123"):
         with pytest.raises(MeshError, match="scale is not 3 numbers"):
             reals({"scale": bad}, "scale", 3)
 

@@ -19,6 +19,7 @@ from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles.glb import placement
 from deltamesh_formats.meshfiles.glb.chunks import Gltf, Tree, items, read_chunks
 from deltamesh_formats.meshfiles.glb.scene import Placed, placed_meshes, scene_losses
+from deltamesh_formats.meshfiles.glb.schema import shown
 from deltamesh_formats.meshfiles.glb.semantics import name_of
 from deltamesh_formats.meshfiles.triangle_strips import triangles_of_strips
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
@@ -121,7 +122,7 @@ def _primitives(
             lost[_MODES[mode]] = None
             continue
         if mode not in (_TRIANGLES, _STRIP, _FAN):
-            raise MeshError(f"a primitive of mesh {mesh} has mode {mode!r}")
+            raise MeshError(f"a primitive of mesh {mesh} has mode {shown(mode)}")
         if "targets" in primitive:
             lost["morph targets"] = None
         accessors = primitive["attributes"]
