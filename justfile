@@ -5,9 +5,10 @@
 test *arguments:
     python -m pytest {{arguments}}
 
-# Write the golden and the refused files anew; only when the file format changes.
-golden:
-    PYTHONPATH=tests/support:tests/oracles:tests/reference_decoder python tests/make_golden.py
+# Write the golden and the refused files anew; only when the file format changes. With --add, only
+# those that are missing.
+golden *options:
+    PYTHONPATH=tests/support:tests/oracles:tests/reference_decoder python tests/make_golden.py {{options}}
 
 # Check style and layers.
 lint:

@@ -101,6 +101,21 @@ def errors_object(meta: Meta) -> dict[str, object]:
         "normal_deviation_degrees": meta.normal,
         "dihedral_degrees": meta.dihedral,
         "diagonal": meta.diagonal,
+        "triangles_lost": meta.lost,
+        "triangles_turned": meta.turned,
+        "parts": meta.parts,
+        "worst_part": part_object(meta.part, meta.part_normal, meta.part_rms)
+        if meta.parts > 1
+        else None,
+    }
+
+
+def part_object(name: str, normal_deviation: float, relative_rms: float) -> dict[str, object]:
+    """Return the errors of a part for `--json`."""
+    return {
+        "name": name,
+        "normal_deviation_degrees": normal_deviation,
+        "rms_relative": relative_rms,
     }
 
 

@@ -28,11 +28,18 @@ from deltamesh._version import __version__
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Meta
-from deltamesh_formats.container.layout import CHECK, FILLING, MAX_COUNT, PARAMETERS
+from deltamesh_formats.container.layout import (
+    CHECK,
+    FILLING,
+    MAX_COUNT,
+    PARAMETERS,
+    STRING_MAX_BYTES,
+)
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_container
 from deltamesh_formats.errors import FormatError, LimitError
 from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.printing import shortened
 
 
 @dataclass(frozen=True)
@@ -125,7 +132,9 @@ def _proven(data: bytes) -> Container:
 
 
 def _meta(draft: Draft) -> Meta:
-    errors = draft.chosen.errors
+    errors, report = draft.chosen.measured.errors, draft.report
+    assert report is not None
+    worst = report.worst
     return Meta(
         rms=errors.rms,
         max=errors.max,
@@ -134,6 +143,12 @@ def _meta(draft: Draft) -> Meta:
         diagonal=diagonal(draft.positions),
         encoder=f"deltamesh {__version__}",
         source=draft.options.source_format,
+        lost=len(report.lost),
+        turned=len(report.turned),
+        parts=report.parts,
+        part="" if worst is None else shortened(worst.name, STRING_MAX_BYTES),
+        part_normal=0.0 if worst is None else worst.normal_deviation,
+        part_rms=0.0 if worst is None else worst.relative_rms,
     )
 
 

@@ -6,6 +6,7 @@ import golden_polymeshes
 import numpy as np
 import pytest
 from graphs import FREE_SOLVERS as SOLVERS
+from graphs import tolerances
 from places import GOLDEN, REFUSED
 
 from deltamesh import decode, info, verify
@@ -44,6 +45,9 @@ def test_golden_file_decodes(name: str, solver: str) -> None:
                 np.testing.assert_array_equal(own[key], expected[key])
         atol = 1e-9 * diagonal(expected["vertices"])
         np.testing.assert_allclose(mesh.vertices, expected["vertices"], rtol=0, atol=atol)
+        if "STEP" in info(data).sections:
+            error = np.abs(mesh.vertices - expected["vertices"])
+            assert (error <= tolerances(mesh.vertices, mesh.triangles)).all()
         entries = entries_of(read_container(data))
         assert len(entries) == sum(key.startswith("values") for key in expected)
         for i, (entry, attribute) in enumerate(zip(entries, mesh.attributes, strict=True)):
@@ -73,6 +77,14 @@ def test_golden_file_tells_of_itself(name: str) -> None:
         assert container.triangles == len(faces)
     assert name.startswith(container.parameters.method)
     assert container.meta is not None
+
+
+def test_golden_files_tell_of_parts_and_of_faces_that_are_lost() -> None:
+    """Each beginning of the end of `meta`: all of it, without a part, none."""
+    metas = [info((GOLDEN / f"{name}.dmesh").read_bytes()).meta for name in names(GOLDEN)]
+    assert {(m.lost, m.turned, m.parts) for m in metas} >= {(0, 0, 1), (3, 300, 3), (0, 1, 1)}
+    (several,) = (m for m in metas if m.parts > 1)
+    assert (several.part, several.part_normal, several.part_rms) == ("tétraèdre", 1.5, 0.0123)
 
 
 @pytest.mark.parametrize("row", TABLE, ids=lambda row: row.split("\t")[0])

@@ -277,10 +277,19 @@ def read_meta(payload: Buffer) -> Meta:
     ------
     FormatError
     """
-    values, offsets = _read_table(payload, layout.META_FIELDS)
+    fields: tuple[Field, ...] = layout.META_FIELDS
+    _, _, end = _read_fields(payload, 0, fields)
+    has_losses = end < len(payload)
+    if has_losses:
+        fields += layout.META_LOSS_FIELDS
+        if _read_fields(payload, 0, fields)[0]["parts"] > 1:
+            fields += layout.META_PART_FIELDS
+    values, offsets = _read_table(payload, fields)
     meta = Meta(**values)
     for field, message in meta_faults(meta):
         raise FormatError(message, offsets[field])
+    if has_losses != meta.has_losses:
+        raise FormatError("no faces are lost or turned, and there is one part", offsets["lost"])
     return meta
 
 

@@ -2,33 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from deltamesh._content import Content
-from deltamesh._geometry.bounds import bounds_of
+from deltamesh._geometry.bounds import Binding, bounds_of
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
-from deltamesh._geometry.search import ScaleError, Trial, smallest
+from deltamesh._geometry.part_search import components_of
+from deltamesh._geometry.search import smallest
 from deltamesh._geometry.solve import factorization
+from deltamesh._geometry.steps import anchor_ratios, ratios
+from deltamesh._geometry.trial import ScaleError, Trial
 from deltamesh._limits import memory_to_encode
-from deltamesh._measures.metrics import (
-    VertexErrors,
-    diagonal,
-    errors_from,
-    mean_edge,
-    rounded_up,
-    vertex_errors,
-)
+from deltamesh._measures.measure import Measure
+from deltamesh._measures.metrics import diagonal
+from deltamesh._measures.named_parts import NamedParts, named_parts
+from deltamesh._measures.report import report_of
 from deltamesh._mesh import LARGEST
 from deltamesh._methods import AUTO, CARTESIAN
 from deltamesh._options import Options, Settings
-from deltamesh._sections.draft import Draft
+from deltamesh._sections.draft import Cost, Draft
 from deltamesh._shape.complexes import distinct_faces
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Container, Parameters
 from deltamesh_formats.errors import LimitError, MeshError
 
@@ -49,13 +47,12 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
     surface, used = structure.surface, structure.complex.used
     memory = memory_to_encode(surface.vertex_count)
     factor = factorization(surface.laplacian, options.solver, options.threads, memory)
-    bounds = bounds_of(options, diagonal(V))
-    faces = _measured(draft)
+    faces, polygons = _measured(draft)
+    component = np.pad(surface.labels, (0, len(V) - used), constant_values=-1)
+    named = named_parts(draft.mesh, faces, polygons, component)
+    measure = Measure(V, faces, named.parts)
 
-    def recorded(decoded: Floats) -> VertexErrors:
-        return rounded_up(vertex_errors(V, decoded, faces))
-
-    def attempt(errors_of: Callable[[Floats], VertexErrors], settings: Settings) -> Trial:
+    def attempt(settings: Settings) -> Trial:
         draft.progress(f"geometry, {settings.method}")
         coder = geometry_codec(settings.method)
         parameters, integers, decoded = coder.quantize(
@@ -66,18 +63,15 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
             reason = f"coordinates of {largest:g} are too large for method {settings.method}"
             raise ScaleError(f"{reason}: try lossless")
         payloads = partial(coder.encode, surface, parameters, integers)
-        return Trial(settings, parameters, integers, payloads, decoded, errors_of(decoded))
+        return Trial(settings, parameters, integers, payloads, decoded, measure(decoded))
 
-    edge = mean_edge(V[:used], surface.faces)
-    trial = smallest(options, bounds, edge, partial(attempt, errors_from(V, faces)))
-    errors = recorded(trial.vertices)
-    if bounds is not None and bounds.excess(errors) > 1:
-        # So near to a bound that digits count, or a mesh of which the search has lost some.
-        trial = smallest(options, bounds, edge, partial(attempt, recorded))
-        errors = trial.errors
+    bounds = bounds_of(options, diagonal(V))
+    components = components_of(V[:used], surface.faces, named.parts, measure.diagonals)
+    trial = smallest(options, bounds, components, attempt, named.name)
+    report = report_of(trial.measured, named)
+    cost = None if bounds is None else _cost(bounds.binding(trial.measured), named)
     content = replace(draft.content, integers=trial.integers)
-    payloads, trial = trial.payloads, replace(trial, errors=errors)
-    return payloads, replace(draft, trial=trial, content=content)
+    return trial.payloads, replace(draft, trial=trial, report=report, cost=cost, content=content)
 
 
 def decode(container: Container, content: Content) -> Content:
@@ -87,17 +81,32 @@ def decode(container: Container, content: Content) -> Content:
     return replace(content, integers=coder.decode(surface, parameters, container.sections))
 
 
+def _cost(binding: Binding, named: NamedParts) -> Cost:
+    part = None if binding.part is None else named.name(binding.part)
+    return Cost(binding.name, binding.error, binding.bound, part)
+
+
 def has_scale(p: Parameters, i: Integers) -> bool:
-    """Return whether no position that these integers could mean would overflow (SPEC.md 5.7)."""
-    numbers = (i.values, i.positions, i.isolated, i.refinements, i.corrections)
-    values = max(int(np.abs(a).max(initial=0)) for a in numbers)
+    """Return whether no position that these integers could mean would overflow (SPEC.md 5.8)."""
+    of_vertices, of_anchors = ratios(i), anchor_ratios(i)
+    numbers = [np.abs(a) * of_vertices[: len(a)] for a in (i.values, i.refinements, i.corrections)]
+    numbers += [np.abs(i.positions) * of_anchors, np.abs(i.isolated)]
+    values = max(float(a.max(initial=0)) for a in numbers)
     steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
     return bool(values * steps + origin <= 100 * LARGEST)
 
 
-def _measured(draft: Draft) -> Ints:
-    """Return the triangles over points on which errors are measured: those of any reader."""
-    mesh, structure = draft.mesh, draft.shape.structure
-    if not len(structure.merged):
-        return structure.complex.manifold_faces
-    return distinct_faces(draft.shape.points[mesh.triangles])
+def _measured(draft: Draft) -> tuple[Ints, Ints]:
+    """Return the triangles over points on which errors are measured, and the polygon of each.
+
+    They are those of any reader.
+    """
+    mesh, shape = draft.mesh, draft.shape
+    if not len(shape.structure.merged):
+        faces = shape.structure.complex.manifold_faces
+        triangles = shape.triangle_provenance.corners[: len(faces), 0] // 3
+        return faces, shape.input.triangles.polygon[triangles]
+    cut = mesh.triangulation()
+    faces = shape.points[cut.faces]
+    kept = distinct_faces(faces)
+    return faces[kept], cut.polygon[kept]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 import zlib
 
@@ -127,7 +128,8 @@ def test_other_files_are_named(data, message):
 def test_versions_and_reserved_bits():
     rest = b"".join(pieces(written())[1].values())
     assert read_container(header() + rest)
-    assert refused(header(version=3) + b"anything", "version 3 needs a newer deltamesh") == 8
+    assert refused(header(version=4) + b"anything", "version 4 needs a newer deltamesh") == 8
+    assert refused(header(version=2) + rest, "no container version 2") == 8
     assert refused(header(version=0) + rest, "no container version 0") == 8
     for bit in range(16):
         assert refused(header(reserved=1 << bit) + rest, "reserved .* newer deltamesh") == 10
@@ -253,6 +255,10 @@ def test_a_short_parameter_payload(cut):
     refused(start + b"".join(parts.values()), "truncated")
 
 
+# Numbers and names of a `meta` that goes on with two parts.
+PARTS = bytes(32) + b"\0\0\0\0\2"
+
+
 @pytest.mark.parametrize(
     ("payload", "message"),
     [
@@ -261,7 +267,15 @@ def test_a_short_parameter_payload(cut):
         (bytes(32) + b"\1\x1b\0", "control characters"),
         (bytes(32) + b"\1\xff\0", "not UTF-8"),
         (bytes(32) + b"\0\1", "truncated"),
-        (bytes(32) + b"\0\0\0", "meta: 1 bytes follow the last field"),
+        (bytes(32) + b"\0\0\1", "meta: truncated"),
+        (bytes(32) + b"\0\0\1\2\1\0", "meta: 1 bytes follow the last field"),
+        (bytes(32) + b"\0\0\0\0\1", "no faces are lost or turned, and there is one part"),
+        (bytes(32) + b"\0\0\1\0\0", "0 parts"),
+        (bytes(32) + b"\0\0\0\0\2", "meta: truncated"),
+        (PARTS + struct.pack("<fd", -1, 1) + b"\0", "part_normal is -1"),
+        (PARTS + struct.pack("<fd", 1, math.inf) + b"\0", "part_rms is inf"),
+        (PARTS + struct.pack("<fd", 1, 1) + b"\1\n", "the part name holds control characters"),
+        (PARTS + struct.pack("<fd", 1, 1) + b"\1n\0", "meta: 1 bytes follow the last field"),
     ],
 )
 def test_meta_out_of_range(payload, message):

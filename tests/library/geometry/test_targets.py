@@ -10,6 +10,7 @@ import pytest
 
 from deltamesh import MeshError, OptionError, TargetError, decode, encode, info
 from deltamesh._geometry.bounds import Bounds, bounds_of
+from deltamesh._measures.measure import Measured
 from deltamesh._measures.metrics import VertexErrors, diagonal
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
@@ -22,9 +23,9 @@ BUMPY = meshes.torus(24, 16)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("bound", [3.0, 0.2])
 def test_angles_are_within_their_bounds_and_near_them(method, bound):
-    meta = info(encode(*BUMPY, method=method, normal_error=bound)).meta
+    meta = info(encode(*BUMPY, method=method, normal_error=bound, only=True)).meta
     assert 0.5 * bound < meta.normal <= bound
-    meta = info(encode(*BUMPY, method=method, dihedral_error=bound)).meta
+    meta = info(encode(*BUMPY, method=method, dihedral_error=bound, only=True)).meta
     assert 0.5 * bound < meta.dihedral <= bound
 
 
@@ -54,9 +55,10 @@ def test_a_better_quality_is_within_the_bounds_of_a_worse(quality):
 def test_the_excess_is_the_worst_share_and_names_what_was_missed():
     bounds = Bounds(rms=2.0, normal_deviation=1.0)
     errors = VertexErrors(rms=1.0, max=99.0, normal_deviation=3.0, dihedral=5.0)
-    assert bounds.excess(errors) == 3.0
-    assert bounds.distance_excess(errors) == 0.5
-    assert str(bounds.missed(errors)) == ("normal deviation 1 cannot be met: the least found is 3")
+    assert bounds.excess(Measured(errors)) == 3.0
+    assert bounds.part_excess(Measured(errors)) == (0.5, 3.0)
+    binding = bounds.binding(Measured(errors))
+    assert (binding.name, binding.error, binding.bound) == ("normal deviation", 3.0, 1.0)
 
 
 @pytest.mark.parametrize("method", METHODS)
