@@ -16,7 +16,7 @@ from deltamesh._content import NOTHING, Content
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.solve import factorization
-from deltamesh._limits import check_limits, filling
+from deltamesh._limits import check_limits, filling, memory_to_solve
 from deltamesh._measures.metrics import diagonal
 from deltamesh._options import Options
 from deltamesh._progress import Progress, silent
@@ -165,7 +165,8 @@ def decode_mesh(
     content = proven_content(container, max_vertices, memory, progress)
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
-    factor = factorization(lambda: surface.laplacian, solver, threads)
+    to_solve = memory_to_solve(container, memory)
+    factor = factorization(lambda: surface.laplacian, solver, threads, to_solve)
     coder = geometry_codec(parameters.method)
     points = coder.reconstruct(surface, parameters, content.integers, factor)
     return content.mesh(points, parameters.single)

@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh_formats.array_types import Bools, Floats, Ints
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.meshfiles.file_format import Written
 from deltamesh_formats.meshfiles.float32 import bounding_diagonal, rounded_positions
 from deltamesh_formats.meshfiles.glb import GLB, placement
@@ -51,7 +51,7 @@ def _kept(mesh: PolyMesh) -> list[_Kept]:
     Two of one name are kept when no vertex has both.
     """
     found: list[_Kept] = []
-    taken: dict[str, Bools] = {}
+    taken: dict[str, Ints] = {}
     for attribute in mesh.attributes:
         values = _single(attribute.values)
         if attribute.domain == "face" or attribute.width > 4 or values is None:
@@ -59,10 +59,11 @@ def _kept(mesh: PolyMesh) -> list[_Kept]:
         semantic = semantic_of(attribute)
         has = attribute.rows() >= 0
         if attribute.domain == "corner":
-            vertices, has = mesh.corners[has], np.zeros(len(mesh.vertices), dtype=bool)
-            has[vertices] = True
-        if not (taken.get(semantic, False) & has).any():
-            taken[semantic] = taken.get(semantic, False) | has
+            corners, has = mesh.corners[has], np.zeros(len(mesh.vertices), dtype=bool)
+            has[corners] = True
+        others = taken.get(semantic, np.empty(0, dtype=np.int64))
+        if not has[others].any():
+            taken[semantic] = np.append(others, np.flatnonzero(has))
             found.append((attribute, semantic, values))
     return found
 
@@ -161,13 +162,14 @@ class _Writer:
         bounds = {"min": local.min(axis=0).tolist(), "max": local.max(axis=0).tolist()}
         attributes = {"POSITION": self._add(self._accessor(local, _VERTICES) | bounds)}
         back = np.linalg.inv(matrix).astype(np.float64)
-        for (attribute, semantic, values), rows in zip(self.kept, self.groups.rows, strict=True):
-            if (rows[some] >= 0).all():
-                table = placement.turned(attribute.name, values[rows[some]], back)
-                accessor = self._accessor(table, _VERTICES)
-                if attribute.normalized:
-                    accessor["normalized"] = True
-                attributes[semantic] = self._add(accessor)
+        for number, rows in self.groups.rows[group].items():
+            attribute, semantic, values = self.kept[number]
+            accessor = self._accessor(
+                placement.turned(attribute.name, values[rows], back), _VERTICES
+            )
+            if attribute.normalized:
+                accessor["normalized"] = True
+            attributes[semantic] = self._add(accessor)
         begin, end = np.searchsorted(self.sorted[:, 0], [group, group + 1]).tolist()
         cuts = begin + np.flatnonzero(np.diff(self.sorted[begin:end, 1], prepend=-2))
         primitives = []
