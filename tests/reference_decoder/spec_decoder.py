@@ -554,7 +554,7 @@ class Conversion:
         count, self.deviations = flags >> 4 & 3, flags >> 7
         self.single, self.early = single, single and not flags & 64
         check(count < 3, "operations")
-        check(not flags & 64 or (single and count), "a conversion in binary64")
+        check(not flags & 64 or (single and count == 2), "a conversion in binary64")
         self.operations = [table.unpack("Bd") for _ in range(count)]
         for operator, operand in self.operations:
             check(operator < 3 and 2.0**-1022 <= abs(operand) <= 1e150, "an operation")
@@ -629,7 +629,7 @@ class Axis:
         if index == 0 and f == 0 and self.zeros:
             alike = sum(self.f[v] == 3 for v in known)
             negative = self.bit(stream, ("zero",), (None, alike, T))
-        number = -0.0 if negative else form.number(index, self.conversion.early)
+        number = -0.0 if negative else form.number(index, self.conversion.single)
         self.known(3 if negative else f, place, clamp(place - p, -(1 << 56), 1 << 56), number)
         size = level(abs(v) >> w)
         return f, (N + size + 1) // 2 if self.number else size

@@ -38,6 +38,8 @@ _SURELY: Final = 8.0
 # An addition may have begun with so many numbers for each value, or with so many at least and most.
 _ORIGINS: Final = 4
 _FEWEST_ORIGINS, _MOST_ORIGINS = 1 << 15, 1 << 18
+# Bits of rounding errors that a sum with a large number may explain.
+_EXPLAINED: Final = 12.0
 # The least that is saved, as a share of the bits without a conversion.
 LEAST_SAVED: Final = 0.01
 
@@ -57,15 +59,14 @@ def choose_conversion(
     cost, plain : float, ColumnFormats
         As `choose_formats` returns them.
     """
-    if len(plain.formats) == 1 and plain.formats[0].base == 10 and not plain.raw:
-        return cost, plain  # a lattice already
     lattice = find_lattice(values, single)
     if lattice is None:
         return cost, plain
     sample = sample_of(errors, values)
     length = _length(lattice.step, sample)
     enough = (1 - LEAST_SAVED) * cost - _CONVERSION_BITS
-    if length * len(values) > enough:
+    deviation = max(float(np.log2(lattice.noise + 1)) - _EXPLAINED, 0.0)
+    if (length + deviation) * len(values) > enough:
         return cost, plain
     best: tuple[float, ColumnFormats] = (np.inf, plain)
     sure = _surely(values, lattice)

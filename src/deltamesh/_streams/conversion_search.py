@@ -29,7 +29,7 @@ _MOST_DIGITS: Final = 3
 _AT_ONCE: Final = 1 << 11
 _SOME: Final = (3, 12, 48)
 # Neighbours, in their type, of an operand that are tried.
-_NEIGHBOURS: Final = 3
+_NEIGHBOURS: Final = 6
 # First multiples that fit, and are tried, of so many at once.
 _MOST_MOVED: Final = 4
 # Values whose differences bound a slope; those added to them, so many times, where it is wrong.
@@ -67,13 +67,12 @@ def _scaled(values: Floats, lattice: Lattice, single: bool) -> Iterator[Guess]:
     used = np.abs(multiples) > 0
     size, m = np.abs(values[used]), np.abs(multiples[used])
     half = units(size, single) / 2
-    for double in (False, True) if single else (False,):
-        for places in range(_MOST_PLACES + 1):
-            x = rounded_to(m / TENS[places], single and not double)
-            for factor in _operands((size - half) / x, (size + half) / x, single):
-                yield places, _of(double, (MULTIPLY, factor))
-            for divisor in _operands(x / (size + half), x / (size - half), single):
-                yield places, _of(double, (DIVIDE, divisor))
+    for places in range(_MOST_PLACES + 1):
+        x = rounded_to(m / TENS[places], single)
+        for factor in _operands((size - half) / x, (size + half) / x, single):
+            yield places, _of((MULTIPLY, factor))
+        for divisor in _operands(x / (size + half), x / (size - half), single):
+            yield places, _of((DIVIDE, divisor))
 
 
 def _moved(
@@ -84,7 +83,7 @@ def _moved(
     if decimals is None:
         return
     places, before = decimals
-    conversion = _of(False, *before)
+    conversion = _of(*before)
 
     def sources_of(multiples: Floats) -> Floats:
         return converted(rounded_to(multiples / TENS[places], single), conversion, single)
@@ -106,7 +105,7 @@ def _moved(
                 break
         else:
             for operand in _addends(v, sources_of(np.add.outer(m, some)), half, single):
-                yield places, _of(False, *before, (ADD, operand))
+                yield places, _of(*before, (ADD, operand))
 
 
 def _addends(values: Floats, sources: Floats, half: Floats, single: bool) -> Iterator[float]:
@@ -156,8 +155,8 @@ def _dequantized(values: Floats, k: Ints, lattice: Lattice, single: bool) -> Ite
     origin = float(values[np.argmin(k)])
     used = m > 0
     v, m = values[used], m[used]
-    # Both roundings may have moved a value.
-    slack = units(v, single) / 2 + units(v - origin, single) / 2
+    # Both roundings may have moved a value, and that of the difference here.
+    slack = units(v, single) / 2 + units(v - origin, single)
     low, high = ((v - origin - slack) / m).max(), ((v - origin + slack) / m).min()
     if not 0 < low <= high or not origin:
         return
@@ -166,8 +165,8 @@ def _dequantized(values: Floats, k: Ints, lattice: Lattice, single: bool) -> Ite
     unit = float(units(np.array([near]), single)[0])
     steps = [near + i * unit for i in range(-_NEIGHBOURS, _NEIGHBOURS + 1)]
     for step in sorted(steps, key=lambda one: abs(one - middle)):
-        if low <= step <= high:
-            yield 0, _of(False, (MULTIPLY, step), (ADD, origin))
+        if low - unit <= step <= high + unit:
+            yield 0, _of((MULTIPLY, step), (ADD, origin))
 
 
 def _linear(values: Floats, k: Ints, lattice: Lattice, single: bool) -> Iterator[Guess]:
@@ -190,18 +189,15 @@ def _linear(values: Floats, k: Ints, lattice: Lattice, single: bool) -> Iterator
         wrong = np.abs(values - (k * slope + origin)) - half
         worst = np.argsort(-wrong)[:_WORST]
         if wrong[worst[0]] <= 0:
-            yield 0, _of(single, (MULTIPLY, slope), (ADD, origin))
+            yield 0, _of((MULTIPLY, slope), (ADD, origin), double=single)
             return
         chosen = np.concatenate([chosen, worst])
-    yield 0, _of(single, (MULTIPLY, lattice.step), (ADD, lattice.origin))
+    yield 0, _of((MULTIPLY, lattice.step), (ADD, lattice.origin), double=single)
 
 
-def _of(double: bool, *operations: tuple[int, float]) -> Conversion:
-    return Conversion(
-        tuple(Operation(operator, float(operand)) for operator, operand in operations),
-        double and bool(operations),
-        deviations=False,
-    )
+def _of(*operations: tuple[int, float], double: bool = False) -> Conversion:
+    some = tuple(Operation(operator, float(operand)) for operator, operand in operations)
+    return Conversion(some, double, deviations=False)
 
 
 def _operands(low: Floats, high: Floats, single: bool) -> Iterator[float]:

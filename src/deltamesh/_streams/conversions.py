@@ -51,7 +51,7 @@ class Conversion:
     operations : tuple of Operation
         Two at most, in their order.
     double : bool
-        Whether all but the last result of float32 values is a binary64 number.
+        Whether the first of two results of float32 values is a binary64 number.
     deviations : bool
         Whether there are values that are other floats than the results.
     """
@@ -73,7 +73,7 @@ def conversion_fault(conversion: Conversion, single: bool) -> str:
     """Return the fault of a conversion by the rules of SPEC.md 5.12; "" for none."""
     if len(conversion.operations) > 2:
         return f"{len(conversion.operations)} operations in a column"
-    if conversion.double and not (single and conversion.operations):
+    if conversion.double and not (single and len(conversion.operations) == 2):
         return "a conversion in binary64 that is none"
     for operation in conversion.operations:
         if operation.operator not in OPERATORS.values():

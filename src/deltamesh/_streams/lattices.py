@@ -44,11 +44,14 @@ class Lattice:
         The origin is one of the values, nearly.
     tolerance : float
         Relative error of the step.
+    noise : float
+        Median distance of a value, in units in the last place of the largest.
     """
 
     step: float
     origin: float
     tolerance: float
+    noise: float
 
     def multiples(self, values: Floats) -> tuple[Ints, Bools]:
         """Return the nearest multiples, int64 (n,), and which values are near them."""
@@ -122,5 +125,6 @@ def _refined(distinct: Floats, step: float, reach: float, unit: float) -> Lattic
         if np.ptp(k[near]) > 0:
             slope, origin = np.polyfit(k[near], x[near], 1)
             step = float(slope)
+    errors = np.abs(offsets - origin - np.rint((offsets - origin) / step) * step)
     tolerance = 4 * unit / float(np.ptp(distinct)) + _DOUBLE
-    return Lattice(step, float(middle + origin), tolerance)
+    return Lattice(step, float(middle + origin), tolerance, float(np.median(errors)) / unit)

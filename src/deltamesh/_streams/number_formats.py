@@ -159,10 +159,9 @@ def from_indices(
 ) -> Floats:
     """Return the values: the mirror of `to_indices`; a number beyond its type is infinite."""
     values = np.zeros(len(choices))
-    early = single and not column.conversion.double
     for i, number_format in enumerate(column.formats):
         has = choices == i
-        values[has] = _number(number_format, indices[has], early)
+        values[has] = _number(number_format, indices[has], single)
     values[choices == NEGATIVE_ZERO] = -0.0
     values = converted(values, column.conversion, single)
     if column.conversion.deviations:
@@ -195,7 +194,7 @@ def _sources(values: Floats, column: ColumnFormats, single: bool) -> tuple[Decom
 
     They are multiples of the unit of the first format, with no digits if there is none near.
     """
-    f, early = column.formats[0], single and not column.conversion.double
+    f = column.formats[0]
     x = unconverted(values, column.conversion)
     with np.errstate(all="ignore"):
         middle = np.rint(x * TENS[f.places] if f.base == 10 else np.ldexp(x, f.places))
@@ -205,7 +204,7 @@ def _sources(values: Floats, column: ColumnFormats, single: bool) -> tuple[Decom
     best, off = np.zeros_like(middle), np.full(len(values), DEVIATION_BOUND)
     for m in (middle, middle - 1, middle + 1):
         decimal = f.base == 10
-        numbers = rounded_to(m / TENS[f.places], early) if decimal else np.ldexp(m, -f.places)
+        numbers = rounded_to(m / TENS[f.places], single) if decimal else np.ldexp(m, -f.places)
         found = converted(numbers, column.conversion, single)
         finite = near & np.isfinite(found)
         distance = there - ordinals(np.where(finite, found, 0.0), single)

@@ -215,7 +215,7 @@ def test_the_second_decoder_on_converted_numbers(kind: str) -> None:
     if kind in KINDS:
         V, F = converted_mesh([kind] * 3, 4)
     else:
-        V, F = converted_mesh(["times 25.4"] * 3, 4)
+        V, F = converted_mesh(["* 25.4"] * 3, 4)
         V[::7] = np.nextafter(V[::7].astype("f4"), np.float32(np.inf))
     encoded = assert_kept(V, F)
     formats = exact_streams.unpack_formats(memoryview(section_of(encoded.data, "EXAC")))[1]

@@ -16,7 +16,7 @@ from deltamesh._streams.number_formats import ColumnFormats, from_indices, raw_b
 
 V, F = meshes.icosphere(3)
 ELEMENTS: Elements = of_vertices(F, len(V))
-DECIMALS = as_single((100 * V + np.stack([walk(len(V), i) for i in range(3)], 1) / 50).round(2))
+DECIMALS = (100 * V + np.stack([walk(len(V), i) for i in range(3)], axis=1) / 50).round(2)
 
 
 def size(columns: list[ColumnFormats], X: np.ndarray, single: bool) -> int:
@@ -40,7 +40,8 @@ def test_each_column_has_a_conversion_of_its_own() -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_stream_is_larger_for_a_conversion(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     single, function = KINDS[kind]
-    X = np.stack([function(column) for column in DECIMALS.T], axis=1)
+    decimals = as_single(DECIMALS) if single else DECIMALS
+    X = np.stack([function(column) for column in decimals.T], axis=1)
     found = size(chosen(X, single), X, single)
     with monkeypatch.context() as patch:
         patch.setattr(

@@ -38,7 +38,7 @@ def test_what_made_a_column_is_found(kind: str, count: int) -> None:
 
 def test_values_off_the_lattice_cost_themselves_alone() -> None:
     rng = np.random.default_rng(5)
-    single, values = made("times 25.4", 5000)
+    single, values = made("* 25.4", 5000)
     values = np.where(rng.random(5000) < 0.01, as_single(values + rng.normal(size=5000)), values)
     column, saved = chosen(values, single)
     assert column.conversion.operations[0].operand == pytest.approx(25.4, rel=1e-6)
@@ -59,7 +59,7 @@ def test_another_rounding_is_a_deviation_of_few_floats() -> None:
 
 
 def test_subnormal_numbers_and_negative_zeros_come_back() -> None:
-    single, values = made("times 0.001", 3000)
+    single, values = made("* 0.001", 3000)
     values[::50], values[7], values[8] = -0.0, 2.0**-149, -(2.0**-149)
     assert chosen(values, single)[0].conversion.operations
 
@@ -76,7 +76,7 @@ def test_noise_has_no_lattice(single: bool) -> None:
 def test_constant_and_short_columns_are_left_alone(count: int) -> None:
     values = np.full(count, 0.1)
     assert find_lattice(values, single=False) is None
-    assert find_lattice(made("times 25.4", max(count, 3))[1][: min(count, 20)], True) is None
+    assert find_lattice(made("* 25.4", max(count, 3))[1][: min(count, 20)], True) is None
 
 
 def test_decimals_are_a_lattice_already() -> None:

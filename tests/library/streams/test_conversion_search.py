@@ -30,11 +30,11 @@ def operations(guess: Guess) -> list[tuple[int, float]]:
 @pytest.mark.parametrize(
     ("kind", "operator", "operand"),
     [
-        ("times 0.001", MULTIPLY, float(as_single(0.001))),
-        ("times 25.4", MULTIPLY, float(as_single(25.4))),
-        ("divided by 1000", DIVIDE, 1000.0),
-        ("divided by 1000 float64", DIVIDE, 1000.0),
-        ("times 0.0254 float64", MULTIPLY, 0.0254),
+        ("* 0.001", MULTIPLY, float(as_single(0.001))),
+        ("* 25.4", MULTIPLY, float(as_single(25.4))),
+        ("/ 1000", DIVIDE, 1000.0),
+        ("/ 1000, float64", DIVIDE, 1000.0),
+        ("* 0.0254, float64", MULTIPLY, 0.0254),
     ],
 )
 def test_the_constant_is_among_the_guesses(kind: str, operator: int, operand: float) -> None:
@@ -44,12 +44,14 @@ def test_the_constant_is_among_the_guesses(kind: str, operator: int, operand: fl
 
 
 def test_the_origin_and_the_step_of_a_grid_are_among_the_guesses() -> None:
-    single, values = made("16 bits", 2000)
-    step, origin = float(as_single(37.1 / 65535)), float(as_single(-3.77))
-    lattice = find_lattice(values, single)
+    k = np.rint(1000 * walk(2000, 0))
+    k -= k.min()
+    step, origin = float(as_single(0.0123)), float(as_single(-3.77))
+    values = as_single(as_single(k * step) + origin)
+    lattice = find_lattice(values, single=True)
     assert lattice is not None
     some = np.append(values[:400], values.min())
-    found = [operations(guess) for guess in guesses(some, lattice, single, ORIGINS)]
+    found = [operations(guess) for guess in guesses(some, lattice, True, ORIGINS)]
     assert [(MULTIPLY, step), (ADD, origin)] in found
 
 

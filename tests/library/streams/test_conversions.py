@@ -35,7 +35,7 @@ operands = st.one_of(st.sampled_from([0.001, 25.4, -0.3048, 1e-300, 1e150]), dou
 )
 operations = st.builds(Operation, st.sampled_from([ADD, MULTIPLY, DIVIDE]), operands)
 conversions = st.builds(
-    lambda some, double, deviations: Conversion(tuple(some), double and bool(some), deviations),
+    lambda some, double, deviations: Conversion(tuple(some), double and len(some) == 2, deviations),
     st.lists(operations, max_size=2),
     st.booleans(),
     st.booleans(),
