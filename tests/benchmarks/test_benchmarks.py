@@ -294,7 +294,7 @@ def test_the_table_of_conversions_is_what_is_measured() -> None:
     elements = conversions.of_vertices(mesh.faces, len(mesh.vertices))
     rows = conversions.measured(elements, (40 * mesh.vertices).round(3))
     for name, kind, without, found, decimals, *_ in rows:
-        line = [name.replace("*", "×"), kind, without, found]
+        line = [name.replace("*", "\N{MULTIPLICATION SIGN}"), kind, without, found]
         assert f"| {' | '.join(line)} |" in README, name
         assert float(found) < 0.9 * float(without)
         assert f"{float(decimals):.2f} bits" in README

@@ -80,10 +80,10 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
     V = np.empty((elements.count, 3))
     with payload_of(sections[EXACT]) as payload:
         width, axes, at = unpack_formats(payload)
-        numbers = np.stack(decode_numbers(payload, at, elements, width, axes))
+        choices, indices, deviations = decode_numbers(payload, at, elements, width, axes)
         for a, column in enumerate(axes):
-            choices, indices, deviations = numbers[:, :, a]
-            V[:, a] = from_indices(choices, indices, deviations, column, width == SINGLE)
+            known = choices[:, a], indices[:, a], deviations[:, a]
+            V[:, a] = from_indices(*known, column, width == SINGLE)
         if not (np.abs(V) <= LARGEST).all():
             raise FormatError("a position that no mesh has", at)
         return exactly(V.view(np.int64), bytes(payload[:at]))

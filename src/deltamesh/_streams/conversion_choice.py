@@ -22,6 +22,7 @@ from deltamesh._streams.number_formats import (
     DECIMAL_DIGITS,
     ColumnFormats,
     NumberFormat,
+    fault_of,
     to_indices,
 )
 from deltamesh_formats.array_types import Bools, Floats
@@ -41,7 +42,7 @@ _FEWEST_ORIGINS, _MOST_ORIGINS = 1 << 15, 1 << 18
 # Bits of rounding errors that a sum with a large number may explain.
 _EXPLAINED: Final = 12.0
 # The least that is saved, as a share of the bits without a conversion.
-LEAST_SAVED: Final = 0.01
+_LEAST_SAVED: Final = 0.01
 
 
 def choose_conversion(
@@ -64,9 +65,9 @@ def choose_conversion(
         return cost, plain
     sample = sample_of(errors, values)
     length = _length(lattice.step, sample)
-    enough = (1 - LEAST_SAVED) * cost - _CONVERSION_BITS
+    enough = (1 - _LEAST_SAVED) * cost
     deviation = max(float(np.log2(lattice.noise + 1)) - _EXPLAINED, 0.0)
-    if (length + deviation) * len(values) > enough:
+    if (length + deviation) * len(values) + _CONVERSION_BITS > enough:
         return cost, plain
     best: tuple[float, ColumnFormats] = (np.inf, plain)
     sure = _surely(values, lattice)
@@ -102,12 +103,15 @@ def _best(
     """Return the formats with the guess that takes the fewest bits for some values."""
     best: tuple[float, ColumnFormats | None] = (np.inf, None)
     origins = min(max(_ORIGINS * count, _FEWEST_ORIGINS), _MOST_ORIGINS)
-    for guess in guesses(some, lattice, single, origins):
-        column = _with_guess(guess, length)
-        bits, wrong = _bits(some, column, single, length)
-        best = min(best, (bits, column), key=lambda one: one[0])
-        if not wrong.any():
-            break
+    with np.errstate(all="ignore"):  # numbers near the ends of their type
+        for guess in guesses(some, lattice, single, origins):
+            column = _with_guess(guess, length)
+            if fault_of(column, single):
+                continue
+            bits, wrong = _bits(some, column, single, length)
+            best = min(best, (bits, column), key=lambda one: one[0])
+            if not wrong.any():
+                break
     return best[1]
 
 

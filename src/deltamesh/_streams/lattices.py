@@ -122,9 +122,10 @@ def _refined(distinct: Floats, step: float, reach: float, unit: float) -> Lattic
         near = np.abs(x - origin - k * step) < _NEAR * step
         if near.mean() < _SHARE:
             return None
-        if np.ptp(k[near]) > 0:
-            slope, origin = np.polyfit(k[near], x[near], 1)
-            step = float(slope)
+        m, y = k[near] - k[near].mean(), x[near]
+        if m.any():
+            step = float(m @ (y - y.mean()) / (m @ m))
+            origin = float((y - k[near] * step).mean())
     errors = np.abs(offsets - origin - np.rint((offsets - origin) / step) * step)
     tolerance = 4 * unit / float(np.ptp(distinct)) + _DOUBLE
     return Lattice(step, float(middle + origin), tolerance, float(np.median(errors)) / unit)

@@ -10,7 +10,7 @@ from deltamesh._kernels.coding.exact import RAW
 from deltamesh._streams.conversion_choice import choose_conversion
 from deltamesh._streams.format_choice import choose_formats
 from deltamesh._streams.lattices import find_lattice
-from deltamesh._streams.number_formats import ColumnFormats, from_indices, to_indices
+from deltamesh._streams.number_formats import ColumnFormats, fault_of, from_indices, to_indices
 
 
 def chosen(values: Column, single: bool) -> tuple[ColumnFormats, float]:
@@ -77,6 +77,19 @@ def test_constant_and_short_columns_are_left_alone(count: int) -> None:
     values = np.full(count, 0.1)
     assert find_lattice(values, single=False) is None
     assert find_lattice(made("* 25.4", max(count, 3))[1][: min(count, 20)], True) is None
+
+
+@pytest.mark.parametrize("exponent", [-1060, -1000, -500, 0, 300, 480])
+def test_numbers_near_the_ends_of_their_type_come_back(exponent: int) -> None:
+    """Products of a power of two: some operands would be out of range."""
+    _, values = made("* 25.4, float64", 2000)
+    values = np.ldexp(values, exponent)
+    errors = np.abs(np.diff(values))
+    cost, plain = choose_formats(values, errors, False)
+    _, column = choose_conversion(values, errors, False, cost, plain)
+    assert not fault_of(column, single=False)
+    found = to_indices(values, column, single=False)
+    assert from_indices(*found, column, single=False).tobytes() == values.tobytes()
 
 
 def test_decimals_are_a_lattice_already() -> None:
