@@ -37,8 +37,8 @@ _FEW: Final = 0.05
 # Deviations from the line of a lattice, in the median of all, of values that are surely on it.
 _SURELY: Final = 8.0
 # An addition may have begun with so many numbers for each value, or with so many at least and most.
-_ORIGINS: Final = 4
-_FEWEST_ORIGINS, _MOST_ORIGINS = 1 << 15, 1 << 18
+_ORIGINS: Final = 3
+_FEWEST_ORIGINS, _MOST_ORIGINS = 1 << 15, 1 << 16
 # Bits of rounding errors that a sum with a large number may explain.
 _EXPLAINED: Final = 12.0
 # The least that is saved, as a share of the bits without a conversion.
