@@ -32,6 +32,7 @@ SCRIPTS = (
     "curves",
     "speed",
     "lossless",
+    "conversions",
     "valences",
     "order",
     "memory",
@@ -39,6 +40,7 @@ SCRIPTS = (
     "batch",
     "renderings",
 )
+README = (BENCHMARKS / "README.md").read_text(encoding="utf-8")
 TORUS = corpus.GENERATED
 FILE = corpus.path(TORUS).name
 Rows = list[dict[str, str]]
@@ -284,6 +286,18 @@ def test_draco_is_not_smaller_at_equal_bits(bits: int) -> None:
         for name in ("cartesian", "draco")
     )
     assert ours.size < 1.03 * draco.size
+
+
+def test_the_table_of_conversions_is_what_is_measured() -> None:
+    conversions = importlib.import_module("conversions")
+    mesh = corpus.load(TORUS)
+    elements = conversions.of_vertices(mesh.faces, len(mesh.vertices))
+    rows = conversions.measured(elements, (40 * mesh.vertices).round(3))
+    for name, kind, without, found, decimals, *_ in rows:
+        line = [name.replace("*", "\N{MULTIPLICATION SIGN}"), kind, without, found]
+        assert f"| {' | '.join(line)} |" in README, name
+        assert float(found) < 0.9 * float(without)
+        assert f"{float(decimals):.2f} bits" in README
 
 
 def test_the_entropy_of_valences() -> None:

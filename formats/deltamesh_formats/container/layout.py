@@ -263,6 +263,12 @@ FORMAT_FIELDS: Final = (
 COLUMN_FORMATS: Final = 3
 COLUMN_RAW: Final = 4
 COLUMN_ZEROS: Final = 8
+COLUMN_OPERATIONS: Final = 0x30
+COLUMN_DOUBLE: Final = 0x40
+COLUMN_DEVIATIONS: Final = 0x80
+# Fields of an operation, and how it combines a number with its operand.
+OPERATION_FIELDS: Final = (Field("operator", "u8"), Field("operand", "f64"))
+OPERATORS: Final[Mapping[str, int]] = {"add": 0, "multiply": 1, "divide": 2}
 
 # SPEC.md#514-attr
 

@@ -30,7 +30,8 @@ def test_the_number_next_to_a_point_is_half_a_unit_from_it(
     # The number as the number formats have it, of no places; the grid has as many as the offset.
     how = ColumnFormats((NumberFormat(base, 0, digits),), (0,), offset, raw=False, zeros=False)
     choice = np.zeros(1, dtype=np.int64)
-    number = Fraction(float(from_indices(choice, np.array([index]), how, single=False)[0]))
+    found = from_indices(choice, np.array([index]), choice, how, single=False)
+    number = Fraction(float(found[0]))
     number *= Fraction(base) ** offset
     assert abs(number - point) <= Fraction(base) ** unit / 2 + abs(Fraction(point)) / 2**50
     assert int(index_at(table, 0, -point)[0]) == -index
