@@ -62,10 +62,12 @@ def container(data):
 def parameters(payload, vertices):
     """§4.1."""
     table = Bytes(payload)
-    names = "method flags anchor_method bits step x y z anchor_step seed coarse"
-    p = dict(zip(names.split(), table.unpack("4B5dQf"), strict=True))
+    names = "method flags anchor_method bits step x y z anchor_step coarse"
+    p = dict(zip(names.split(), table.unpack("4B5df"), strict=True))
     table.unpack("BB")  # the dead zones: for information
     p["anchor_count"], p["isolated"] = table.varint(), table.varint()
+    if p["anchor_method"] == 1:
+        (p["seed"],) = table.unpack("Q")
     check(table.at == len(payload), "PARM is too long")
     free, steps = p["method"] in (CARTESIAN, LOSSLESS), (p["step"], p["anchor_step"])
     lossless = p["method"] == LOSSLESS

@@ -14,7 +14,7 @@ from deltamesh_formats.container.writer import write_container, write_varint
 from deltamesh_formats.errors import FormatError
 
 HIGHPASS = Parameters(
-    "highpass", True, "farthest", 8, 0.001, (-1.0, 0.5, 2.0), 0.25, 2**64 - 1, 200, 3
+    "highpass", True, "random", 8, 0.001, (-1.0, 0.5, 2.0), 0.25, 2**64 - 1, 200, 3
 )
 CARTESIAN = Parameters("cartesian", False, None, None, 0.5, (0.0, 0.0, 0.0), 0.0, 0, 0, 0)
 META = Meta(0.5, 1.25, 2.0, 4.0, 8.0, "deltamesh 0.1.0", "ply")
@@ -75,12 +75,11 @@ def with_parameters(**changes):
         "origin_y": 0.0,
         "origin_z": 0.0,
         "anchor_step": 0.25,
-        "seed": 0,
         "coarse": 1.0,
         "dead_zone": 0,
         "normal_dead_zone": 0,
     } | {k: v for k, v in changes.items() if k not in ("anchor_count", "isolated", "extra")}
-    payload = struct.pack("<BBBBdddddQfBB", *values.values())
+    payload = struct.pack("<BBBBdddddfBB", *values.values())
     payload += write_varint(changes.get("anchor_count", 1)) + write_varint(
         changes.get("isolated", 0)
     )

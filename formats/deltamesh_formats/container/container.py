@@ -16,6 +16,7 @@ from deltamesh_formats.container.layout import (
     ID_SIZE,
     MAX_BITS,
     METHODS,
+    RANDOM,
     ZONE_UNIT,
 )
 
@@ -42,7 +43,7 @@ class Parameters:
     anchor_step : float
         Step of that grid for the anchors; 0 without any.
     seed : int
-        Seed of the random choice of anchors.
+        Seed of the random choice of anchors; 0 for other anchors.
     anchor_count : int
         Number of anchors; 0 for the methods without.
     isolated : int
@@ -239,6 +240,8 @@ def parameter_faults(parameters: Parameters, vertices: int) -> Iterator[tuple[st
     for name in ("dead_zone", "normal_dead_zone"):
         if not 0 <= getattr(p, name) * ZONE_UNIT < 256:
             yield name, f"a dead zone of {getattr(p, name)}"
+    if p.seed and p.anchor_method != RANDOM:
+        yield "anchor_method", f"a seed of {p.seed} for anchors that are not random"
     if not method.anchored and (p.anchor_step or p.anchor_count):
         yield "anchor_count", f"anchors in a {method.title} file"
 

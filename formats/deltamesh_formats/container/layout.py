@@ -185,18 +185,20 @@ PARAMETER_FIELDS: Final = (
     Field("origin_y", "f64"),
     Field("origin_z", "f64"),
     Field("anchor_step", "f64"),
-    Field("seed", "u64"),
     Field("coarse", "f32"),
     Field("dead_zone", "u8"),
     Field("normal_dead_zone", "u8"),
     Field("anchor_count", "varint"),
     Field("isolated", "varint"),
 )
+# Where the anchors are random.
+SEED_FIELDS: Final = (Field("seed", "u64"),)
+RANDOM: Final = "random"
 FLAG_DIFFUSION: Final = 1
 FLAG_SINGLE: Final = 2
 ANCHOR_METHODS: Final[Mapping[str | None, int]] = {
     "farthest": 0,
-    "random": 1,
+    RANDOM: 1,
     "greedy": 2,
     None: 255,
 }

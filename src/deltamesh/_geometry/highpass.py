@@ -93,7 +93,7 @@ def anchored(
         step=step,
         origin=(float(origin[0]), float(origin[1]), float(origin[2])),
         anchor_step=fine,
-        seed=settings.seed,
+        seed=settings.seed if settings.anchor_method == layout.RANDOM else 0,
         anchor_count=len(anchors),
         isolated=surface.isolated_count,
         coarse=coarse,

@@ -66,15 +66,16 @@ def containers(draw):
     anchored, lossless = method in ("highpass", "refined"), method == "lossless"
     bits = None if lossless else bits
     hundredths = st.integers(0, 255).map(lambda n: n / 100)
+    chosen = draw(st.sampled_from(["farthest", "random", "greedy"])) if anchored else None
     parameters = Parameters(
         method,
         draw(st.booleans()),
-        draw(st.sampled_from(["farthest", "random", "greedy"])) if anchored else None,
+        chosen,
         bits,
         0.0 if lossless or (method == "highpass" and bits == 0) else draw(positive),
         (0.0, 0.0, 0.0) if lossless else draw(origins),
         draw(not_negative) if anchored else 0.0,
-        draw(seeds),
+        draw(seeds) if chosen == "random" else 0,
         draw(counts) if anchored else 0,
         draw(counts),
         draw(st.floats(1, 2**100, width=32)) if method == "refined" else 1.0,
