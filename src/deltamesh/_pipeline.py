@@ -17,7 +17,8 @@ from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.solve import factorization
 from deltamesh._limits import check_limits, filling
-from deltamesh._measures.metrics import diagonal
+from deltamesh._measures.margins import position_margin
+from deltamesh._measures.metrics import VertexErrors, diagonal
 from deltamesh._options import Options
 from deltamesh._progress import Progress, silent
 from deltamesh._sections.draft import Draft, begin
@@ -25,10 +26,10 @@ from deltamesh._sections.geometry import has_scale
 from deltamesh._sections.table import SECTIONS
 from deltamesh._shape.announced import announced
 from deltamesh._version import __version__
-from deltamesh_formats.array_types import Ints
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Meta
-from deltamesh_formats.container.layout import CHECK, FILLING, MAX_COUNT, PARAMETERS
+from deltamesh_formats.container.layout import CHECK, FILLING, MAX_COUNT, METHODS, PARAMETERS
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_container
 from deltamesh_formats.errors import FormatError, LimitError
@@ -56,8 +57,9 @@ class Encoded:
     @cached_property
     def mesh(self) -> PolyMesh:
         """The mesh that a decoder will make of the file."""
-        single = self.draft.mesh.precision == "float32"
-        return self.draft.content.mesh(self.draft.chosen.vertices, single)
+        single, points = self.draft.mesh.precision == "float32", self.draft.chosen.vertices
+        margin = _margin(self.container, self.draft.content, points)
+        return self.draft.content.mesh(points, single, margin)
 
     @cached_property
     def order(self) -> Ints:
@@ -153,7 +155,17 @@ def decode_mesh(
     factor = factorization(surface.laplacian, solver, threads)
     coder = geometry_codec(parameters.method)
     points = coder.reconstruct(surface, parameters, content.integers, factor)
-    return content.mesh(points, parameters.single)
+    return content.mesh(points, parameters.single, _margin(container, content, points))
+
+
+def _margin(container: Container, content: Content, points: Floats) -> float:
+    """Return how far a writer may round each coordinate; 0 if the file does not have its errors."""
+    meta = container.meta
+    if meta is None or METHODS[container.parameters.method].exact:
+        return 0.0
+    errors = VertexErrors(meta.rms, meta.max, meta.normal, meta.dihedral)
+    faces = content.structure.complex.manifold_faces
+    return position_margin(errors, meta.diagonal, points, faces)
 
 
 def proven_content(

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
+from deltamesh._measures.margins import LEAST, SHARE
 from deltamesh._measures.metrics import VertexErrors
 from deltamesh._methods import AUTO
 from deltamesh._options import DEFAULT_QUALITY, Options
@@ -14,6 +15,9 @@ from deltamesh_formats.errors import TargetError
 # Positions may differ by that between machines and solvers, in diagonals of the bounding box
 # (SPEC.md 5.4).
 POSITION_TOLERANCE: Final = 1e-9
+
+# Share of a bound that decoded positions may use up.
+LEFT: Final = 1 / (1 + SHARE)
 
 # The bounds of quality 5: the mean deviation of the face normals in degrees, which shading does not
 # show, and the RMS distance over the diagonal, which bounds the error of a silhouette. Two levels
@@ -24,7 +28,11 @@ QUALITY_RMS: Final = 1.5e-3
 
 @dataclass(frozen=True)
 class Bounds:
-    """The largest errors that are allowed; of `metrics.VertexErrors`, with the same units."""
+    """The largest errors that are allowed; of `metrics.VertexErrors`, with the same units.
+
+    They are those of decoded positions. A file that is written of these may add a `SHARE`, and the
+    bounds that a user gives hold for that file.
+    """
 
     rms: float = math.inf
     max: float = math.inf
@@ -57,7 +65,7 @@ class Bounds:
         """Return the error to raise where no trial has smaller errors than these."""
         shares = self.shares(errors)
         name = max(shares, key=lambda name: shares[name])
-        bound, had = getattr(self, name), getattr(errors, name)
+        bound, had = getattr(self, name) / LEFT, getattr(errors, name) / LEFT
         text = name.replace("_", " ")
         return TargetError(f"{text} {bound:g} cannot be met: the least found is {had:g}")
 
@@ -93,14 +101,14 @@ def bounds_of(options: Options, scale: float) -> Bounds | None:
     quality = Bounds() if options.quality is None else _of_quality(options.quality, scale)
     bounds = Bounds(
         rms=quality.rms,
-        max=largest - POSITION_TOLERANCE * scale,
-        normal_deviation=min(options.normal_error or math.inf, quality.normal_deviation),
-        dihedral=options.dihedral_error or math.inf,
+        max=LEFT * (largest - (POSITION_TOLERANCE + math.sqrt(3) * LEAST) * scale),
+        normal_deviation=min(LEFT * (options.normal_error or math.inf), quality.normal_deviation),
+        dihedral=LEFT * (options.dihedral_error or math.inf),
     )
     return None if bounds == Bounds() else bounds
 
 
 def _of_quality(quality: int, scale: float) -> Bounds:
     factor = 2 ** ((DEFAULT_QUALITY - quality) / 2)
-    rms = QUALITY_RMS * factor * scale
-    return Bounds(rms=rms or math.inf, normal_deviation=QUALITY_NORMAL * factor)
+    rms = LEFT * QUALITY_RMS * factor * scale
+    return Bounds(rms=rms or math.inf, normal_deviation=LEFT * QUALITY_NORMAL * factor)

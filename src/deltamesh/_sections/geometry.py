@@ -9,11 +9,12 @@ from functools import partial
 import numpy as np
 
 from deltamesh._content import Content
-from deltamesh._geometry.bounds import bounds_of
+from deltamesh._geometry.bounds import LEFT, bounds_of
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.search import ScaleError, Trial, smallest
 from deltamesh._geometry.solve import factorization
+from deltamesh._measures.margins import position_margin, worst
 from deltamesh._measures.metrics import (
     VertexErrors,
     diagonal,
@@ -28,6 +29,7 @@ from deltamesh._sections.draft import Draft
 from deltamesh._shape.complexes import distinct_faces
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.container import Container, Parameters
+from deltamesh_formats.meshfiles.number_text import rounded
 
 
 def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
@@ -40,6 +42,11 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
 
     def recorded(decoded: Floats) -> VertexErrors:
         return rounded_up(vertex_errors(V, decoded, faces))
+
+    def written(decoded: Floats) -> VertexErrors:
+        errors = recorded(decoded)
+        margin = position_margin(errors, diagonal(V), decoded, structure.complex.manifold_faces)
+        return worst(errors, recorded(rounded(decoded, margin)))
 
     def attempt(errors_of: Callable[[Floats], VertexErrors], settings: Settings) -> Trial:
         draft.progress(f"geometry, {settings.method}")
@@ -56,11 +63,10 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
 
     edge = mean_edge(V[:used], surface.faces)
     trial = smallest(options, bounds, edge, partial(attempt, errors_from(V, faces)))
-    errors = recorded(trial.vertices)
-    if bounds is not None and bounds.excess(errors) > 1:
+    if bounds is not None and bounds.excess(written(trial.vertices)) * LEFT > 1:
         # So near to a bound that digits count, or a mesh of which the search has lost some.
-        trial = smallest(options, bounds, edge, partial(attempt, recorded))
-        errors = trial.errors
+        trial = smallest(options, bounds, edge, partial(attempt, written))
+    errors = recorded(trial.vertices)
     content = replace(draft.content, integers=trial.integers)
     payloads, trial = trial.payloads, replace(trial, errors=errors)
     return payloads, replace(draft, trial=trial, content=content)

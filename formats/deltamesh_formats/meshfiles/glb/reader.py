@@ -93,15 +93,18 @@ def read(data: bytes) -> PolyMesh:
     asset = gltf.tree.get("asset", {})
     said = str(asset.get("copyright", "")) if isinstance(asset, dict) else ""
     objects, materials = np.repeat(scene.objects, sizes), np.repeat(scene.materials, sizes)
+    vertices = np.concatenate([np.empty((0, 3)), *scene.vertices])
+    with np.errstate(over="ignore"):  # transforms, and fractions, need not be in float32
+        single = bool((vertices.astype(np.float32) == vertices).all())
     return PolyMesh(
-        np.concatenate([np.empty((0, 3)), *scene.vertices]),
+        vertices,
         faces.ravel(),
         3 * np.arange(len(faces) + 1, dtype=np.int64),
         tuple(_attributes(scene)),
         tuple(_parts(gltf, placed, objects, materials)),
         {"copyright": (said,)} if said else {},
         tuple(lost),
-        "float32",
+        "float32" if single else "float64",
     )
 
 
