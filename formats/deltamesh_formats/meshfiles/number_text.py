@@ -17,22 +17,22 @@ _EXACT_POWER: Final = 22
 _MOST_PLACES: Final = 330
 
 
-def number_texts(values: NDArray[Any]) -> list[str]:
+def number_texts(values: NDArray[Any], *, points: bool = False) -> list[str]:
     """Return the shortest text of each number of an array, flattened, that is read as that number.
 
-    Readers of text read float64: a float32 has the digits of the float64 that it equals. Whole
-    numbers have no point.
+    Readers of text read float64: a float32 has the digits of the float64 that it equals. Floats
+    that are whole numbers have a point only if `points`.
     """
     texts = list(map(repr, values.ravel().tolist()))
-    if values.dtype.kind == "f":
+    if values.dtype.kind == "f" and not points:
         return [text.removesuffix(".0") for text in texts]
     return texts
 
 
-def row_texts(values: NDArray[Any]) -> list[str]:
+def row_texts(values: NDArray[Any], *, points: bool = False) -> list[str]:
     """Return the numbers of each row of an array, (rows, width), with spaces between."""
     width = values.shape[1]
-    flat = number_texts(values)
+    flat = number_texts(values, points=points)
     return list(map(" ".join, zip(*(flat[i::width] for i in range(width)), strict=True)))
 
 

@@ -16,8 +16,8 @@ from deltamesh_formats.errors import TargetError
 # (SPEC.md 5.4).
 POSITION_TOLERANCE: Final = 1e-9
 
-# Share of a bound that decoded positions may use up.
-LEFT: Final = 1 / (1 + SHARE)
+# Share of a bound that decoded positions may use up: what is written of them uses up the rest.
+DECODED: Final = 1 / (1 + SHARE)
 
 # The bounds of quality 5: the mean deviation of the face normals in degrees, which shading does not
 # show, and the RMS distance over the diagonal, which bounds the error of a silhouette. Two levels
@@ -28,16 +28,24 @@ QUALITY_RMS: Final = 1.5e-3
 
 @dataclass(frozen=True)
 class Bounds:
-    """The largest errors that are allowed; of `metrics.VertexErrors`, with the same units.
-
-    They are those of decoded positions. A file that is written of these may add a `SHARE`, and the
-    bounds that a user gives hold for that file.
-    """
+    """The largest errors that are allowed; of `metrics.VertexErrors`, with the same units."""
 
     rms: float = math.inf
     max: float = math.inf
     normal_deviation: float = math.inf
     dihedral: float = math.inf
+
+    def before_writing(self, scale: float) -> Bounds:
+        """Return bounds of decoded positions, which those rounded by a margin keep as they are.
+
+        Parameters
+        ----------
+        scale : float
+            Diagonal of the bounding box.
+        """
+        least = math.sqrt(3) * LEAST * scale
+        values = {name: DECODED * bound for name, bound in vars(self).items()}
+        return Bounds(**{**values, "max": DECODED * (self.max - least)})
 
     def shares(self, errors: VertexErrors) -> dict[str, float]:
         """Return each error over its bound; at most 1 where it is kept."""
@@ -62,10 +70,10 @@ class Bounds:
         return min(self.normal_deviation, self.dihedral) < math.inf
 
     def missed(self, errors: VertexErrors) -> TargetError:
-        """Return the error to raise where no trial has smaller errors than these."""
+        """Return the error to raise where no trial has less than these, before writing."""
         shares = self.shares(errors)
         name = max(shares, key=lambda name: shares[name])
-        bound, had = getattr(self, name) / LEFT, getattr(errors, name) / LEFT
+        bound, had = getattr(self, name) / DECODED, getattr(errors, name) / DECODED
         text = name.replace("_", " ")
         return TargetError(f"{text} {bound:g} cannot be met: the least found is {had:g}")
 
@@ -101,14 +109,14 @@ def bounds_of(options: Options, scale: float) -> Bounds | None:
     quality = Bounds() if options.quality is None else _of_quality(options.quality, scale)
     bounds = Bounds(
         rms=quality.rms,
-        max=LEFT * (largest - (POSITION_TOLERANCE + math.sqrt(3) * LEAST) * scale),
-        normal_deviation=min(LEFT * (options.normal_error or math.inf), quality.normal_deviation),
-        dihedral=LEFT * (options.dihedral_error or math.inf),
+        max=largest - POSITION_TOLERANCE * scale,
+        normal_deviation=min(options.normal_error or math.inf, quality.normal_deviation),
+        dihedral=options.dihedral_error or math.inf,
     )
     return None if bounds == Bounds() else bounds
 
 
 def _of_quality(quality: int, scale: float) -> Bounds:
     factor = 2 ** ((DEFAULT_QUALITY - quality) / 2)
-    rms = LEFT * QUALITY_RMS * factor * scale
-    return Bounds(rms=rms or math.inf, normal_deviation=LEFT * QUALITY_NORMAL * factor)
+    rms = QUALITY_RMS * factor * scale
+    return Bounds(rms=rms or math.inf, normal_deviation=QUALITY_NORMAL * factor)

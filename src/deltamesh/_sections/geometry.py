@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from deltamesh._content import Content
-from deltamesh._geometry.bounds import LEFT, bounds_of
+from deltamesh._geometry.bounds import DECODED, bounds_of
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.search import ScaleError, Trial, smallest
@@ -37,7 +37,9 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
     options, structure, V = draft.options, draft.shape.structure, draft.positions
     surface, used = structure.surface, structure.complex.used
     factor = factorization(surface.laplacian, options.solver, options.threads)
-    bounds = bounds_of(options, diagonal(V))
+    scale = diagonal(V)
+    asked = bounds_of(options, scale)
+    bounds = None if asked is None else asked.before_writing(scale)
     faces = _measured(draft)
 
     def recorded(decoded: Floats) -> VertexErrors:
@@ -45,7 +47,7 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
 
     def written(decoded: Floats) -> VertexErrors:
         errors = recorded(decoded)
-        margin = position_margin(errors, diagonal(V), decoded, structure.complex.manifold_faces)
+        margin = position_margin(errors, scale, decoded, structure.complex.manifold_faces)
         return worst(errors, recorded(rounded(decoded, margin)))
 
     def attempt(errors_of: Callable[[Floats], VertexErrors], settings: Settings) -> Trial:
@@ -63,7 +65,7 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
 
     edge = mean_edge(V[:used], surface.faces)
     trial = smallest(options, bounds, edge, partial(attempt, errors_from(V, faces)))
-    if bounds is not None and bounds.excess(written(trial.vertices)) * LEFT > 1:
+    if bounds is not None and bounds.excess(written(trial.vertices)) * DECODED > 1:
         # So near to a bound that digits count, or a mesh of which the search has lost some.
         trial = smallest(options, bounds, edge, partial(attempt, written))
     errors = recorded(trial.vertices)

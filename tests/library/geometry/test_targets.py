@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 
 import meshes
@@ -10,6 +11,7 @@ import pytest
 
 from deltamesh import MeshError, OptionError, TargetError, decode, encode, info
 from deltamesh._geometry.bounds import Bounds, bounds_of
+from deltamesh._measures.margins import LEAST, SHARE
 from deltamesh._measures.metrics import VertexErrors, diagonal
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
@@ -56,7 +58,17 @@ def test_the_excess_is_the_worst_share_and_names_what_was_missed():
     errors = VertexErrors(rms=1.0, max=99.0, normal_deviation=3.0, dihedral=5.0)
     assert bounds.excess(errors) == 3.0
     assert bounds.distance_excess(errors) == 0.5
-    assert str(bounds.missed(errors)) == ("normal deviation 1 cannot be met: the least found is 3")
+    said = "normal deviation 1 cannot be met: the least found is 3.015"
+    assert str(bounds.before_writing(1.0).missed(errors)) == said
+
+
+def test_bounds_of_decoded_positions_leave_room_for_what_is_written():
+    asked = Bounds(rms=2.0, max=4.0, normal_deviation=1.0)
+    bounds = asked.before_writing(1.0)
+    assert bounds.rms + SHARE * bounds.rms == pytest.approx(asked.rms)
+    assert bounds.max + SHARE * bounds.max + 3**0.5 * LEAST == pytest.approx(4, rel=1e-12)
+    assert bounds.normal_deviation * (1 + SHARE) == pytest.approx(1)
+    assert bounds.dihedral == math.inf
 
 
 @pytest.mark.parametrize("method", METHODS)

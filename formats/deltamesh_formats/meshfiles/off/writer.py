@@ -24,7 +24,7 @@ def write(mesh: PolyMesh) -> Written:
     lines.append(f"{len(mesh.vertices)} {len(mesh.sizes)} 0")
     rows = [row_texts(rounded(mesh.vertices, mesh.margin))]
     rows += [row_texts(rounded(a.dense(), a.margin)) for a in (normal,) if a is not None]
-    rows += [row_texts(_shades(a, a.dense())) for a in (colour,) if a is not None]
+    rows += [row_texts(_shades(a, a.dense()), points=True) for a in (colour,) if a is not None]
     rows += [row_texts(rounded(a.dense(), a.margin)) for a in (uv,) if a is not None]
     lines += map(" ".join, zip(*rows, strict=True))
     kept = [a for a in (normal, colour, uv, face_colour) if a is not None]
@@ -57,7 +57,8 @@ def _faces(mesh: PolyMesh, colour: Attribute | None) -> str:
     heads = np.array([f"\n{size}" for size in mesh.sizes.tolist()], dtype=object)
     tails = np.full(len(mesh.sizes), "", dtype=object)
     if colour is not None:
-        rows = [*(f" {row}" for row in row_texts(_shades(colour, colour.values))), ""]
+        shades = row_texts(_shades(colour, colour.values), points=True)
+        rows = [*(f" {row}" for row in shades), ""]
         tails = np.array(rows, dtype=object)[colour.rows()]
     starts = mesh.offsets[:-1]
     templates[starts] = heads + templates[starts]
