@@ -37,23 +37,26 @@ def row_texts(values: NDArray[Any], *, points: bool = False) -> list[str]:
 
 
 def rounded(values: NDArray[Any], margin: float) -> NDArray[Any]:
-    """Return floats as decimals with the fewest places, each moved by at most the margin.
+    """Return floats as decimals with few places, each moved by at most the margin.
 
-    A margin of 0 returns the numbers as they are.
+    All have as many places as that takes, and those that are near to a decimal with one or two
+    places less have these. A margin of 0 returns the numbers as they are.
     """
     if not margin > 0 or values.dtype.kind != "f":
         return values
-    places = math.ceil(-math.log10(margin) - math.log10(2))
-    return _where_near(values.astype(np.float64), places, margin)
+    exact = values.astype(np.float64)
+    most = math.ceil(-math.log10(margin) - math.log10(2))
+    found = exact
+    for places in (most, most - 1, most - 2):
+        decimals = with_places(exact, places)
+        with np.errstate(invalid="ignore"):
+            near = np.abs(decimals - exact) <= margin
+        found = np.where(near, decimals, found)
+    return found
 
 
 def with_places(values: Floats, places: int) -> Floats:
-    """Return float64 numbers rounded to so many places after the decimal point."""
-    return _where_near(values, places, math.inf)
-
-
-def _where_near(values: Floats, places: int, margin: float) -> Floats:
-    """Return numbers as decimals where that moves them by at most the margin."""
+    """Return float64 numbers rounded to so many places after the decimal point; 0.0 for -0.0."""
     if abs(places) > _MOST_PLACES:
         return values
     with np.errstate(all="ignore"):  # a number may be too large to be scaled
@@ -62,5 +65,4 @@ def _where_near(values: Floats, places: int, margin: float) -> Floats:
             decimals = np.array(nearest).reshape(values.shape)
         else:
             decimals = np.round(values, places)
-        near = np.isfinite(decimals) & (np.abs(decimals - values) <= margin)
-    return np.where(near, decimals + 0.0, values)  # -0.0 becomes 0.0
+    return np.where(np.isfinite(decimals), decimals + 0.0, values)

@@ -73,7 +73,7 @@ def test_what_has_no_margin_stays() -> None:
 
 
 @pytest.mark.parametrize(
-    ("margin", "text"), [(0.1, "0.1"), (0.004, "0.123"), (0.005, "0.12"), (0.6, "0"), (1e3, "0")]
+    ("margin", "text"), [(0.1, "0.1"), (0.0005, "0.123"), (0.005, "0.12"), (0.6, "0"), (1e3, "0")]
 )
 def test_rounded_numbers_are_decimals(margin: float, text: str) -> None:
     for kind in ("f2", "f4", "f8"):
