@@ -18,7 +18,11 @@ from deltamesh_formats.polymesh.kinds import KIND_WORDS
 
 if TYPE_CHECKING:
     from deltamesh._compare.likeness import Difference
+    from deltamesh._measures.report import Report
+    from deltamesh._mesh import TriangleMesh
+    from deltamesh_formats.array_types import Floats, Ints
     from deltamesh_formats.polymesh.kinds import Kind
+    from deltamesh_formats.polymesh.mesh import PolyMesh
 
     _Errors: TypeAlias = dict[str, float | None]
 
@@ -40,6 +44,8 @@ class Comparison:
     other_parts : tuple of str, or None
         The kinds of parts of A that differ in B or are missing there; None if the faces do not
         correspond.
+    report : Report or None
+        What became of the parts and faces of A; None if the vertices do not correspond.
     """
 
     a: LoadedMesh
@@ -47,6 +53,7 @@ class Comparison:
     errors: _Errors
     attributes: tuple[Difference, ...] | None = None
     other_parts: tuple[Kind, ...] | None = None
+    report: Report | None = None
 
 
 def compare_meshes(a: LoadedMesh, b: LoadedMesh, progress: Progress) -> Comparison:
@@ -69,15 +76,30 @@ def compare_meshes(a: LoadedMesh, b: LoadedMesh, progress: Progress) -> Comparis
         unknown = dict.fromkeys([*_LENGTHS, *_ANGLES])
         return Comparison(a, b, {**unknown, **surfaces, "diagonal": diagonal})
     progress("measuring")
-    faces = distinct_faces(match.a.mesh.triangles)
-    reference = TriangleMesh(match.a.mesh.vertices, faces)
-    paired = TriangleMesh(match.b.mesh.vertices[match.sites], faces)
+    cut = match.a.mesh.triangulation()
+    kept = distinct_faces(cut.faces)
+    reference = TriangleMesh(match.a.mesh.vertices, cut.faces[kept])
+    paired = TriangleMesh(match.b.mesh.vertices[match.sites], reference.faces)
     errors = vars(metrics.compare(reference, paired))
+    report = _report(a.mesh, reference, cut.polygon[kept], paired.vertices)
     pairs = likeness.matched_corners(a.mesh, b.mesh, match)
     if pairs is None:
-        return Comparison(a, b, errors)
+        return Comparison(a, b, errors, report=report)
     attributes = likeness.differences(a.mesh, b.mesh, pairs)
-    return Comparison(a, b, errors, attributes, likeness.other_parts(a.mesh, b.mesh, pairs))
+    other_parts = likeness.other_parts(a.mesh, b.mesh, pairs)
+    return Comparison(a, b, errors, attributes, other_parts, report)
+
+
+def _report(mesh: PolyMesh, reference: TriangleMesh, polygons: Ints, others: Floats) -> Report:
+    """Return what becomes of the parts and faces of a mesh at other positions of its sites."""
+    from deltamesh._graph.adjacency import components_of_faces
+    from deltamesh._measures.measure import Measure
+    from deltamesh._measures.named_parts import named_parts
+    from deltamesh._measures.report import report_of
+
+    V, F = reference.vertices, reference.faces
+    named = named_parts(mesh, F, polygons, components_of_faces(F, len(V)))
+    return report_of(Measure(V, F, named.parts)(others), named)
 
 
 def comparison_object(name_a: str, name_b: str, comparison: Comparison) -> dict[str, object]:
@@ -92,6 +114,7 @@ def comparison_object(name_a: str, name_b: str, comparison: Comparison) -> dict[
         "a": _file_object(name_a, comparison.a),
         "b": _file_object(name_b, comparison.b),
         "errors": _errors_object(comparison.errors),
+        **_report_object(comparison.report),
         "attributes": attributes,
         "parts": parts,
     }
@@ -103,6 +126,8 @@ def comparison_text(name_a: str, name_b: str, comparison: Comparison) -> str:
     tables: list[list[tuple[str, ...]]] = [list(_error_rows(comparison.errors))]
     if comparison.attributes:
         tables.append(list(_attribute_rows(comparison.attributes)))
+    if comparison.report is not None and (rows := list(_report_rows(comparison.report))):
+        tables.insert(1, rows)
     if comparison.other_parts is not None and (a.mesh.parts or b.mesh.parts):
         tables.append(list(_part_rows(comparison)))
     lines = f"{_file_line(name_a, a)}\n{_file_line(name_b, b)}"
@@ -147,6 +172,35 @@ def _error_rows(errors: _Errors) -> Iterator[tuple[str, str, str]]:
     yield "", "degrees", ""
     for name, label in _ANGLES.items():
         yield label, cell(errors[name]), ""
+
+
+def _report_object(report: Report | None) -> dict[str, object]:
+    if report is None:
+        return {"worst_part": None, "faces_lost": None, "faces_turned": None}
+    worst = None
+    if report.worst is not None:
+        worst = {
+            "name": report.worst.name,
+            "of": report.parts,
+            "normal_deviation_degrees": report.worst.normal_deviation,
+            "rms_relative": report.worst.relative_rms,
+        }
+    return {
+        "worst_part": worst,
+        "faces_lost": len(report.lost),
+        "faces_turned": len(report.turned),
+    }
+
+
+def _report_rows(report: Report) -> Iterator[tuple[str, ...]]:
+    worst = report.worst
+    if worst is not None:
+        yield f"worst of {report.parts} parts", display_name(worst.name)
+        yield "  face normals, degrees", number(worst.normal_deviation)
+        yield "  RMS, of its own diagonal", number(worst.relative_rms)
+    for faces, fate in ((report.lost, "lost their area"), (report.turned, "turned over")):
+        if len(faces):
+            yield f"triangles that {fate}", f"{len(faces)}, the first in face {faces[0]}"
 
 
 def _attribute_object(one: Difference) -> dict[str, object]:

@@ -35,20 +35,35 @@ _BOUNDS: Final = options.combined(
         type=whole(1, MAX_QUALITY),
         metavar=f"1..{MAX_QUALITY}",
         help="Quality level. Level 5 keeps the mean deviation of the face normals within 1 degree"
-        " and the RMS distance within 0.15 % of the diagonal of the bounding box; each two levels"
-        f" more halve both bounds.  [default for auto: {DEFAULT_QUALITY}]",
+        " and the RMS distance within 0.15 % of the diagonal of the bounding box, in the whole and"
+        " in each connected component and object by its own diagonal; each two levels more halve"
+        f" both bounds.  [default for auto: {DEFAULT_QUALITY}]",
     ),
     click.option(
         "--normal-error",
         type=positive,
         metavar="DEG",
-        help="Upper bound on the mean deviation of the face normals, in degrees.",
+        help="Upper bound on the mean deviation of the face normals, in degrees, in the whole and"
+        " in each part.",
     ),
     click.option(
         "--dihedral-error",
         type=positive,
         metavar="DEG",
-        help="Upper bound on the mean deviation of the dihedral angles, in degrees.",
+        help="Upper bound on the mean deviation of the dihedral angles, in degrees, likewise.",
+    ),
+    click.option(
+        "--rms-error",
+        type=positive,
+        metavar="LENGTH",
+        help="Upper bound on the RMS distance of the vertices from their original positions, in the"
+        " unit of the mesh.",
+    ),
+    click.option(
+        "--rms-error-rel",
+        type=positive,
+        metavar="FRACTION",
+        help="The same bound as a fraction of the diagonal of the bounding box.",
     ),
     click.option(
         "--max-error",
@@ -62,6 +77,13 @@ _BOUNDS: Final = options.combined(
         type=positive,
         metavar="FRACTION",
         help="The same bound as a fraction of the diagonal of the bounding box.",
+    ),
+    click.option(
+        "--only",
+        is_flag=True,
+        default=None,
+        help="Keep the given bounds alone. Without it, where only angles (normals, dihedral), or"
+        f" only distances (RMS, max), are bounded, quality {DEFAULT_QUALITY} bounds the others.",
     ),
     click.option(
         "--effort",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from deltamesh._progress import Progress
@@ -12,9 +13,36 @@ from deltamesh_cli.signals import interruptible
 from deltamesh_formats.container.texts import texts_of
 
 if TYPE_CHECKING:
+    from deltamesh._measures.report import Report
     from deltamesh._pipeline import Encoded
+    from deltamesh._sections.draft import Cost
     from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
+
+
+@dataclass(frozen=True)
+class EncodedFile:
+    """A file that was encoded.
+
+    Attributes
+    ----------
+    source_size : int
+        Bytes of the input.
+    container : Container
+        The sections of the output.
+    lost : tuple of str
+        Descriptions of the content that is not kept.
+    report : Report or None
+        What became of the shape.
+    cost : Cost or None
+        The bound that cost the bytes.
+    """
+
+    source_size: int
+    container: Container
+    lost: tuple[str, ...]
+    report: Report | None
+    cost: Cost | None
 
 
 def encode_file(
@@ -25,7 +53,7 @@ def encode_file(
     parameters: dict[str, Any],
     *,
     force: bool,
-) -> tuple[int, Container, tuple[str, ...]]:
+) -> EncodedFile:
     """Compress a mesh file into a `.dmesh` file.
 
     Parameters
@@ -42,12 +70,7 @@ def encode_file(
 
     Returns
     -------
-    size : int
-        Bytes of the input.
-    container : Container
-        The sections of the output.
-    lost : tuple of str
-        Descriptions of the content that is not kept.
+    EncodedFile
 
     Raises
     ------
@@ -59,7 +82,9 @@ def encode_file(
     with attempt(source, "cannot encode"):
         encoded = interruptible(lambda: _encode(mesh, progress, parameters))
     files.write_output(target, encoded.data, force=force)
-    return len(original), encoded.container, texts_of(encoded.container).lost
+    lost = texts_of(encoded.container).lost
+    draft = encoded.draft
+    return EncodedFile(len(original), encoded.container, lost, draft.report, draft.cost)
 
 
 def _encode(mesh: PolyMesh, progress: Progress, parameters: dict[str, Any]) -> Encoded:

@@ -18,6 +18,7 @@ from deltamesh_formats.container.layout import MAGIC
 from deltamesh_formats.meshfiles.formats import format_of_beginning, format_of_extension
 
 if TYPE_CHECKING:
+    from deltamesh._measures.report import Report
     from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
@@ -83,6 +84,17 @@ def note_not_kept(name: str, lost: Collection[str], *, quiet: bool) -> None:
     if lost and not quiet:
         listed = ", ".join(map(display_name, lost))
         click.echo(f"note: {display_name(name)}: {listed} are not kept", err=True)
+
+
+def note_faces(name: str, report: Report | None, *, quiet: bool) -> None:
+    """Note on standard error the faces that have lost their area, or have turned over."""
+    if report is None or quiet:
+        return
+    fates = ((report.lost, "lost their area"), (report.turned, "turned over"))
+    for faces, fate in fates:
+        if len(faces):
+            text = f"{len(faces)} triangles {fate}, the first in face {faces[0]}"
+            click.echo(f"note: {display_name(name)}: {text}", err=True)
 
 
 def note_memory(name: str, container: Container, *, quiet: bool) -> None:

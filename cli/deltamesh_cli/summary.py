@@ -50,6 +50,9 @@ def container_object(name: str, container: Container) -> dict[str, object]:
         ],
         "attributes": [_attribute_object(entry) for entry in attributes_of(container)],
         "errors": None if meta is None else errors_object(meta),
+        "worst_part": None if meta is None else _worst_part_object(meta),
+        "faces_lost": None if meta is None else meta.lost,
+        "faces_turned": None if meta is None else meta.turned,
         "encoder": None if meta is None else meta.encoder,
         "source_format": None if meta is None else meta.source or None,
         "digest": container.digest.hex(),
@@ -88,6 +91,17 @@ def _parameters_object(parameters: Parameters) -> dict[str, object]:
         "seed": parameters.seed,
         "origin": list(parameters.origin),
         "isolated_vertices": parameters.isolated,
+    }
+
+
+def _worst_part_object(meta: Meta) -> dict[str, object] | None:
+    if meta.parts < 2:
+        return None
+    return {
+        "name": meta.part,
+        "of": meta.parts,
+        "normal_deviation_degrees": meta.part_normal,
+        "rms_relative": meta.part_rms,
     }
 
 

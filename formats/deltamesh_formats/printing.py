@@ -11,6 +11,14 @@ def printable(text: str) -> str:
     return text if text.isprintable() else ascii(text)[1:-1]
 
 
+def shortened(text: str, most: int) -> str:
+    """Return a text that is printable, and of at most so many bytes of UTF-8."""
+    text = printable(text)
+    if len(text.encode(errors="replace")) <= most:
+        return text
+    return text.encode(errors="replace")[: most - 3].decode(errors="ignore") + "..."
+
+
 def number(value: float) -> str:
     """Return a measured number with four significant digits."""
     return f"{value:.4g}"

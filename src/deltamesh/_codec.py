@@ -49,8 +49,11 @@ def encode(
     quality: int | None = None,
     normal_error: float | None = None,
     dihedral_error: float | None = None,
+    rms_error: float | None = None,
+    rms_error_rel: float | None = None,
     max_error: float | None = None,
     max_error_rel: float | None = None,
+    only: bool = False,
     effort: int = DEFAULT_EFFORT,
     diffusion: bool = True,
     anchors: int | float | None = None,
@@ -97,14 +100,19 @@ def encode(
     quality : int, optional
         From 1 to 9, instead of bits or a step. 5, the default for "auto", keeps the mean deviation
         of the face normals within 1 degree, and the RMS distance of the vertices from where they
-        were within 0.15 % of the diagonal of the bounding box; two levels more halve both.
+        were within 0.15 % of the diagonal of the bounding box; two levels more halve both. Each
+        connected component, and each object, keeps them by its own diagonal.
     normal_error, dihedral_error : float, optional
-        Likewise, the largest mean deviation of the face normals, or of the dihedral angles, in
-        degrees. Bounds go together, and with a quality; the file keeps them all, and the encoder
-        has proved it by decoding.
-    max_error, max_error_rel : float, optional
-        Likewise, the largest distance of any vertex from where it was: in the unit of the vertices,
-        or as a fraction of the diagonal of the bounding box.
+        Bounds on angles: the largest mean deviation of the face normals, or of the dihedral angles,
+        in degrees, of the whole mesh and of each of its parts. The file keeps all bounds, and the
+        encoder has proved it by decoding.
+    rms_error, rms_error_rel, max_error, max_error_rel : float, optional
+        Bounds on distances: the largest RMS distance of the vertices from where they were, and the
+        largest distance of any vertex, in the unit of the vertices or as a fraction of the diagonal
+        of the bounding box of the mesh.
+    only : bool
+        Keep the bounds that are given, and no others. Otherwise, where a bound of one kind is given
+        and none of the other, those of the default quality hold for the other kind.
     effort : int
         From 1 to 3: how long to search for the fewest bytes within the bounds.
     diffusion : bool
@@ -173,8 +181,11 @@ def encode(
         quality=quality,
         normal_error=normal_error,
         dihedral_error=dihedral_error,
+        rms_error=rms_error,
+        rms_error_rel=rms_error_rel,
         max_error=max_error,
         max_error_rel=max_error_rel,
+        only=only,
         effort=effort,
         diffusion=diffusion,
         anchors=anchors,

@@ -19,7 +19,9 @@ AUTO: Final = "auto"
 
 # Options that say how small, at most one of them, and how good, which go together.
 RATES: Final = ("bits", "step")
-BOUNDS: Final = ("quality", "normal_error", "dihedral_error", "max_error", "max_error_rel")
+ANGLE_BOUNDS: Final = ("normal_error", "dihedral_error")
+DISTANCE_BOUNDS: Final = ("rms_error", "rms_error_rel", "max_error", "max_error_rel")
+BOUNDS: Final = ("quality", *ANGLE_BOUNDS, *DISTANCE_BOUNDS)
 # Options of the methods that have anchors.
 ANCHORING: Final = ("anchors", "anchor_method", "diffusion", "seed")
 

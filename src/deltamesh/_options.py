@@ -44,8 +44,11 @@ class EncodeOptions(TypedDict, total=False):
     quality: int | None
     normal_error: float | None
     dihedral_error: float | None
+    rms_error: float | None
+    rms_error_rel: float | None
     max_error: float | None
     max_error_rel: float | None
+    only: bool
     effort: int
     diffusion: bool
     anchors: int | float | None
@@ -80,8 +83,11 @@ class Options:
     quality: int | None = None
     normal_error: float | None = None
     dihedral_error: float | None = None
+    rms_error: float | None = None
+    rms_error_rel: float | None = None
     max_error: float | None = None
     max_error_rel: float | None = None
+    only: bool = False
     effort: int = DEFAULT_EFFORT
     diffusion: bool = True
     anchors: int | float | None = None
@@ -132,11 +138,8 @@ class Options:
             # Of 0 bits, the connectivity and the anchors make a surface; nothing else does.
             bare = self.method == AUTO or METHODS[self.method].layout.bare
             _require_within("bits", self.bits, 0 if bare else 1, MAX_BITS)
-
-    @property
-    def has_rate(self) -> bool:
-        """Whether bits, a step or any bound was given."""
-        return any(getattr(self, name) is not None for name in RATES + BOUNDS)
+        bounded = any(getattr(self, name) is not None for name in BOUNDS)
+        _require(bounded or not self.only, "only needs a bound: a quality, or the error of a kind")
 
     @property
     def exact(self) -> bool:
@@ -186,6 +189,9 @@ class Settings:
         As in `Options`.
     largest : float
         Correct the vertices that would be further than that from their input positions.
+    exponents : bytes
+        Of the step of each vertex of the faces in coding order, in quarters of an octave below
+        `step`; the smallest is 0. None: all vertices have the same step.
     """
 
     method: str
@@ -197,6 +203,7 @@ class Settings:
     anchor_method: str = "farthest"
     seed: int = 0
     largest: float = math.inf
+    exponents: bytes = b""
 
     @property
     def layout(self) -> MethodLayout:

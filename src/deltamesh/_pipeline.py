@@ -17,8 +17,7 @@ from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.solve import factorization
 from deltamesh._limits import check_limits, filling
-from deltamesh._measures.margins import position_margin
-from deltamesh._measures.metrics import VertexErrors, diagonal
+from deltamesh._measures.metrics import diagonal
 from deltamesh._options import Options
 from deltamesh._progress import Progress, silent
 from deltamesh._sections.draft import Draft, begin
@@ -26,14 +25,21 @@ from deltamesh._sections.geometry import has_scale
 from deltamesh._sections.table import SECTIONS
 from deltamesh._shape.announced import announced
 from deltamesh._version import __version__
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Meta
-from deltamesh_formats.container.layout import CHECK, FILLING, MAX_COUNT, METHODS, PARAMETERS
+from deltamesh_formats.container.layout import (
+    CHECK,
+    FILLING,
+    MAX_COUNT,
+    PARAMETERS,
+    STRING_MAX_BYTES,
+)
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_container
 from deltamesh_formats.errors import FormatError, LimitError
 from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.printing import shortened
 
 
 @dataclass(frozen=True)
@@ -57,9 +63,9 @@ class Encoded:
     @cached_property
     def mesh(self) -> PolyMesh:
         """The mesh that a decoder will make of the file."""
-        single, points = self.draft.mesh.precision == "float32", self.draft.chosen.vertices
-        margin = _margin(self.container, self.draft.content, points)
-        return self.draft.content.mesh(points, single, margin)
+        single, meta = self.draft.mesh.precision == "float32", self.container.meta
+        margin = 0.0 if meta is None else meta.room
+        return self.draft.content.mesh(self.draft.chosen.vertices, single, margin)
 
     @cached_property
     def order(self) -> Ints:
@@ -127,15 +133,24 @@ def _proven(data: bytes) -> Container:
 
 
 def _meta(draft: Draft) -> Meta:
-    errors = draft.chosen.errors
+    errors, report = draft.chosen.measured.errors, draft.report
+    assert report is not None
+    worst = report.worst
     return Meta(
         rms=errors.rms,
         max=errors.max,
         normal=errors.normal_deviation,
         dihedral=errors.dihedral,
         diagonal=diagonal(draft.positions),
+        margin=draft.margin,
         encoder=f"deltamesh {__version__}",
         source=draft.options.source_format,
+        lost=len(report.lost),
+        turned=len(report.turned),
+        parts=report.parts,
+        part="" if worst is None else shortened(worst.name, STRING_MAX_BYTES),
+        part_normal=0.0 if worst is None else worst.normal_deviation,
+        part_rms=0.0 if worst is None else worst.relative_rms,
     )
 
 
@@ -155,17 +170,8 @@ def decode_mesh(
     factor = factorization(surface.laplacian, solver, threads)
     coder = geometry_codec(parameters.method)
     points = coder.reconstruct(surface, parameters, content.integers, factor)
-    return content.mesh(points, parameters.single, _margin(container, content, points))
-
-
-def _margin(container: Container, content: Content, points: Floats) -> float:
-    """Return how far a writer may round each coordinate; 0 if the file does not have its errors."""
-    meta = container.meta
-    if meta is None or METHODS[container.parameters.method].exact:
-        return 0.0
-    errors = VertexErrors(meta.rms, meta.max, meta.normal, meta.dihedral)
-    faces = content.structure.complex.manifold_faces
-    return position_margin(errors, meta.diagonal, points, faces)
+    margin = 0.0 if container.meta is None else container.meta.room
+    return content.mesh(points, parameters.single, margin)
 
 
 def proven_content(

@@ -28,6 +28,19 @@ def least_squares(matrix, anchors, delta, positions):
     )[0]
 
 
+def solution_by_component(matrix, anchors, delta, positions):
+    """The least-squares solution of each component by itself, about the mean of its anchors."""
+    x = np.zeros_like(delta)
+    for first in lowest_of_components(matrix):
+        part = np.flatnonzero(np.array(graph_distances(matrix, [first])) < len(matrix))
+        own = np.isin(anchors, part)
+        centre = positions[own].mean(axis=0)
+        held = np.searchsorted(part, anchors[own])
+        right = delta[part], positions[own] - centre
+        x[part] = least_squares(matrix[np.ix_(part, part)], held, *right) + centre
+    return x
+
+
 def graph_distances(matrix, sources):
     """Edges from each vertex to the nearest source; n where there is none."""
     n = len(matrix)
@@ -346,13 +359,14 @@ def level(x):
     return min(sum(start <= x for start in starts) + (x >= 2), 31)
 
 
-def diffuse(neighbours, delta, normals, step, zone, carry, along):
+def diffuse(neighbours, delta, normals, each, zone, carry, along):
     """Round each row of delta, or its component along the normal, and hand shares of the error on.
 
-    Neighbours are lists. The order of the operations is that of the kernel, for the last digit.
+    Neighbours are lists, and so are the steps. The order of the operations is that of the kernel,
+    for the last digit.
     """
     carried, out = delta.tolist(), []
-    for i, (around, n) in enumerate(zip(neighbours, normals.tolist(), strict=True)):
+    for i, (around, n, step) in enumerate(zip(neighbours, normals.tolist(), each, strict=True)):
         a = carried[i]
         later = [j for j in around if j > i]
         steps = [dot(a, n) / step] if along else [x / step for x in a]
@@ -623,7 +637,7 @@ def normals(V, F, step):
         for v in (a, b, c):
             s[v] += cross
             area[v] += np.linalg.norm(cross)
-    length = np.linalg.norm(s, axis=1) + 1e-6 * (area + step**2)
+    length = np.linalg.norm(s, axis=1) + 1e-6 * (area + np.ravel(step) ** 2)
     return s / length[:, None]
 
 

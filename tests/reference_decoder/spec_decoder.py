@@ -14,6 +14,7 @@ from fractions import Fraction
 from itertools import chain, count
 
 import numpy as np
+import spec_steps
 from spec_coder import Bytes, Stream, check, clamp, level, side, wrapped
 from spec_parts import neighbours_of_faces, read_parts
 from spec_polygons import (
@@ -34,7 +35,7 @@ HIGHPASS, CARTESIAN, REFINED, LOSSLESS = 0, 1, 2, 3
 def container(data):
     """§2, §3: the counts of vertices and faces, the payloads by their id."""
     file, sections = Bytes(data), {}
-    check(file.unpack("8sHH") == (b"\x89DMS\r\n\x1a\n", 2, 0), "magic, version, reserved")
+    check(file.unpack("8sHH") == (b"\x89DMS\r\n\x1a\n", 3, 0), "magic, version, reserved")
     vertices, faces = file.varint(), file.varint()
     check(vertices <= 1 << 40 and 1 <= faces <= 1 << 40, "counts")
     file.crc(0)
@@ -47,7 +48,8 @@ def container(data):
     method, meta = sections.get("PARM", b"")[:1], ["meta"] if "meta" in sections else []
     geometries = {b"\1": ["CART"], b"\2": ["ANCH", "DELT", "NORM"], b"\3": ["EXAC"]}
     geometry = geometries.get(method, ["ANCH", "DELT"])
-    needed = [name for name in ("STCH", "COPY", "POLY") if name in sections]
+    after = ["STCH", "COPY", "POLY"] + (["STEP"] if method != b"\3" else [])
+    needed = [name for name in after if name in sections]
     further = [[], ["FIXS"]][method not in (b"\1", b"\3")] + ["ATTR", "PART", "ORDR", "FILL"]
     further = [name for name in further if name in sections]
     order = ["PARM", "CONN", *needed, *geometry, *further, *meta]
@@ -85,9 +87,20 @@ def check_meta(payload):
     """§4.2."""
     table = Bytes(payload)
     check(all(0 <= x < math.inf for x in table.unpack("ddffd")), "numbers of meta")
-    for _ in ("encoder", "source"):
+    table.unpack("B")
+
+    def check_string():
         (text,) = table.unpack("{}s".format(*table.unpack("B")))
         check(text.decode("utf-8").isprintable(), "strings of meta")
+
+    check_string()
+    check_string()
+    if table.at < len(payload):
+        lost, turned, parts = (table.varint() for _ in range(3))
+        check(parts > 1 or (parts == 1 and lost + turned > 0), "counts of meta")
+        if parts > 1:
+            check(all(0 <= x < math.inf for x in table.unpack("fd")), "numbers of a part")
+            check_string()
     check(table.at == len(payload), "meta is too long")
 
 
@@ -266,8 +279,8 @@ class Region:
 # ---- §5.3: anchors --------------------------------------------------------------------------
 
 
-def read_anchors(payload, p, near):
-    """§5.3: the anchors' indices and grid points, the grid points of the isolated vertices."""
+def read_anchors(payload, p, near, exponents):
+    """§5.3, §5.19: the anchors' indices and grid points, those of the isolated vertices."""
     bits, stream = payload[:3], Stream(payload[3:])
     check(len(bits) == 3 and max(bits) <= 30, "bits of the grid")
     if p["anchor_method"] == 2:
@@ -279,7 +292,8 @@ def read_anchors(payload, p, near):
         check(math.inf not in distances(near, indices), "a component without an anchor")
     else:
         indices = chosen(p, near)
-    points = [tuple(stream.raw(n) for n in bits) for _ in indices]
+    more = [spec_steps.bits_more(exponents[v]) for v in indices]
+    points = [tuple(stream.raw(n + extra) for n in bits) for extra in more]
     isolated, x = [], 0
     for _ in range(p["isolated"]):
         x += stream.number("isolated", "isolated", 63) - 1
@@ -484,6 +498,17 @@ def grid_points(payload, faces, near, inner):
         grid.points.append(tuple(grid.point))
     vectors.stream.end()
     return grid.points, []
+
+
+def rooted_points(payload, faces, near, inner, exponents):
+    """§5.19."""
+    parts, roots, payload = spec_steps.roots(payload, near[: len(exponents)], exponents)
+    points, _ = grid_points(payload, faces, near, inner)
+    for part, root in zip(parts, roots, strict=True):
+        check(points[part[0]] == (0, 0, 0), "a root that is not at itself")
+        for v in part:
+            points[v] = tuple(x + y for x, y in zip(points[v], root, strict=True))
+    return points, []
 
 
 # ---- §5.12: exact coordinates ---------------------------------------------------------------
@@ -1199,15 +1224,20 @@ class Copies(Classes):
 
 
 def least_squares(delta, near, anchors, points):
-    """§5.4: [L; S] x = [delta; p], about the mean of the anchors, for the digits."""
-    n, centre = len(near), points.sum(axis=0) / max(len(points), 1)
-    system = np.zeros((n + len(anchors), n))
-    for i, neighbours in enumerate(near):
-        system[i, i] = len(neighbours)
-        system[i, neighbours] = -1
-    system[n + np.arange(len(anchors)), anchors] = 1
-    right = np.concatenate((delta, points - centre))
-    return np.linalg.lstsq(system, right, rcond=None)[0] + centre
+    """§5.4: [L; S] x = [delta; p], by component, about the mean of its anchors, for the digits."""
+    x = np.zeros_like(delta)
+    for part in spec_steps.components(near):
+        names, own = {v: i for i, v in enumerate(part)}, [a in set(part) for a in anchors]
+        held = [names[a] for a in anchors if a in names]
+        n, centre = len(part), points[own].sum(axis=0) / len(held)
+        system = np.zeros((n + len(held), n))
+        for i, v in enumerate(part):
+            system[i, i] = len(near[v])
+            system[i, [names[w] for w in near[v]]] = -1
+        system[n + np.arange(len(held)), held] = 1
+        right = np.concatenate((delta[part], points[own] - centre))
+        x[part] = np.linalg.lstsq(system, right, rcond=None)[0] + centre
+    return x
 
 
 def normals(x, faces, step):
@@ -1223,30 +1253,36 @@ def normals(x, faces, step):
 
 
 def positions(p, faces, near, exact):
-    """§5.3 to §5.6: the positions that the integers stand for."""
+    """§5.3 to §5.6, §5.19: the positions that the integers stand for."""
     origin, step = np.array([p["x"], p["y"], p["z"]]), p["step"]
-    largest = max(abs(x) for name in EXACT[2:] if name != "anchors" for x in chain(*exact[name]))
-    steps = step * p["coarse"], p["anchor_step"]
-    check(largest * max(steps) + max(map(abs, origin)) <= 1e152, "positions that are too large")
-    names = "vectors", "points", "isolated"
-    vectors, points, isolated = (np.array(exact[name], float).reshape(-1, 3) for name in names)
-    if p["method"] == CARTESIAN:
-        return origin + vectors * step
     if p["method"] == LOSSLESS:
         return np.array(exact["vectors"], np.int64).view(np.float64)
-    system = near, [index for (index,) in exact["anchors"]], origin + points * steps[1]
-    delta = vectors * steps[0]
+    indices = [index for (index,) in exact["anchors"]]
+    exponents = exact["exponents"][0] if exact["exponents"] else [0] * len(near)
+    r = np.array([spec_steps.ratio(e) for e in exponents])[:, None]
+    names = "vectors", "points", "isolated", "corrections"
+    vectors, points, isolated, fixes = (np.array(exact[k], float).reshape(-1, 3) for k in names)
+    fine = np.array(exact["refinements"], float).reshape(-1, 1)
+    free = np.ones((len(vectors) - len(r), 1))
+    of_vectors = np.concatenate((r, free))
+    held = r[indices] if indices else free[:0]
+    all_of_them = vectors * of_vectors, points * held, isolated, fine * r[: len(fine)], fixes
+    largest = max(np.abs(one).max(initial=0) for one in all_of_them)
+    check(
+        largest * max(step * p["coarse"], p["anchor_step"]) + max(map(abs, origin)) <= 1e152,
+        "positions that are too large",
+    )
+    if p["method"] == CARTESIAN:
+        return origin + vectors * (step * of_vectors)
+    system = near, indices, origin + points * (p["anchor_step"] * held)
+    delta = vectors * (p["coarse"] * step * r)
     x = least_squares(delta, *system)
     if p["method"] == REFINED:
-        delta += (
-            np.array(exact["refinements"], float).reshape(-1, 1)
-            * step
-            * normals(x, faces, p["coarse"] * step)
-        )
+        delta += fine * (step * r) * normals(x, faces, p["coarse"] * step * r)
         x = least_squares(delta, *system)
     if exact["corrections"]:
-        x = x + step * np.array(exact["corrections"], float)
-    return np.concatenate((x, origin + isolated * steps[1]))
+        x = x + step * r * fixes
+    return np.concatenate((x, origin + isolated * p["anchor_step"]))
 
 
 # ---- All of it ------------------------------------------------------------------------------
@@ -1254,7 +1290,7 @@ def positions(p, faces, near, exact):
 # §5.7, in the order of the digest
 EXACT = (
     *("faces", "copied", "vectors", "anchors", "points", "isolated", "refinements", "corrections"),
-    "forms",
+    *("forms", "exponents"),
 )
 
 
@@ -1315,12 +1351,20 @@ def decode(data):
     ends, corners = list(chain(*final)), polygons(final, glued)
     rows = [[ends[fan[0]] for fan in polygon] for polygon in corners]
     inner = inner_parallelograms([[points[v] for v in row] for row in rows])
+    exponents = [0] * len(near)
+    if "STEP" in sections:
+        exponents = spec_steps.exponents(sections["STEP"], p["step"], near)
+        exact["exponents"] = [exponents]
     if p["method"] in (CARTESIAN, LOSSLESS):
-        everywhere = near + [[] for _ in range(p["isolated"])]
-        read = grid_points if p["method"] == CARTESIAN else coordinates
-        exact["vectors"], exact["forms"] = read(sections[geometry], surface, everywhere, inner)
+        mesh = surface, near + [[] for _ in range(p["isolated"])], inner
+        if "STEP" in sections:
+            found = rooted_points(sections[geometry], *mesh, exponents)
+        else:
+            read = grid_points if p["method"] == CARTESIAN else coordinates
+            found = read(sections[geometry], *mesh)
+        exact["vectors"], exact["forms"] = found
     else:
-        exact |= read_anchors(sections["ANCH"], p, near)
+        exact |= read_anchors(sections["ANCH"], p, near, exponents)
         exact["vectors"] = deltas(sections["DELT"], p["step"], near)
     if p["method"] == REFINED:
         exact["refinements"] = refinements(sections["NORM"], near, exact["vectors"])

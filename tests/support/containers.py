@@ -17,7 +17,7 @@ HIGHPASS = Parameters(
     "highpass", True, "farthest", 8, 0.001, (-1.0, 0.5, 2.0), 0.25, 2**64 - 1, 200, 3
 )
 CARTESIAN = Parameters("cartesian", False, None, None, 0.5, (0.0, 0.0, 0.0), 0.0, 0, 0, 0)
-META = Meta(0.5, 1.25, 2.0, 4.0, 8.0, "deltamesh 0.1.0", "ply")
+META = Meta(0.5, 1.25, 2.0, 4.0, 8.0, 20, "deltamesh 0.1.0", "ply")
 PAYLOADS = {
     "highpass": {"CONN": b"connectivity", "ANCH": b"", "DELT": bytes(range(200))},
     "cartesian": {"CONN": b"c", "CART": b"integers"},
@@ -48,7 +48,7 @@ def refused(data, message=None):
 
 PINNED = bytes.fromhex(
     """
-    89444d530d0a1a0a 0200 0000 e807 d00f 00083df3
+    89444d530d0a1a0a 0300 0000 e807 d00f 9e08973f
     5041524d 3c 01 00 ff ff 000000000000e03f
         0000000000000000 0000000000000000 0000000000000000
         0000000000000000 0000000000000000 0000803f 00 00 00 00 38cae788

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import importlib.util
 
+import numpy as np
 import scipy.sparse as sparse
 
 from deltamesh._geometry.solve import LeastSquares
 from deltamesh._graph.adjacency import adjacency, components
 from deltamesh._graph.halfedges import weld
 from deltamesh._graph.laplacian import laplacian
+from deltamesh._measures.metrics import diagonal
 from deltamesh_formats.array_types import Floats, Ints
 
 # Those that an installation has without extras.
@@ -33,6 +35,14 @@ def least_squares(
     threads: int | None = None,
 ) -> Floats:
     return LeastSquares(L, anchors, solver, threads).solve(delta, positions)
+
+
+def tolerances(V: Floats, F: Ints) -> Floats:
+    """By how much positions may differ, by vertex (n, 1): SPEC.md 5.4, with rounding."""
+    labels = components_of(F, len(V))
+    diagonals = np.array([diagonal(V[labels == k]) for k in range(labels.max(initial=-1) + 1)])
+    rounding = 4 * np.spacing(np.abs(V).max(axis=1, initial=0))
+    return (1e-9 * diagonals[labels] + rounding)[:, None]
 
 
 def points_of(V: Floats, F: Ints) -> tuple[Ints, int]:

@@ -123,10 +123,10 @@ def failure_record(job: Job, task: Task, failure: Failure, seconds: float | None
 
 def _encode(job: Job, task: Task) -> tuple[Container, tuple[str, ...]]:
     source, target = task.source, task.target
-    _, container, lost = encode_file(
+    encoded = encode_file(
         source, target, job.file_format, silent, job.parameters, force=task.overwrite
     )
-    return container, lost
+    return encoded.container, encoded.lost
 
 
 def _decode(job: Job, task: Task) -> tuple[Container, tuple[str, ...]]:

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from deltamesh_cli import files, options
 from deltamesh_cli.encode_options import check_encode_options, encode_options
-from deltamesh_cli.encoding import encode_file
+from deltamesh_cli.encoding import EncodedFile, encode_file
 from deltamesh_cli.failures import process_all_and_exit
-from deltamesh_cli.meshes import note_memory, note_not_kept
-from deltamesh_cli.output import display_name, print_json
+from deltamesh_cli.meshes import note_faces, note_memory, note_not_kept
+from deltamesh_cli.output import display_name, number, print_json
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.summary import container_object
 from deltamesh_cli.value_types import FILE
-from deltamesh_formats.container.summary import achieved, counts
-
-if TYPE_CHECKING:
-    from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.summary import achieved, achieved_in_parts, counts
 
 _EXAMPLES = """\
 deltamesh encode bunny.ply                      writes bunny.ply.dmesh
@@ -95,23 +92,35 @@ def command(
         files.check_input(source)
         files.check_output(source, target, force=force)
         with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
-            size, container, lost = encode_file(
-                source, target, input_format, progress, parameters, force=force
-            )
-        note_not_kept(source, lost, quiet=quiet)
-        note_memory(target, container, quiet=quiet)
+            encoded = encode_file(source, target, input_format, progress, parameters, force=force)
+        note_not_kept(source, encoded.lost, quiet=quiet)
+        note_faces(source, encoded.report, quiet=quiet)
+        note_memory(target, encoded.container, quiet=quiet)
         if as_json:
-            sizes = {"source": source, "source_bytes": size}
-            print_json({**sizes, **container_object(target, container)})
+            print_json(_object(source, target, encoded))
         elif not (quiet or target == files.STDIO):
-            _print_summary(source, size, target, container)
+            _print_summary(source, target, encoded)
 
     process_all_and_exit([source], encode, as_json=as_json)
 
 
-def _print_summary(source: str, size: int, target: str, container: Container) -> None:
-    """Print the sizes of the input and the output, and the errors that the encoder measured."""
-    click.echo(f"{display_name(source)}: {size} bytes")
+def _object(source: str, target: str, encoded: EncodedFile) -> dict[str, object]:
+    """Return what was encoded for `--json`."""
+    cost = None if encoded.cost is None else vars(encoded.cost)
+    sizes = {"source": source, "source_bytes": encoded.source_size}
+    return {**sizes, **container_object(target, encoded.container), "bound": cost}
+
+
+def _print_summary(source: str, target: str, encoded: EncodedFile) -> None:
+    """Print the sizes of the files, the errors, and the bound that cost the bytes."""
+    container, cost = encoded.container, encoded.cost
+    click.echo(f"{display_name(source)}: {encoded.source_size} bytes")
     click.echo(f"{display_name(target)}: {container.size} bytes, {counts(container)}")
     if container.meta is not None:
         click.echo(f"achieved: {achieved(container.meta)}")
+        for line in achieved_in_parts(container.meta):
+            click.echo(line)
+    if cost is not None:
+        where = "" if cost.part is None else f" in {display_name(cost.part)}"
+        reached = f"{number(cost.error)} of {number(cost.bound)}"
+        click.echo(f"bound that cost the bytes: {cost.name}{where}, {reached}")

@@ -84,10 +84,21 @@ class Meta:
         Mean deviation of the face normals and of the dihedral angles, in degrees.
     diagonal : float
         Diagonal of the bounding box of the input, in the unit of the mesh.
+    margin : int
+        Halvings of the diagonal, 0 to 255; 0 stands for no margin. See `room`.
     encoder : str
         Name and version of the program.
     source : str
         Format of the input file, empty for arrays.
+    lost, turned : int
+        Faces that had an area and have lost it, and faces that have turned over.
+    parts : int
+        Connected components, and objects that are not made of whole components.
+    part : str
+        Name of the worst part where there are several; it may be empty.
+    part_normal, part_rms : float
+        Of that part, the mean deviation of the face normals in degrees, and the RMS distance over
+        its own diagonal.
     """
 
     rms: float
@@ -95,8 +106,25 @@ class Meta:
     normal: float
     dihedral: float
     diagonal: float
+    margin: int
     encoder: str
     source: str
+    lost: int = 0
+    turned: int = 0
+    parts: int = 1
+    part: str = ""
+    part_normal: float = 0.0
+    part_rms: float = 0.0
+
+    @property
+    def room(self) -> float:
+        """How far each decoded coordinate may be rounded, with which the errors are still kept."""
+        return self.diagonal * 2.0**-self.margin if self.margin else 0.0
+
+    @property
+    def has_losses(self) -> bool:
+        """Whether the file tells of faces that are lost or turned over, and of parts."""
+        return self.lost > 0 or self.turned > 0 or self.parts > 1
 
 
 @dataclass(frozen=True)
@@ -225,11 +253,18 @@ def parameter_faults(parameters: Parameters, vertices: int) -> Iterator[tuple[st
 
 def meta_faults(meta: Meta) -> Iterator[tuple[str, str]]:
     """Yield (field, what is wrong with it) by the rules of SPEC.md 4.2, for reader and writer."""
-    for name in ("rms", "max", "normal", "dihedral", "diagonal"):
+    for name in ("rms", "max", "normal", "dihedral", "diagonal", "part_normal", "part_rms"):
         value = getattr(meta, name)
         if not (math.isfinite(value) and value >= 0):
             yield name, f"{name} is {value}"
-    for name in ("encoder", "source"):
+    for name in ("encoder", "source", "part"):
         # It will be printed on a terminal: no escape sequences, no line ends.
         if not getattr(meta, name).isprintable():
             yield name, f"the {name} name holds control characters"
+    for name in ("lost", "turned"):
+        if getattr(meta, name) < 0:
+            yield name, f"{getattr(meta, name)} faces are {name}"
+    if meta.parts < 1:
+        yield "parts", f"{meta.parts} parts"
+    if meta.parts == 1 and (meta.part or meta.part_normal or meta.part_rms):
+        yield "parts", "a worst part among one"

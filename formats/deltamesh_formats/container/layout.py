@@ -57,7 +57,7 @@ STRING_MAX_BYTES: Final = 255
 # In the manner of PNG: a byte above 127 shows a seven-bit channel, CR LF and LF show a translation
 # of line ends, 1A stops `type` on Windows.
 MAGIC: Final = b"\x89DMS\r\n\x1a\n"
-VERSION: Final = 2
+VERSION: Final = 3
 HEADER_FIELDS: Final = (
     Field("magic", "bytes8"),
     Field("version", "u16"),
@@ -79,6 +79,7 @@ CONNECTIVITY: Final = "CONN"
 STITCHES: Final = "STCH"
 SPLIT_VERTICES: Final = "COPY"
 POLYGONS: Final = "POLY"
+STEPS: Final = "STEP"
 ANCHORS: Final = "ANCH"
 DELTAS: Final = "DELT"
 NORMALS: Final = "NORM"
@@ -92,7 +93,7 @@ CORRECTIONS: Final = "FIXS"
 META: Final = "meta"
 CHECK: Final = "CHEK"
 # Sections that follow `CONN`, and those that follow the geometry, in this order, where needed.
-AFTER_CONNECTIVITY: Final = (STITCHES, SPLIT_VERTICES, POLYGONS)
+AFTER_CONNECTIVITY: Final = (STITCHES, SPLIT_VERTICES, POLYGONS, STEPS)
 AFTER_GEOMETRY: Final = (ATTRIBUTES, PARTS, ORDER, FILLING)
 
 
@@ -135,6 +136,11 @@ class MethodLayout:
     def required(self) -> tuple[str, ...]:
         """The sections that a file begins with, in this order; `CHEK` ends it."""
         return (PARAMETERS, CONNECTIVITY, *self.geometry)
+
+    @property
+    def after_connectivity(self) -> tuple[str, ...]:
+        """The sections that may follow `CONN`, in this order: an exact method has no steps."""
+        return tuple(name for name in AFTER_CONNECTIVITY if name != STEPS or not self.exact)
 
     @property
     def further(self) -> tuple[str, ...]:
@@ -207,8 +213,20 @@ META_FIELDS: Final = (
     Field("normal", "f32"),
     Field("dihedral", "f32"),
     Field("diagonal", "f64"),
+    Field("margin", "u8"),
     Field("encoder", "string"),
     Field("source", "string"),
+)
+# Where anything is lost or turned, or there are several parts; and where there are several.
+META_LOSS_FIELDS: Final = (
+    Field("lost", "varint"),
+    Field("turned", "varint"),
+    Field("parts", "varint"),
+)
+META_PART_FIELDS: Final = (
+    Field("part_normal", "f32"),
+    Field("part_rms", "f64"),
+    Field("part", "string"),
 )
 
 # SPEC.md#53-anch
@@ -325,11 +343,19 @@ NORMAL_STATES: Final[Mapping[str, int]] = {"relative": 0, "absolute": 1, "zero":
 # where most bits are alike, so that few meshes have more.
 MAX_ELEMENTS_PER_BYTE: Final = 15200
 
+# SPEC.md#519-step
+
+# Exponents of steps, in quarters of an octave, and the ratios of those below an octave: the doubles
+# nearest to 1, 2^-1/4, 2^-1/2 and 2^-3/4.
+MAX_EXPONENT: Final = 120
+PER_OCTAVE: Final = 4
+QUARTERS: Final = (1.0, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605)
+
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:
     """Return the sections that a file of a method begins with, where those `present` are."""
     ids = METHODS[method].required
     after = ids.index(CONNECTIVITY) + 1
-    needed = tuple(name for name in AFTER_CONNECTIVITY if name in present)
+    needed = tuple(name for name in METHODS[method].after_connectivity if name in present)
     further = tuple(name for name in METHODS[method].further if name in present)
     return (*ids[:after], *needed, *ids[after:], *further)

@@ -277,10 +277,20 @@ def read_meta(payload: Buffer) -> Meta:
     ------
     FormatError
     """
-    values, offsets = _read_table(payload, layout.META_FIELDS)
+    values, offsets, end = _read_fields(payload, 0, layout.META_FIELDS)
+    further = end < len(payload)
+    fields: tuple[Field, ...] = layout.META_LOSS_FIELDS if further else ()
+    while fields:
+        found, places, end = _read_fields(payload, end, fields)
+        values, offsets = values | found, offsets | places
+        fields = layout.META_PART_FIELDS if "parts" in found and found["parts"] > 1 else ()
+    if end < len(payload):
+        raise FormatError(f"{len(payload) - end} bytes follow the last field", end)
     meta = Meta(**values)
     for field, message in meta_faults(meta):
         raise FormatError(message, offsets[field])
+    if further and not meta.has_losses:
+        raise FormatError("no faces are lost or turned, and there is one part", offsets["lost"])
     return meta
 
 

@@ -67,6 +67,17 @@ def achieved(meta: Meta) -> str:
     )
 
 
+def achieved_in_parts(meta: Meta) -> Iterator[str]:
+    """Yield what the encoder measured of the parts and the faces, in lines of words."""
+    if meta.parts > 1:
+        yield (
+            f"worst of {meta.parts} parts: {printable(meta.part)}, normals"
+            f" {number(meta.part_normal)} degrees, RMS {number(meta.part_rms)} of its own diagonal"
+        )
+    if meta.lost or meta.turned:
+        yield f"triangles that lost their area: {meta.lost}, that turned over: {meta.turned}"
+
+
 def container_text(container: Container) -> str:
     """Return everything about a file, as `deltamesh info` prints it after the name."""
     lines = [_headline(container), *(f"  {line}" for line in _lines(container))]
@@ -101,6 +112,7 @@ def _lines(container: Container) -> Iterator[str]:
         source = f", from {meta.source}" if meta.source else ""
         source += ", positions in float32" if container.parameters.single else ""
         yield f"errors: {achieved(meta)}"
+        yield from achieved_in_parts(meta)
         yield f"written by {meta.encoder}{source}; format version {container.version}"
 
 

@@ -85,7 +85,12 @@ def write_meta(meta: Meta) -> bytes:
     MeshError
         For a value that its field does not hold.
     """
-    return _fields(layout.META_FIELDS, vars(meta))
+    fields: tuple[Field, ...] = layout.META_FIELDS
+    if meta.has_losses:
+        fields += layout.META_LOSS_FIELDS
+    if meta.parts > 1:
+        fields += layout.META_PART_FIELDS
+    return _fields(fields, vars(meta))
 
 
 def write_digest(digest: bytes) -> bytes:

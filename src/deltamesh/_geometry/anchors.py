@@ -20,7 +20,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from deltamesh._geometry.solve import Factor, LeastSquares, factorization
-from deltamesh._graph.adjacency import components
+from deltamesh._graph.adjacency import components, lowest
 from deltamesh._kernels.mesh import distance
 from deltamesh_formats.array_types import Bools, Floats, Ints
 
@@ -97,7 +97,7 @@ def farthest(indptr: Ints, indices: Ints, labels: Ints, k: int) -> Ints:
     int64 (k,)
         In the order of selection.
     """
-    first = _lowest(labels)
+    first = lowest(labels)
     anchors = np.empty(_clipped(k, labels), dtype=np.int64)
     distance.farthest_points(indptr, indices, first, anchors)
     return anchors
@@ -180,7 +180,7 @@ def greedy(
     graph = _off_diagonal(L)
     labels = components(*graph)
     k = _clipped(k, labels)
-    anchors = _lowest(labels)
+    anchors = lowest(labels)
     while len(anchors) < k:
         base = factor(anchors)
         x = base.solve(delta, positions[anchors])
@@ -254,11 +254,6 @@ def _off_diagonal(L: sparse.csr_array) -> tuple[Ints, Ints]:
     off = L.indices != rows
     counts = np.bincount(rows[off], minlength=L.shape[0])
     return np.concatenate(([0], np.cumsum(counts))), L.indices[off].astype(np.int64)
-
-
-def _lowest(labels: Ints) -> Ints:
-    """Return the lowest vertex of each component, in the order of the labels."""
-    return np.unique(labels, return_index=True)[1].astype(np.int64)
 
 
 def _clipped(k: int, labels: Ints) -> int:

@@ -1,4 +1,9 @@
-"""Bounds on errors, from a quality or from errors in units."""
+"""Bounds on errors, from a quality or from errors in units.
+
+They are of two kinds: angles (normals, dihedral angles) and distances (RMS, largest). Those of the
+default quality hold unless others of their kind are given; one kind alone is no bound on a shape: a
+box may keep all of its angles and lose a third of its size.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +11,17 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from deltamesh._measures.margins import LEAST, SHARE
-from deltamesh._measures.metrics import VertexErrors
-from deltamesh._methods import AUTO
+import numpy as np
+
+from deltamesh._measures.measure import Measured
+from deltamesh._methods import ANGLE_BOUNDS, AUTO, BOUNDS, DISTANCE_BOUNDS, RATES
 from deltamesh._options import DEFAULT_QUALITY, Options
+from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import TargetError
 
 # Positions may differ by that between machines and solvers, in diagonals of the bounding box
 # (SPEC.md 5.4).
 POSITION_TOLERANCE: Final = 1e-9
-
-# Share of a bound that decoded positions may use up: what is written of them uses up the rest.
-DECODED: Final = 1 / (1 + SHARE)
 
 # The bounds of quality 5: the mean deviation of the face normals in degrees, which shading does not
 # show, and the RMS distance over the diagonal, which bounds the error of a silhouette. Two levels
@@ -28,60 +32,121 @@ QUALITY_RMS: Final = 1.5e-3
 
 @dataclass(frozen=True)
 class Bounds:
-    """The largest errors that are allowed; of `metrics.VertexErrors`, with the same units."""
+    """The largest errors that are allowed.
+
+    Attributes
+    ----------
+    rms, max : float
+        Lengths, of the whole and of each part.
+    normal_deviation, dihedral : float
+        In degrees, of the whole.
+    part_rms : float
+        Of each part, over its own diagonal.
+    part_normal, part_dihedral : float
+        In degrees, of each part.
+    """
 
     rms: float = math.inf
     max: float = math.inf
     normal_deviation: float = math.inf
     dihedral: float = math.inf
+    part_rms: float = math.inf
+    part_normal: float = math.inf
+    part_dihedral: float = math.inf
 
-    def before_writing(self, scale: float) -> Bounds:
-        """Return bounds of decoded positions, which those rounded by a margin keep as they are.
+    def excess(self, measured: Measured) -> float:
+        """Return the largest error over its bound, of the whole and of every part."""
+        return self.binding(measured).share
 
-        Parameters
-        ----------
-        scale : float
-            Diagonal of the bounding box.
+    def part_excess(self, measured: Measured) -> tuple[Floats, Floats]:
+        """Return the largest distance, and the largest angle, of each part over their bounds.
+
+        Returns
+        -------
+        float64 (q,), float64 (q,)
+            Those of the whole, (1,), if the mesh is one part.
         """
-        least = math.sqrt(3) * LEAST * scale
-        values = {name: DECODED * bound for name, bound in vars(self).items()}
-        return Bounds(**{**values, "max": DECODED * (self.max - least)})
+        of_parts = self._of_whole(measured) if measured.parts is None else self._of_parts(measured)
+        distances, angles = (
+            [_shares(one.errors, one.bound) for one in of_parts if one.is_length == is_length]
+            for is_length in (True, False)
+        )
+        return np.max(distances, axis=0), np.max(angles, axis=0)
 
-    def shares(self, errors: VertexErrors) -> dict[str, float]:
-        """Return each error over its bound; at most 1 where it is kept."""
-        return {name: _share(getattr(errors, name), bound) for name, bound in vars(self).items()}
-
-    def excess(self, errors: VertexErrors) -> float:
-        """Return the largest of the shares."""
-        return max(self.distance_excess(errors), self.angle_excess(errors))
-
-    def distance_excess(self, errors: VertexErrors) -> float:
-        """Return the largest share of a distance."""
-        return max(_share(errors.rms, self.rms), _share(errors.max, self.max))
-
-    def angle_excess(self, errors: VertexErrors) -> float:
-        """Return the largest share of an angle."""
-        normal = _share(errors.normal_deviation, self.normal_deviation)
-        return max(normal, _share(errors.dihedral, self.dihedral))
+    def binding(self, measured: Measured) -> Binding:
+        """Return the bound that is the nearest to its error, or the furthest exceeded."""
+        whole = self._of_whole(measured)
+        found = [Binding(one.name, float(one.errors[0]), one.bound) for one in whole]
+        for one in self._of_parts(measured):
+            part = int(np.argmax(_shares(one.errors, one.bound)))
+            found.append(Binding(one.name, float(one.errors[part]), one.bound, part))
+        return max(found, key=lambda one: one.share)
 
     @property
     def has_angle(self) -> bool:
         """Whether an angle is bounded."""
         return min(self.normal_deviation, self.dihedral) < math.inf
 
-    def missed(self, errors: VertexErrors) -> TargetError:
-        """Return the error to raise where no trial has less than these, before writing."""
-        shares = self.shares(errors)
-        name = max(shares, key=lambda name: shares[name])
-        bound, had = getattr(self, name) / DECODED, getattr(errors, name) / DECODED
-        text = name.replace("_", " ")
-        return TargetError(f"{text} {bound:g} cannot be met: the least found is {had:g}")
+    def _of_whole(self, measured: Measured) -> tuple[_Bounded, ...]:
+        e = measured.errors
+        return (
+            _Bounded("RMS distance", np.array([e.rms]), self.rms, is_length=True),
+            _Bounded("maximum distance", np.array([e.max]), self.max, is_length=True),
+            _Bounded("normal deviation", np.array([e.normal_deviation]), self.normal_deviation),
+            _Bounded("dihedral deviation", np.array([e.dihedral]), self.dihedral),
+        )
+
+    def _of_parts(self, measured: Measured) -> tuple[_Bounded, ...]:
+        e = measured.parts
+        if e is None:
+            return ()
+        relative = "RMS distance over the diagonal"
+        return (
+            _Bounded(relative, e.relative_rms, self.part_rms, is_length=True),
+            _Bounded("RMS distance", e.rms, self.rms, is_length=True),
+            _Bounded("maximum distance", e.max, self.max, is_length=True),
+            _Bounded("normal deviation", e.normal_deviation, self.part_normal),
+            _Bounded("dihedral deviation", e.dihedral, self.part_dihedral),
+        )
 
 
-def _share(error: float, bound: float) -> float:
+@dataclass(frozen=True)
+class _Bounded:
+    """Errors of the whole, (1,), or of the parts, (q,), that have one bound."""
+
+    name: str
+    errors: Floats
+    bound: float
+    is_length: bool = False
+
+
+@dataclass(frozen=True)
+class Binding:
+    """An error and its bound.
+
+    Attributes
+    ----------
+    name : str
+    error, bound : float
+    part : int or None
+        The part whose error it is; None for the whole.
+    """
+
+    name: str
+    error: float
+    bound: float
+    part: int | None = None
+
+    @property
+    def share(self) -> float:
+        """The error over the bound."""
+        return float(_shares(np.array([self.error]), self.bound)[0])
+
+
+def _shares(errors: Floats, bound: float) -> Floats:
     if bound:
-        return error / bound
-    return math.inf if error else 1.0  # a bound of 0 is kept by 0 alone
+        return errors / bound
+    return np.where(errors > 0, math.inf, 1.0)  # a bound of 0 is kept by 0 alone
 
 
 def bounds_of(options: Options, scale: float) -> Bounds | None:
@@ -98,25 +163,42 @@ def bounds_of(options: Options, scale: float) -> Bounds | None:
     TargetError
         For a distance that positions may differ by between machines.
     """
-    if options.method == AUTO and not options.has_rate:
-        return _of_quality(DEFAULT_QUALITY, scale)
-    largest = min(options.max_error or math.inf, (options.max_error_rel or math.inf) * scale)
-    if not largest > 2 * POSITION_TOLERANCE * scale and scale:
+    given = [name for name in BOUNDS if getattr(options, name) is not None]
+    if not given and (
+        options.method != AUTO or any(getattr(options, r) is not None for r in RATES)
+    ):
+        return None
+    quality, default = options.quality, None if options.only else DEFAULT_QUALITY
+    of_angles = quality or (None if set(given) & set(ANGLE_BOUNDS) else default)
+    of_distances = quality or (None if set(given) & set(DISTANCE_BOUNDS) else default)
+    normal = min(options.normal_error or math.inf, QUALITY_NORMAL * _factor(of_angles))
+    dihedral = options.dihedral_error or math.inf
+    part_rms = QUALITY_RMS * _factor(of_distances)
+    least = POSITION_TOLERANCE * scale
+    rms = _length(options.rms_error, options.rms_error_rel, scale)
+    largest = _length(options.max_error, options.max_error_rel, scale)
+    return Bounds(
+        rms=min(rms - least, part_rms * scale or math.inf),
+        max=largest - least,
+        normal_deviation=normal,
+        dihedral=dihedral,
+        part_rms=part_rms,
+        part_normal=normal,
+        part_dihedral=dihedral,
+    )
+
+
+def _length(error: float | None, relative: float | None, scale: float) -> float:
+    """Return the lesser of a length and of a share of the diagonal."""
+    length = min(error or math.inf, (relative or math.inf) * scale)
+    if not length > 2 * POSITION_TOLERANCE * scale and scale:
         raise TargetError(
-            f"a distance of {largest:g} cannot be promised: positions may differ by"
+            f"a distance of {length:g} cannot be promised: positions may differ by"
             f" {POSITION_TOLERANCE * scale:g} between machines"
         )
-    quality = Bounds() if options.quality is None else _of_quality(options.quality, scale)
-    bounds = Bounds(
-        rms=quality.rms,
-        max=largest - POSITION_TOLERANCE * scale,
-        normal_deviation=min(options.normal_error or math.inf, quality.normal_deviation),
-        dihedral=options.dihedral_error or math.inf,
-    )
-    return None if bounds == Bounds() else bounds
+    return length
 
 
-def _of_quality(quality: int, scale: float) -> Bounds:
-    factor = 2 ** ((DEFAULT_QUALITY - quality) / 2)
-    rms = QUALITY_RMS * factor * scale
-    return Bounds(rms=rms or math.inf, normal_deviation=QUALITY_NORMAL * factor)
+def _factor(quality: int | None) -> float:
+    """Return the bounds of a quality over those of the default one."""
+    return math.inf if quality is None else 2 ** ((DEFAULT_QUALITY - quality) / 2)

@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from deltamesh._geometry import anchors as choice
+from deltamesh._geometry import steps
 from deltamesh._geometry.integers import Integers, Quantized
 from deltamesh._geometry.quantize import delta_step, from_grid, quantize_delta, to_delta, to_grid
 from deltamesh._geometry.solve import Factor
@@ -26,7 +27,7 @@ from deltamesh._vectors import safe_lengths
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Parameters, Section
-from deltamesh_formats.container.reader import payload_of, take
+from deltamesh_formats.container.reader import payload_of
 from deltamesh_formats.errors import FormatError, OptionError
 
 # The grid of the anchors is that much finer than the step of the deltas: with diffusion, the
@@ -47,10 +48,12 @@ def quantize(
     delta = surface.laplacian @ vertices
     step = step_of(vertices, delta, settings)
     values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
+    integers = Integers(values, exponents=steps.exponents_of(settings, surface, step))
     if step:
-        share = float(settings.diffusion)
-        values = quantize_delta(delta, surface.graph, step, (share, share))
-    parameters, integers = anchored(surface, vertices, isolated, values, step, settings, factor)
+        share, each = float(settings.diffusion), step * steps.ratios(integers)
+        values = quantize_delta(delta, surface.graph, each, (share, share))
+        integers = replace(integers, values=values)
+    parameters, integers = anchored(surface, vertices, isolated, integers, step, settings, factor)
     W = solved(deltas(parameters, integers), parameters, integers, factor)
     return corrected(W, vertices, parameters, integers, settings)
 
@@ -67,7 +70,7 @@ def anchored(
     surface: Surface,
     vertices: Floats,
     isolated: Floats,
-    values: Ints,
+    integers: Integers,
     step: float,
     settings: Settings,
     factor: Factor,
@@ -75,9 +78,12 @@ def anchored(
     """Choose the anchors of quantized deltas, and round their positions."""
     everything = np.concatenate([vertices, isolated])
     origin, fine = everything.min(axis=0), _anchor_step(everything, step)
-    grid, isolated_grid = to_grid(vertices, origin, fine), to_grid(isolated, origin, fine)
+    ratios, extra = steps.ratios(integers), steps.extra_bits(integers.exponents, len(vertices))
+    grid = to_grid(vertices, origin, fine * ratios, extra[:, None])
+    isolated_grid = to_grid(isolated, origin, fine)
     coarse = settings.coarse if settings.layout.coarse else 1.0
-    delta, fixed = to_delta(values, coarse * step), from_grid(grid, origin, fine)
+    delta = to_delta(integers.values, coarse * (step * ratios))
+    fixed = from_grid(grid, origin, fine * ratios)
     anchors = _choose(surface, vertices, delta, fixed, settings, factor)
     parameters = Parameters(
         method=settings.method,
@@ -92,7 +98,9 @@ def anchored(
         isolated=surface.isolated_count,
         coarse=coarse,
     )
-    return parameters, Integers(values, anchors, grid[anchors], isolated_grid)
+    return parameters, replace(
+        integers, anchors=anchors, positions=grid[anchors], isolated=isolated_grid
+    )
 
 
 def corrected(
@@ -112,7 +120,8 @@ def corrected(
     error = vertices - W
     far = safe_lengths(error) > settings.largest
     if parameters.step and far.any():
-        fixes = to_grid(np.where(far[:, None], error, 0.0), np.zeros(3), parameters.step)
+        each = parameters.step * steps.ratios(integers)
+        fixes = to_grid(np.where(far[:, None], error, 0.0), np.zeros(3), each)
         if fixes.any():
             integers = replace(integers, corrections=fixes)
     return parameters, integers, all_positions(W, parameters, integers)
@@ -120,19 +129,25 @@ def corrected(
 
 def solved(delta: Floats, parameters: Parameters, integers: Integers, factor: Factor) -> Floats:
     """Return the vertices of the faces that deltas and anchors make."""
-    positions = from_grid(integers.positions, np.array(parameters.origin), parameters.anchor_step)
+    each = parameters.anchor_step * steps.anchor_ratios(integers)
+    positions = from_grid(integers.positions, np.array(parameters.origin), each)
     return factor(integers.anchors).solve(delta, positions)
 
 
 def deltas(parameters: Parameters, integers: Integers) -> Floats:
     """Return the delta coordinates as they were quantized, before any refinement."""
-    return to_delta(integers.values, parameters.coarse * parameters.step)
+    return to_delta(integers.values, coarse_steps(parameters, integers))
+
+
+def coarse_steps(parameters: Parameters, integers: Integers) -> Floats:
+    """Return the step of the deltas of each vertex, float64 (n, 1)."""
+    return parameters.coarse * (parameters.step * steps.ratios(integers))
 
 
 def all_positions(vertices: Floats, parameters: Parameters, integers: Integers) -> Floats:
     """Return the solution with its corrections, then the isolated vertices."""
     if len(integers.corrections):
-        vertices = vertices + parameters.step * integers.corrections
+        vertices = vertices + parameters.step * steps.ratios(integers) * integers.corrections
     isolated = from_grid(integers.isolated, np.array(parameters.origin), parameters.anchor_step)
     return np.concatenate([vertices, isolated])
 
@@ -179,8 +194,9 @@ def _computed(surface: Surface, method: str, k: int, seed: int) -> Ints:
 
 
 def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
-    """Return the payloads of ANCH and DELT, and of FIXS where there are corrections."""
+    """Return the payloads of ANCH and DELT; of STEP, where steps differ; of FIXS, if corrected."""
     payloads = {
+        **steps.encode(surface, integers.exponents),
         layout.ANCHORS: _encode_anchors(surface, parameters, integers),
         layout.DELTAS: _encode_vectors(surface, integers.values) if parameters.step else b"",
     }
@@ -190,9 +206,11 @@ def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict
 
 
 def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
-    """Return anchors, deltas and corrections."""
+    """Return exponents, anchors, deltas and corrections."""
+    exponents = steps.decode(surface, parameters, sections)
+    extra = steps.extra_bits(exponents, surface.vertex_count)
     with payload_of(sections[layout.ANCHORS]) as payload:
-        anchors, positions, isolated = _decode_anchors(surface, parameters, payload)
+        anchors, positions, isolated = _decode_anchors(surface, parameters, payload, extra)
     with payload_of(sections[layout.DELTAS]) as payload:
         if parameters.step:
             values = _decode_vectors(surface, payload)
@@ -200,7 +218,7 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
             raise FormatError("deltas in a file of 0 bits", 0)
         else:
             values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
-    integers = Integers(values, anchors, positions, isolated)
+    integers = Integers(values, anchors, positions, isolated, exponents=exponents)
     if layout.CORRECTIONS not in sections:
         return integers
     with payload_of(sections[layout.CORRECTIONS]) as payload:
@@ -210,25 +228,24 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
 
 
 def _encode_anchors(surface: Surface, parameters: Parameters, integers: Integers) -> bytes:
-    both = np.concatenate([integers.positions, integers.isolated])
-    bits = [int(size).bit_length() for size in both.max(axis=0, initial=0)]
+    extra = steps.extra_bits(integers.exponents, surface.vertex_count)[integers.anchors]
+    bits = steps.grid_bits(integers.positions, extra, integers.isolated)
 
     def run(coder: Coder) -> None:
         if parameters.anchor_method == "greedy":
             points.code_gaps(coder, integers.anchors.copy(), surface.vertex_count)
-        points.code_points(coder, integers.positions.copy(), np.array(bits))
+        points.code_points(coder, integers.positions.copy(), np.array(bits), extra)
         if len(integers.isolated):  # most meshes have none, and need not wait for this kernel
             points.code_sorted_points(coder, integers.isolated.copy(), np.array(bits))
 
-    return bytes(bits) + encode_with(points.MODEL, len(both), run)
+    count = len(integers.positions) + len(integers.isolated)
+    return bytes(bits) + encode_with(points.MODEL, count, run)
 
 
 def _decode_anchors(
-    surface: Surface, parameters: Parameters, payload: memoryview
+    surface: Surface, parameters: Parameters, payload: memoryview, extra: Ints
 ) -> tuple[Ints, Ints, Ints]:
-    bits = np.array(take(payload, 0, 3), dtype=np.int64)
-    if bits.max() > layout.MAX_GRID_BITS:
-        raise FormatError(f"a grid of more than {layout.MAX_GRID_BITS} bits", int(np.argmax(bits)))
+    bits = steps.read_grid_bits(payload)
     k, n = parameters.anchor_count, surface.vertex_count
 
     def run(coder: Coder) -> tuple[Ints, Ints, Ints]:
@@ -243,7 +260,7 @@ def _decode_anchors(
         labels = surface.labels
         if len(np.unique(labels[anchors])) <= labels.max(initial=-1) or len(anchors) != k:
             raise FormatError("a component without an anchor", 3)
-        points.code_points(coder, positions, bits)
+        points.code_points(coder, positions, bits, extra[anchors])
         if len(isolated) and not points.code_sorted_points(coder, isolated, bits):
             raise FormatError("an isolated vertex outside the grid", 3)
         return anchors, positions, isolated

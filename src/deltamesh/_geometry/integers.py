@@ -34,6 +34,9 @@ class Integers:
         Of the positions, in steps.
     formats : int64 (k,)
         Bytes of the number formats of the bit patterns.
+    exponents : int64 (n,)
+        Of the steps of the vertices of the faces, in quarters of an octave, where steps differ; see
+        `steps`.
 
     All but the values are empty in a method that has none of them.
     """
@@ -45,6 +48,7 @@ class Integers:
     refinements: Ints = field(default_factory=lambda: NONE.reshape(0, 1))
     corrections: Ints = field(default_factory=lambda: NO_POINTS)
     formats: Ints = field(default_factory=lambda: NONE)
+    exponents: Ints = field(default_factory=lambda: NONE)
 
 
 # Parameters and integers of a file, and the positions that a decoder will make of them.

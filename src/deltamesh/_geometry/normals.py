@@ -14,15 +14,15 @@ FADE = 1e-6
 MOST_STEP = 1e150
 
 
-def vertex_normals(V: Floats, F: Ints, step: float) -> Floats:
+def vertex_normals(V: Floats, F: Ints, step: float | Floats) -> Floats:
     """Return the sums of the area-weighted normals of the faces around each vertex, normalized.
 
     Parameters
     ----------
     V : float64 (n, 3)
     F : int64 (m, 3)
-    step : float
-        The step of the deltas of the surface.
+    step : float, or float64 (n, 1)
+        The step of the deltas of the surface, of all vertices or of each.
 
     Returns
     -------
@@ -37,7 +37,9 @@ def vertex_normals(V: Floats, F: Ints, step: float) -> Floats:
     area = np.linalg.norm(cross, axis=1)
     corners = F.T.ravel()
     s = np.stack([_gather(corners, np.tile(cross[:, k], 3), len(V)) for k in range(3)], axis=1)
-    around = _gather(corners, np.tile(area, 3), len(V)) + min(step / extent, MOST_STEP) ** 2
+    with np.errstate(over="ignore"):
+        steps = np.minimum(np.ravel(step) / extent, MOST_STEP)
+    around = _gather(corners, np.tile(area, 3), len(V)) + steps**2
     normals: Floats = s / (np.linalg.norm(s, axis=1) + FADE * around)[:, None]
     return normals
 

@@ -31,25 +31,34 @@ def grid_step(vertices: Floats, bits: int) -> float:
     return extent / (2.0**bits - 1) or 1.0
 
 
-def to_grid(vertices: Floats, origin: Floats, step: float) -> Ints:
+def to_grid(vertices: Floats, origin: Floats, step: float | Floats, extra: int | Ints = 0) -> Ints:
     """Return the nearest grid points, int64 (n, 3).
+
+    Parameters
+    ----------
+    vertices : float64 (n, 3)
+    origin : float64 (3,)
+    step : float, or float64 (n, 1)
+        Of all vertices, or of each.
+    extra : int, or int64 (n, 1)
+        Bits that a coordinate may take beyond `MAX_GRID_BITS`.
 
     Raises
     ------
     MeshError
-        If the step is too small for the extent: a file holds up to 2^30 steps.
+        If a step is too small for the extent: a file holds up to 2^30 steps.
     """
     grid = np.rint((vertices - origin) / step)
-    _check_size(grid, step)
+    check_size(np.ldexp(grid, -extra), step)
     return grid.astype(np.int64)
 
 
-def from_grid(grid: Ints, origin: Floats, step: float) -> Floats:
+def from_grid(grid: Ints, origin: Floats, step: float | Floats) -> Floats:
     """Return the positions of grid points, float64 (n, 3)."""
     return np.asarray(origin + grid * step, dtype=np.float64)
 
 
-def to_delta(values: Ints, step: float) -> Floats:
+def to_delta(values: Ints, step: float | Floats) -> Floats:
     """Return the delta coordinates that quantized ones stand for, float64 (n, 3)."""
     return np.asarray(values * step, dtype=np.float64)
 
@@ -57,7 +66,7 @@ def to_delta(values: Ints, step: float) -> Floats:
 def quantize_delta(
     delta: Floats,
     graph: tuple[Ints, Ints],
-    step: float,
+    step: float | Floats,
     carry: tuple[float, float],
     *,
     normals: Floats | None = None,
@@ -75,7 +84,8 @@ def quantize_delta(
     delta : float64 (n, 3)
     graph : pair of int64 arrays
         Neighbours, from `adjacency.adjacency`.
-    step : float
+    step : float, or float64 (n, 1)
+        Of all vertices, or of each.
     carry : (float, float)
         Which shares of the error go on, along the surface and across it; without normals, the
         first. Zeros are plain rounding.
@@ -92,15 +102,22 @@ def quantize_delta(
     Raises
     ------
     MeshError
-        If the step is too small for the deltas: a file holds up to 2^30 steps.
+        If a step is too small for the deltas: a file holds up to 2^30 steps.
     """
-    _check_size(delta / step, step)
+    check_size(delta / step, step)
     N = np.zeros_like(delta) if normals is None else normals
+    steps = np.broadcast_to(step, (len(delta), 1))[:, 0].copy()
     out = np.empty((len(delta), 1 if along else 3), dtype=np.int64)
-    kernels.diffuse(*graph, delta.copy(), N, step, zone, carry[0], carry[1], out)
+    kernels.diffuse(*graph, delta.copy(), N, steps, zone, carry[0], carry[1], out)
     return out
 
 
-def _check_size(steps: Floats, step: float) -> None:
+def check_size(steps: Floats | Ints, step: float | Floats) -> None:
+    """Refuse numbers of steps that the entropy coder does not take.
+
+    Raises
+    ------
+    MeshError
+    """
     if len(steps) and not np.abs(steps).max() < MOST_STEPS:
-        raise MeshError(f"a quantization step of {step:g} is too small for this mesh")
+        raise MeshError(f"a quantization step of {np.min(step):g} is too small for this mesh")

@@ -17,7 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from deltamesh._geometry import highpass
+from deltamesh._geometry import highpass, steps
 from deltamesh._geometry.integers import Integers, Quantized
 from deltamesh._geometry.normals import vertex_normals
 from deltamesh._geometry.quantize import quantize_delta
@@ -56,20 +56,25 @@ def quantize(
     L, graph = surface.laplacian, surface.graph
     delta = L @ vertices
     step = highpass.step_of(vertices, delta, settings)
-    N = vertex_normals(vertices, surface.faces, step)
+    integers = Integers(np.zeros_like(delta, dtype=np.int64))
+    integers = replace(integers, exponents=steps.exponents_of(settings, surface, step))
+    each = step * steps.ratios(integers)
+    N = vertex_normals(vertices, surface.faces, each)
     carries = (COARSE_CARRY, FINE_CARRY) if settings.diffusion else (PLAIN, PLAIN)
-    coarse_step = settings.coarse * step
-    values = quantize_delta(delta, graph, coarse_step, carries[0], normals=N, zone=DEAD_ZONE)
+    values = quantize_delta(
+        delta, graph, settings.coarse * each, carries[0], normals=N, zone=DEAD_ZONE
+    )
+    integers = replace(integers, values=values)
     parameters, integers = highpass.anchored(
-        surface, vertices, isolated, values, step, settings, factor
+        surface, vertices, isolated, integers, step, settings, factor
     )
     parameters = replace(parameters, dead_zone=DEAD_ZONE, normal_dead_zone=NORMAL_DEAD_ZONE)
     coarse, N = _stage(surface, factor, parameters, integers)
     left = delta - coarse
     fine = quantize_delta(
-        left, graph, step, carries[1], normals=N, zone=NORMAL_DEAD_ZONE, along=True
+        left, graph, each, carries[1], normals=N, zone=NORMAL_DEAD_ZONE, along=True
     )
-    W = highpass.solved(coarse + (step * fine) * N, parameters, integers, factor)
+    W = highpass.solved(coarse + (each * fine) * N, parameters, integers, factor)
     integers = replace(integers, refinements=fine)
     return highpass.corrected(W, vertices, parameters, integers, settings)
 
@@ -79,7 +84,7 @@ def reconstruct(
 ) -> Floats:
     """Solve for the coarse deltas, correct them along the normals, and solve again."""
     coarse, N = _stage(surface, factor, parameters, integers)
-    fine = coarse + (parameters.step * integers.refinements) * N
+    fine = coarse + (parameters.step * steps.ratios(integers) * integers.refinements) * N
     W = highpass.solved(fine, parameters, integers, factor)
     return highpass.all_positions(W, parameters, integers)
 
@@ -90,7 +95,7 @@ def _stage(
     """Return the coarse deltas, and the normals of the surface that they make."""
     coarse = highpass.deltas(parameters, integers)
     W = highpass.solved(coarse, parameters, integers, factor)
-    return coarse, vertex_normals(W, surface.faces, parameters.coarse * parameters.step)
+    return coarse, vertex_normals(W, surface.faces, highpass.coarse_steps(parameters, integers))
 
 
 def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:

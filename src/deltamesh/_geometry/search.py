@@ -1,91 +1,55 @@
 """Search for the fewest bytes within bounds on the errors.
 
 It believes measurements only: a trial is quantized, coded and decoded whole, and the file
-is the smallest trial within the bounds. Errors are nearly proportional to steps, so that few trials
-find a step; a method whose first trials show that it cannot win is given up.
+is the smallest trial within the bounds. A method whose first trials show that it cannot win is
+given up.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from dataclasses import replace
+from functools import lru_cache
 from typing import Final
 
+import numpy as np
+
 from deltamesh._geometry.bounds import Bounds
-from deltamesh._geometry.integers import Integers
-from deltamesh._measures.metrics import VertexErrors
+from deltamesh._geometry.part_search import (
+    Components,
+    Steps,
+    fit_steps,
+    steps_near,
+    with_fewer_levels,
+)
+from deltamesh._geometry.step_search import fit_step
+from deltamesh._geometry.trial import Attempt, ScaleError, Trial
+from deltamesh._measures.measure import Measured
 from deltamesh._methods import AUTO, CARTESIAN, HIGHPASS, METHODS, REFINED
 from deltamesh._options import DEFAULT_COARSE, Options, Settings, settings_of
 from deltamesh_formats.array_types import Floats
-from deltamesh_formats.container.container import Parameters
 from deltamesh_formats.errors import MeshError, TargetError
 
-# An error within that share of its bound is good enough, by effort.
-CLOSE: Final = {1: 0.85, 2: 0.93, 3: 0.97}
-# Trials of one method: as long as no step is good, or what is good leaves much to be had, or more
-# than that effort calls near enough.
-MOST_TRIES, LOOSE_TRIES, TRIES = 16, 8, 4
-LOOSE: Final = 0.75
-# The largest factor from a measured step to the next guess.
-FURTHEST: Final = 32.0
-# The least power of the step that errors are taken to grow with.
-FLATTEST: Final = 0.25
-# Bytes a vertex that halving the errors costs, at most: a bit for each of four numbers.
-PER_OCTAVE: Final = 0.5
 # How coarse the deltas may be, by effort, the likeliest first.
 COARSE: Final = {1: (8.0,), 2: (8.0, 4.0), 3: (8.0, 4.0, 16.0, 2.0)}
 # Where a distance, not an angle, would bound the step, four times the anchors divide distances by
 # three or so, for 0.15 bits a vertex; but not more of them than that share of the vertices.
 MORE_ANCHORS, LESS_DISTANCE = 4, 3
 MOST_ANCHORS: Final = 0.016
+# ... and no component asks for more than so many times four.
+MOST_TIMES: Final = 10
 # With corrections, steps change by this as long as the files shrink.
 GROWTH: Final = 1.6
 
 
-class ScaleError(MeshError):
-    """Coordinates too large for a method, whatever its step; for another one they may not be."""
-
-
-@dataclass(frozen=True)
-class Trial:
-    """A geometry under some settings: the contents of a file, and what its decoder makes of them.
-
-    Attributes
-    ----------
-    settings : Settings
-    parameters : Parameters
-    integers : Integers
-    encode : callable
-        Makes the payloads, which only a trial within the bounds needs.
-    vertices : float64 (n, 3)
-        Decoded.
-    errors : VertexErrors
-    """
-
-    settings: Settings
-    parameters: Parameters
-    integers: Integers
-    encode: Callable[[], dict[str, bytes]]
-    vertices: Floats
-    errors: VertexErrors
-
-    @cached_property
-    def payloads(self) -> dict[str, bytes]:
-        """The sections of the geometry, by their ids."""
-        return self.encode()
-
-    @property
-    def size(self) -> int:
-        """Bytes of the payloads."""
-        return sum(map(len, self.payloads.values()))
-
-
-Attempt = Callable[[Settings], Trial]
-
-
-def smallest(options: Options, bounds: Bounds | None, edge: float, attempt: Attempt) -> Trial:
+def smallest(
+    options: Options,
+    bounds: Bounds | None,
+    components: Components,
+    attempt: Attempt,
+    name_of: Callable[[int], str] = str,
+) -> Trial:
     """Return the smallest trial within the bounds; without bounds, the trial of the options.
 
     Parameters
@@ -93,9 +57,10 @@ def smallest(options: Options, bounds: Bounds | None, edge: float, attempt: Atte
     options : Options
     bounds : Bounds, optional
         Without them, "auto" means the errors that method refined has.
-    edge : float
-        Mean length of the edges.
+    components : Components
     attempt : callable
+    name_of : callable
+        The name of a part, for messages.
 
     Raises
     ------
@@ -103,45 +68,89 @@ def smallest(options: Options, bounds: Bounds | None, edge: float, attempt: Atte
         If no trial is within the bounds.
     """
     if bounds is None:
-        return _at_rate(options, edge, attempt)
+        return _at_rate(options, components, attempt)
     attempt = lru_cache(maxsize=1)(attempt)
     best: Trial | None = None
+    steps: Steps | None = None
     missed: list[Trial] = []
     for settings in _candidates(options, bounds):
-        start = _guess(settings, bounds, edge, best)
+        start = _start(settings, bounds, components, best, steps)
         if best is not None and best.settings.method == settings.method:
             settings = replace(settings, anchors=best.settings.anchors)
         elif options.anchors is None and settings.layout.anchored:
-            settings = _anchored(settings, bounds, start, attempt)
+            first = components.settings(settings, start)
+            settings = _anchored(settings, bounds, components, first, attempt)
         if bounds.has_angle:
             settings = replace(settings, largest=bounds.max)
         try:
-            found = _fit(settings, bounds, start, options.effort, attempt, best, missed)
+            found = _fit(settings, bounds, start, components, options, attempt, best, missed)
         except ScaleError:
             if options.method != AUTO:
                 raise
             found = None
-        if best is None or (found is not None and found.size < best.size):
-            best = found
+        if found is not None and (best is None or found[0].size < best.size):
+            best, steps = found
     if best is None and not missed:
         raise TargetError("no quantization step that fits the mesh is small enough")
     if best is None:
-        raise bounds.missed(missed[-1].errors)
+        raise _missed(bounds, missed[-1].measured, name_of)
     return _with_corrections(best, bounds, attempt)
 
 
-def _at_rate(options: Options, edge: float, attempt: Attempt) -> Trial:
-    """Return the trial at the rate of the options; for "auto", the smallest of equal errors."""
+def _missed(bounds: Bounds, measured: Measured, name_of: Callable[[int], str]) -> TargetError:
+    """Return the error to raise where no trial has smaller errors than these."""
+    one = bounds.binding(measured)
+    where = "" if one.part is None else f" in {name_of(one.part)}"
+    message = f"{one.name} {one.bound:g} cannot be met{where}: the least found is {one.error:g}"
+    return TargetError(message)
+
+
+def _fit(
+    settings: Settings,
+    bounds: Bounds,
+    start: Steps,
+    components: Components,
+    options: Options,
+    attempt: Attempt,
+    best: Trial | None,
+    missed: list[Trial],
+) -> tuple[Trial, Steps] | None:
+    """Return a trial within the bounds whose steps are about the largest; None if it cannot win."""
+    if components.alone:
+        trial = fit_step(settings, bounds, start.base, options.effort, attempt, best, missed)
+        return None if trial is None else (trial, replace(start, base=trial.parameters.step))
+    found = fit_steps(settings, bounds, start, components, options.effort, attempt, best, missed)
+    if found is None:
+        return None
+    return with_fewer_levels(settings, bounds, found, components, attempt)
+
+
+def _at_rate(options: Options, components: Components, attempt: Attempt) -> Trial:
+    """Return the trial at the rate of the options; for "auto", the smallest of no larger errors."""
     if options.method != AUTO:
         return attempt(settings_of(options, options.method))
     if options.bits == 0:
         return attempt(settings_of(options, HIGHPASS.name))
     best = attempt(settings_of(options, REFINED.name))
-    bounds = Bounds(normal_deviation=best.errors.normal_deviation, dihedral=best.errors.dihedral)
-    settings = replace(settings_of(options, CARTESIAN.name), bits=None)
-    start = _guess(settings, bounds, edge, None)
-    rival = _fit(settings, bounds, start, options.effort, attempt, best, [])
+    bounds = _errors_of(best.measured)
+    settings = replace(settings_of(options, CARTESIAN.name), bits=None, step=None)
+    start = _start(settings, bounds, components, None, None)
+    rival = fit_step(settings, bounds, start.base, options.effort, attempt, best, [])
     return best if rival is None or best.size <= rival.size else rival
+
+
+def _errors_of(measured: Measured) -> Bounds:
+    """Return bounds that no error may be larger than these."""
+    whole, parts = measured.errors, measured.parts
+    bounds = Bounds(**vars(whole))
+    if parts is None:
+        return bounds
+    return replace(
+        bounds,
+        part_rms=float(parts.relative_rms.max()),
+        part_normal=float(parts.normal_deviation.max()),
+        part_dihedral=float(parts.dihedral.max()),
+    )
 
 
 def _candidates(options: Options, bounds: Bounds) -> Iterator[Settings]:
@@ -162,110 +171,50 @@ def _candidates(options: Options, bounds: Bounds) -> Iterator[Settings]:
         yield replace(refined, coarse=c)
 
 
-def _anchored(settings: Settings, bounds: Bounds, step: float, attempt: Attempt) -> Settings:
-    """Return settings with more anchors where a distance, not an angle, would bound the step."""
-    try:
-        trial = attempt(replace(settings, step=step))
-    except MeshError:  # the step is too small for the mesh: the search will find it as well
-        return settings
-    distance, angle = bounds.distance_excess(trial.errors), bounds.angle_excess(trial.errors)
-    if distance <= angle:
-        return settings
-    most = max(MOST_ANCHORS * len(trial.vertices) / trial.parameters.anchor_count, 1.0)
-    wanted = math.log(distance / angle, LESS_DISTANCE) if angle else math.inf
-    times = min(round(min(wanted, 99)), int(math.log(most, MORE_ANCHORS)))
-    return replace(settings, anchors=trial.parameters.anchor_count * MORE_ANCHORS**times)
-
-
-def _guess(settings: Settings, bounds: Bounds, edge: float, best: Trial | None) -> float:
-    """Return a step to begin with."""
-    # Twice as coarse deltas leave angles alone at steps 1.4 times as small, or nearly.
-    finer = math.sqrt(settings.coarse / DEFAULT_COARSE) if settings.layout.coarse else 1.0
-    if best is not None and best.settings.method == settings.method:
-        return best.parameters.step * math.sqrt(best.settings.coarse / settings.coarse)
-    angle = min(bounds.normal_deviation, bounds.dihedral)
-    step = METHODS[settings.method].first_step * edge * angle / finer
-    return min(step, bounds.rms, bounds.max, edge) or 1.0
-
-
-def _fit(
+def _anchored(
     settings: Settings,
     bounds: Bounds,
-    step: float,
-    effort: int,
+    components: Components,
+    first: Settings,
     attempt: Attempt,
-    rival: Trial | None,
-    missed: list[Trial],
-) -> Trial | None:
-    """Return a trial within the bounds whose step is about the largest; None if it cannot win.
+) -> Settings:
+    """Return settings with more anchors where a distance, not an angle, would bound the step.
 
-    The last trial that was not good goes to `missed`.
+    The `first` settings are those of the first trial.
     """
-    good: Trial | None = None
-    excess: dict[float, float] = {}
-    close = CLOSE[effort]
-    for tries in range(1, MOST_TRIES + 1):
-        try:
-            trial = attempt(replace(settings, step=step))
-        except ScaleError:
-            if good is None:
-                raise
-            break
-        except MeshError:  # 2^30 steps are not enough for the mesh
-            if excess:
-                break
-            step *= FURTHEST  # so that an error can name the least bound that can be met
-            continue
-        x = excess[step] = bounds.excess(trial.errors)
-        if x > 1:
-            missed[:] = [trial]
-        elif good is None or step > good.parameters.step:
-            good = trial
-        if close <= x <= 1 or (good is not None and tries >= _tries(excess)):
-            break
-        if rival is not None and _floor(trial, x) >= rival.size:
-            return None
-        step = _next(excess, (1 + close) / 2)
-    return good
+    try:
+        trial = attempt(first)
+    except MeshError:  # the step is too small for the mesh: the search will find it as well
+        return settings
+    distance, angle = map(components.excess, bounds.part_excess(trial.measured))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        times = np.log(distance / angle) / math.log(LESS_DISTANCE)
+    times = np.clip(np.nan_to_num(times), -MOST_TIMES, MOST_TIMES)
+    wanted = max(float(times[components.of_vertex].mean()), 0.0)
+    most = max(MOST_ANCHORS * len(trial.vertices) / trial.parameters.anchor_count, 1.0)
+    by = min(round(wanted), int(math.log(most, MORE_ANCHORS)))
+    return replace(settings, anchors=trial.parameters.anchor_count * MORE_ANCHORS**by)
 
 
-def _tries(excess: dict[float, float]) -> int:
-    """Return the trials that are enough, some of them being good."""
-    return LOOSE_TRIES if max(x for x in excess.values() if x <= 1) < LOOSE else TRIES
-
-
-def _floor(trial: Trial, excess: float) -> float:
-    """Return a size below which no trial like this one will come, at the bounds."""
-    octaves = math.log2(1 / excess) if 0 < excess < 1 else 0.0 if excess else math.inf
-    return trial.size - octaves * PER_OCTAVE * len(trial.vertices)
-
-
-def _next(excess: dict[float, float], aim: float) -> float:
-    """Return the step to try next, from the excess at those that were."""
-    good = max((s for s, x in excess.items() if x <= 1), default=0.0)
-    bad = min((s for s, x in excess.items() if x > 1 and s > good), default=math.inf)
-    if good and bad < math.inf:
-        low, high = excess[good], excess[bad]
-        share = math.log(aim / low) / math.log(high / low) if 0 < low < aim else 0.5
-        return float(good * (bad / good) ** min(max(share, 0.1), 0.9))
-    step = good or bad
-    factor = FURTHEST
-    if excess[step] > 0:
-        factor = (aim / excess[step]) ** (1 / _power(excess, step))
-    return step * min(max(factor, 1 / FURTHEST), FURTHEST)
-
-
-def _power(excess: dict[float, float], step: float) -> float:
-    """Return the power of the step that errors grow with, from the step measured next to it.
-
-    It is 1 but where slivers have lost their normals: there, errors fall slowly at first.
-    """
-    others = [s for s, x in excess.items() if s != step and x > 0]
-    if not others:
-        return 1.0
-    other = min(others, key=lambda s: abs(math.log(s / step)))
-    power = math.log(excess[step] / excess[other]) / math.log(step / other)
-    return min(max(power, FLATTEST), 1.0)
+def _start(
+    settings: Settings,
+    bounds: Bounds,
+    components: Components,
+    best: Trial | None,
+    steps: Steps | None,
+) -> Steps:
+    """Return the steps to begin with."""
+    if steps is not None and best is not None and best.settings.method == settings.method:
+        return steps.times(math.sqrt(best.settings.coarse / settings.coarse))
+    # Twice as coarse deltas leave angles alone at steps 1.4 times as small, or nearly.
+    finer = math.sqrt(settings.coarse / DEFAULT_COARSE) if settings.layout.coarse else 1.0
+    angle = min(bounds.normal_deviation, bounds.dihedral)
+    edge = components.edge
+    with np.errstate(invalid="ignore"):
+        step = METHODS[settings.method].first_step * edge * angle / finer
+    limits = (bounds.rms, bounds.max, components.largest_rms(bounds), edge)
+    wanted: Floats = np.minimum.reduce([step, *np.broadcast_arrays(*limits)])
+    return steps_near(np.where(wanted > 0, wanted, 1.0))
 
 
 def _with_corrections(best: Trial, bounds: Bounds, attempt: Attempt) -> Trial:
@@ -284,6 +233,6 @@ def _with_corrections(best: Trial, bounds: Bounds, attempt: Attempt) -> Trial:
             trial = attempt(replace(best.settings, step=step, largest=bounds.max))
         except MeshError:  # too small a step for the mesh
             return best
-        if bounds.excess(trial.errors) > 1 or trial.size >= best.size:
+        if bounds.excess(trial.measured) > 1 or trial.size >= best.size:
             return best
         best = trial

@@ -39,6 +39,8 @@ PIN = 1e-5
 # to x: below this one, what is left is rounding.
 REFINED = 1e-7
 MAX_REFINEMENTS = 5
+# Below that, corrections have no digits left to settle.
+TINY = float(np.finfo(np.float64).tiny)
 
 
 class LeastSquares:
@@ -70,7 +72,8 @@ class LeastSquares:
         solver: str = "auto",
         threads: int | None = None,
     ) -> None:
-        _check_anchored(L, anchors)
+        self._count, self._labels = _components(L, anchors)
+        self._anchors = anchors
         n, k = L.shape[0], len(anchors)
         S = sparse.csr_array((np.ones(k), (np.arange(k), anchors)), shape=(k, n))
         self._A = sparse.vstack([L, S], format="csr")
@@ -97,19 +100,32 @@ class LeastSquares:
         SolveError
             If the system is too ill-conditioned for double precision, or overflows it.
         """
-        # L maps constants to zero, so the origin is free; far from it digits are lost.
-        centre: Floats = positions.sum(axis=0) / max(len(positions), 1)
-        b = np.concatenate((delta, positions - centre))
+        # L maps constants to zero, so the origin of each component is free; far from it digits are
+        # lost.
+        centres = self._centres(positions)
+        b = np.concatenate((delta, positions - centres[self._labels[self._anchors]]))
         with np.errstate(over="ignore", invalid="ignore"):
             x = self.solve_normal(self._transposed @ b)
             for _ in range(MAX_REFINEMENTS):
                 correction = self.solve_normal(self._transposed @ (b - self._A @ x))
                 x += correction
-                if np.abs(correction).max(initial=0.0) <= REFINED * np.abs(x).max(initial=0.0):
-                    return x + centre
+                if (self._largest(correction) <= REFINED * self._largest(x) + TINY).all():
+                    return x + centres[self._labels]
         raise SolveError(
             "the least-squares system has no solution in double precision: more anchors help"
         )
+
+    def _centres(self, positions: Floats) -> Floats:
+        """Return the mean position of the anchors of each component."""
+        of = self._labels[self._anchors]
+        sums = [np.bincount(of, column, self._count) for column in positions.T]
+        return np.stack(sums, axis=1) / np.bincount(of, minlength=self._count)[:, None]
+
+    def _largest(self, x: Floats) -> Floats:
+        """Return the largest magnitude of each component."""
+        largest = np.zeros(self._count)
+        np.maximum.at(largest, self._labels, np.abs(x).max(axis=1, initial=0.0))
+        return largest
 
     def solve_normal(self, b: Floats) -> Floats:
         """Return M^-1 b for b of shape (n, c), M = L^T L + S^T S, without refinement."""
@@ -133,13 +149,15 @@ def factorization(L: sparse.csr_array, solver: str = "auto", threads: int | None
     return lambda anchors: remembered(anchors.tobytes())
 
 
-def _check_anchored(L: sparse.csr_array, anchors: Ints) -> None:
+def _components(L: sparse.csr_array, anchors: Ints) -> tuple[int, Ints]:
+    """Return the number of components, each of which has an anchor, and that of each vertex."""
     count, labels = csgraph.connected_components(L, directed=False)
     anchored = np.zeros(count, dtype=bool)
     anchored[labels[anchors]] = True
     if not anchored.all():
         vertex = int(np.argmin(anchored[labels]))
         raise SolveError(f"the component of vertex {vertex} has no anchor: the system is singular")
+    return count, labels
 
 
 def _factor(A: sparse.csr_array, transposed: sparse.csr_array, name: str, threads: int) -> Solve:

@@ -92,3 +92,17 @@ def components(indptr: Ints, indices: Ints) -> Ints:
     _, labels = csgraph.connected_components(A, directed=False)
     # scipy does not promise an order of its labels, and the anchors of a file depend on it.
     return numbered(labels)[0]
+
+
+def components_of_faces(faces: Ints, n: int) -> Ints:
+    """Return the connected component of every vertex, int64 (n,), -1 for one in no face."""
+    labels = components(*adjacency(faces, n))
+    in_face = np.zeros(n, dtype=bool)
+    in_face[faces] = True
+    labels[in_face], labels[~in_face] = numbered(labels[in_face])[0], -1
+    return labels
+
+
+def lowest(labels: Ints) -> Ints:
+    """Return the lowest vertex of each component, in the order of the labels of `components`."""
+    return np.unique(labels, return_index=True)[1].astype(np.int64)

@@ -82,10 +82,17 @@ def of_wedges(wedges: Ints) -> Elements:
     return of_vertices(wedges.reshape(-1, 3), int(wedges.max(initial=-1)) + 1)
 
 
+def of_graph(indptr: Ints, indices: Ints) -> Elements:
+    """Return elements with the neighbours of `adjacency.adjacency`, and no parallelograms."""
+    count = len(indptr) - 1
+    none = np.zeros(count + 1, dtype=np.int64)
+    return Elements(count, indptr, indices, none, np.zeros((0, 3), dtype=np.int64), none[:count])
+
+
 def alone(count: int) -> Elements:
     """Return elements without neighbours: only the element before predicts each."""
     none = np.zeros(count + 1, dtype=np.int64)
-    return Elements(count, none, none[:0], none, np.zeros((0, 3), dtype=np.int64), none[:count])
+    return of_graph(none, none[:0])
 
 
 def among(elements: Elements, keep: Bools) -> Elements:

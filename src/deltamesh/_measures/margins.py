@@ -1,64 +1,119 @@
 """Margins: how far a writer may round the numbers of a decoded mesh.
 
-A margin is a small share of the error that a file has, so that what is written keeps the bounds
-that the encoder was given, and has no digits that mean nothing.
+Decoded positions are real numbers, and files have floats of some size or decimals. A margin is a
+small share of the error that positions have: within it, what is written keeps the bounds that the
+encoder was given, and has no digits that mean nothing.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
+from deltamesh._measures.measure import Measure, Measured
 from deltamesh._measures.metrics import VertexErrors
-from deltamesh._vectors import crosses, lengths
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh._measures.parts import PartErrors
+from deltamesh_formats.array_types import Floats
+from deltamesh_formats.meshfiles.number_text import rounded
 
-# Of a distance, or of half a step: what rounding may add to it. Encoders leave as much.
+# Of a distance, or of half a step of an attribute: what rounding may add to it.
 SHARE: Final = 1 / 200
-# Of an angle: rounding adds the square root of the sum of squares, which is a SHARE at most.
-ANGLE_SHARE: Final = 1 / 20
-# Angles below this, in degrees, are not seen, whatever the error of a file is.
-LEAST_ANGLE: Final = 0.02
-# In diagonals of the bounding box: the positions of two decoders differ by ten times that.
-LEAST: Final = 1e-10
+# Of an angle. Rounding errors are independent of the others: squares add up.
+ANGLE_SHARE: Final = 1 / 100
+# What rounding may add to any angle, in degrees, and to the RMS distance of a part, in diagonals of
+# the part and as a share of that: so little is not seen, however small the error is.
+LEAST_ANGLE: Final = 0.002
+LEAST_RMS: Final = 1e-3
+# Halvings of the diagonal of the mesh that are the least margin; decoders differ by more than that.
+MOST_HALVINGS: Final = 33
 
 
-def position_margin(errors: VertexErrors, diagonal: float, V: Floats, F: Ints) -> float:
-    """Return the margin of each coordinate of decoded positions.
+def margin_of(
+    measure: Measure,
+    measured: Measured,
+    decoded: Floats,
+    diagonal: float,
+    keeps: Callable[[Measured], bool],
+) -> int:
+    """Return the margin of the coordinates of decoded positions as `Meta.margin` has it.
 
-    Each coordinate rounded by a margin moves a vertex by at most `SHARE` of the RMS distance. It
-    turns the faces, on average, by at most `ANGLE_SHARE` of the angle errors: uniform errors of at
-    most r turn a triangle of area A and sides a, b, c by about r sqrt(a^2 + b^2 + c^2) / (2
-    sqrt(3) A), the gradient of the linear function with these values at the corners.
+    Rounding by a margin r moves a vertex by at most sqrt(3) r, and no distance grows by more. What
+    it does to angles is measured, and twice the difference is taken for the most.
 
     Parameters
     ----------
-    errors : VertexErrors
-        Of the decoded mesh.
+    measure : Measure
+    measured : Measured
+        The errors of the decoded positions.
+    decoded : float64 (n, 3)
     diagonal : float
-        Of the bounding box.
-    V : float64 (n, 3)
-        Decoded positions.
-    F : int64 (m, 3)
+        Of the bounding box of the mesh.
+    keeps : callable
+        Whether errors are within the bounds.
     """
-    distance = SHARE * errors.rms / math.sqrt(3)
-    angle = min((a for a in (errors.normal_deviation, errors.dihedral) if a > 0), default=0.0)
-    allowed = ANGLE_SHARE * math.radians(max(angle, LEAST_ANGLE))
-    return max(min(distance, allowed * _height(V, F, diagonal)), LEAST * diagonal)
+    rms = measured.errors.rms
+    if not (0 < diagonal < math.inf):
+        return 0
+    first = math.log2(diagonal) - math.log2(SHARE * rms / math.sqrt(3)) if rms else math.inf
+    halvings = max(1, math.ceil(min(first, MOST_HALVINGS)))
+    while halvings <= MOST_HALVINGS:
+        margin = diagonal * 2.0**-halvings
+        most = _most(measured, measure(rounded(decoded, margin)), math.sqrt(3) * margin)
+        excess = max(_excesses(measured, most, diagonal))
+        if excess <= 1 and keeps(most):
+            return halvings
+        halvings += max(1, math.ceil(math.log2(excess) / 2)) if 1 < excess < math.inf else 1
+    return 0
 
 
-def _height(V: Floats, F: Ints, diagonal: float) -> float:
-    """Return the margin that turns the faces by about one radian, infinite without any area."""
-    unit = diagonal or 1.0
-    a, b, c = (V[F[:, i]] / unit for i in range(3))
-    left, right, third = b - a, c - a, c - b
-    area = lengths(crosses(left, right)).sum() / 2
-    sides = np.sqrt(sum(lengths(side) ** 2 for side in (left, right, third))).sum()
-    return float(2 * math.sqrt(3) * area / sides) * unit if area > 0 else math.inf
+def _most(before: Measured, after: Measured, distance: float) -> Measured:
+    """Return the errors that positions may have once they are rounded."""
+    parts = None
+    if before.parts is not None and after.parts is not None:
+        parts = replace(
+            before.parts,
+            rms=before.parts.rms + distance,
+            max=before.parts.max + distance,
+            normal_deviation=_doubled(before.parts.normal_deviation, after.parts.normal_deviation),
+            dihedral=_doubled(before.parts.dihedral, after.parts.dihedral),
+        )
+    a, b = before.errors, after.errors
+    errors = VertexErrors(
+        rms=a.rms + distance,
+        max=a.max + distance,
+        normal_deviation=float(_doubled(a.normal_deviation, b.normal_deviation)),
+        dihedral=float(_doubled(a.dihedral, b.dihedral)),
+    )
+    return replace(before, errors=errors, parts=parts)
 
 
-def worst(one: VertexErrors, other: VertexErrors) -> VertexErrors:
-    """Return the larger of each error."""
-    return VertexErrors(**{name: max(x, vars(other)[name]) for name, x in vars(one).items()})
+def _doubled(before: Floats | float, after: Floats | float) -> Floats:
+    return np.asarray(before + 2 * np.abs(np.asarray(after) - before))
+
+
+def _excesses(before: Measured, most: Measured, diagonal: float) -> Iterator[float]:
+    """Yield what each error may grow by, over what it is allowed to."""
+    least = 2.0 ** (1 - MOST_HALVINGS) * diagonal
+    yield from _of_errors(before.errors, most.errors, least)
+    if before.parts is not None and most.parts is not None:
+        own = np.maximum(least, SHARE * LEAST_RMS * before.parts.diagonal)
+        yield from _of_errors(before.parts, most.parts, own)
+
+
+def _of_errors(
+    before: VertexErrors | PartErrors, most: VertexErrors | PartErrors, least: Floats | float
+) -> Iterator[float]:
+    for name, share, floor in (
+        ("rms", SHARE, least),
+        ("max", SHARE, least),
+        ("normal_deviation", ANGLE_SHARE, LEAST_ANGLE),
+        ("dihedral", ANGLE_SHARE, LEAST_ANGLE),
+    ):
+        error = np.asarray(getattr(before, name))
+        allowed = np.maximum(share * error, floor)
+        growth = np.asarray(getattr(most, name)) - error
+        yield float(np.max(growth / allowed, initial=0.0))

@@ -7,17 +7,16 @@ Lengths are in the unit of the vertices, angles in degrees. The sources are in e
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from deltamesh._graph.adjacency import edges
-from deltamesh._graph.halfedges import by_edge, edges_of_two, ends
+from deltamesh._measures.differences import Differences, Reference
 from deltamesh._measures.hausdorff import squared_hausdorff
 from deltamesh._mesh import TriangleMesh
-from deltamesh._vectors import angles, crosses, dots, lengths, safe_lengths
-from deltamesh_formats.array_types import Bools, Floats, Ints
+from deltamesh._vectors import lengths, safe_lengths
+from deltamesh_formats.array_types import Floats, Ints
 
 # Of Mq in the visual error (Sorkine, Cohen-Or and Toledo 2003, section 5).
 VISUAL_WEIGHT = 0.15
@@ -100,58 +99,43 @@ def vertex_errors(V: Floats, W: Floats, F: Ints) -> VertexErrors:
     ValueError
         If the shapes of V and W differ.
     """
-    return _errors_from(V, F, diagonal(V) or 1.0)(W)
+    reference = reference_of(V, F)
+    return vertex_errors_of(reference, reference.differences(W))
 
 
-def errors_from(V: Floats, F: Ints) -> Callable[[Floats], VertexErrors]:
-    """Return `vertex_errors` of one reference, for a search: half of the work is done once.
-
-    They are measured around the centre of the reference, where what is below 1e-15 of its diagonal
-    is lost: that is less than any bound. Steps, and so the bytes of files, follow from their last
-    digits.
-    """
-    centre, unit = _frame(V)
-    errors_around_centre = _errors_from((V - centre) / unit, F, 1.0)
-
-    def errors(W: Floats) -> VertexErrors:
-        found = errors_around_centre((W - centre) / unit)
-        return replace(found, rms=unit * found.rms, max=unit * found.max)
-
-    return errors
+def reference_of(V: Floats, F: Ints) -> Reference:
+    """Return the reference of `vertex_errors`; its unit is the diagonal."""
+    return Reference(V, F, diagonal(V) or 1.0)
 
 
-def _errors_from(V: Floats, F: Ints, unit: float) -> Callable[[Floats], VertexErrors]:
-    """Return `vertex_errors` of one reference, from differences of positions in a unit."""
-    m, area = _face_normals(V, F, unit)
-    pairs = _interior_edges(F)
-    dihedral = _dihedral_angles(V, m, *pairs)
-
-    def errors(W: Floats) -> VertexErrors:
-        if V.shape != W.shape:
-            raise ValueError(f"{len(V)} and {len(W)} vertices cannot be compared one by one")
-        distance, (k, _) = lengths((W - V) / unit), _face_normals(W, F, unit)
-        return VertexErrors(
-            rms=unit * _rms(distance),
-            max=unit * float(distance.max(initial=0.0)),
-            normal_deviation=_normal_deviation(m, k, area),
-            dihedral=_mean_change(dihedral, _dihedral_angles(W, k, *pairs)),
-        )
-
-    return errors
+def vertex_errors_of(reference: Reference, d: Differences) -> VertexErrors:
+    """Return the errors that differences amount to."""
+    return VertexErrors(
+        rms=reference.unit * _rms(d.distance),
+        max=reference.unit * float(d.distance.max(initial=0.0)),
+        normal_deviation=_normal_deviation(d.angle, reference.areas),
+        dihedral=float(d.change.mean()) if len(d.change) else 0.0,
+    )
 
 
 def rounded_up(errors: VertexErrors) -> VertexErrors:
     """Return errors that are not below the truth: rounding is added, and angles fit binary32."""
-    normal, dihedral = map(_above, (errors.normal_deviation, errors.dihedral))
-    rms, largest = errors.rms * (1 + ROUNDING), errors.max * (1 + ROUNDING)
-    return VertexErrors(rms=rms, max=largest, normal_deviation=normal, dihedral=dihedral)
+    angles = np.array([errors.normal_deviation, errors.dihedral])
+    lengths = np.array([errors.rms, errors.max])
+    return VertexErrors(*length_rounded_up(lengths).tolist(), *angles_rounded_up(angles).tolist())
 
 
-def _above(angle: float) -> float:
-    """Return the least number of binary32 that is not below an angle, with its rounding."""
+def length_rounded_up(length: Floats) -> Floats:
+    """Return lengths, float64 (k,), with the rounding that may have made them too small."""
+    return length * (1 + ROUNDING)
+
+
+def angles_rounded_up(angle: Floats) -> Floats:
+    """Return the least numbers of binary32 not below angles, float64 (k,), with their rounding."""
     wanted = angle * (1 + ROUNDING)
-    single = np.float32(wanted)
-    return float(single if float(single) >= wanted else np.nextafter(single, np.float32(np.inf)))
+    single = wanted.astype(np.float32)
+    above = np.nextafter(single, np.float32(np.inf))
+    return np.where(single >= wanted, single, above).astype(np.float64)
 
 
 def diagonal(V: Floats) -> float:
@@ -159,10 +143,16 @@ def diagonal(V: Floats) -> float:
     return math.hypot(*np.ptp(V, axis=0)) if len(V) else 0.0
 
 
-def mean_edge(V: Floats, F: Ints) -> float:
-    """Return the mean length of the edges, those of two faces counted twice; 0 without faces."""
+def mean_edges(V: Floats, F: Ints, component: Ints, count: int) -> Floats:
+    """Return the mean length of the edges of each component, float64 (count,).
+
+    Edges of two faces count twice; `component`, int64 (m,), is that of each face.
+    """
     sides = [safe_lengths(V[F[:, i]] - V[F[:, i - 1]]) for i in range(3)]
-    return float(np.mean(sides)) if len(F) else 0.0
+    if count == 1:
+        return np.array([np.mean(sides)])
+    total = np.bincount(component, np.sum(sides, axis=0), count)
+    return total / np.maximum(3 * np.bincount(component, minlength=count), 1)
 
 
 def visual_error(V: Floats, W: Floats, F: Ints) -> float:
@@ -247,59 +237,6 @@ def _rms(x: Floats) -> float:
     return float(np.sqrt(np.mean(x * x))) if len(x) else 0.0
 
 
-def _face_normals(V: Floats, F: Ints, unit: float) -> tuple[Floats, Floats]:
-    """Return the faces' normals (m, 3), of any length, and twice their areas in the square unit.
-
-    The sides of a face are scaled by themselves: that of others may be 1e150 times as long.
-    """
-    a, b, c = V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
-    (left, i), (right, j) = _scaled((b - a) / unit), _scaled((c - a) / unit)
-    normals = crosses(left, right)
-    return normals, np.ldexp(lengths(normals), i + j)
-
-
-def _scaled(x: Floats) -> tuple[Floats, Ints]:
-    """Return rows whose largest number is 1/2 to 1, to the last bit, and the powers of two."""
-    exponents = np.frexp(np.abs(x).max(axis=1, initial=0.0))[1]
-    return np.ldexp(x, -exponents[:, None]), exponents
-
-
-def _normal_deviation(m: Floats, k: Floats, area: Floats) -> float:
-    lost = ~k.any(axis=1)
-    angle = np.where(lost, 90.0, angles(m, k))
+def _normal_deviation(angle: Floats, area: Floats) -> float:
     total = float(area.sum())
     return float(area @ angle) / total if total > 0 else 0.0
-
-
-def _mean_change(one: Floats, other: Floats) -> float:
-    change = np.abs(one - other)
-    return float(np.minimum(change, 360 - change).mean()) if len(change) else 0.0
-
-
-def _dihedral_angles(
-    V: Floats, m: Floats, pairs: Ints, left: Ints, right: Ints, same: Bools
-) -> Floats:
-    """Return the angles (e,) from the left faces' normals to the right ones', convex: positive."""
-    a, b = m[left], np.where(same[:, None], -m[right], m[right])
-    axis = crosses(a, b)
-    along = V[pairs[:, 1]] - V[pairs[:, 0]]
-    return np.where(dots(axis, along) < 0, -1.0, 1.0) * angles(a, b)
-
-
-def _interior_edges(F: Ints) -> tuple[Ints, Ints, Ints, Bools]:
-    """Return the edges of exactly two faces.
-
-    Returns
-    -------
-    edges : int64 (e, 2)
-        As the first face runs through them.
-    left, right : int64 (e,)
-        The faces; the first has the lower index.
-    same : bool (e,)
-        Whether both run through it in the same direction: then one of them is turned over.
-    """
-    a, b = ends(F)
-    h, g = edges_of_two(*by_edge(a, b))
-    pairs = np.stack((a[h], b[h]), axis=1)
-    two = (h // 3 != g // 3) & (pairs[:, 0] != pairs[:, 1])
-    return pairs[two], h[two] // 3, g[two] // 3, (a[h] == a[g])[two]

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from deltamesh._content import NOTHING, Content
-from deltamesh._geometry.search import Trial
+from deltamesh._geometry.trial import Trial
+from deltamesh._measures.report import Report
 from deltamesh._options import Options
 from deltamesh._parts import Annotations, annotations_of
 from deltamesh._progress import Progress
@@ -16,6 +17,24 @@ from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.dropping import without
 from deltamesh_formats.polymesh.mesh import PolyMesh
+
+
+@dataclass(frozen=True)
+class Cost:
+    """The bound that cost the bytes: a looser one would have made the file smaller.
+
+    Attributes
+    ----------
+    name : str
+    error, bound : float
+    part : str or None
+        The name of the part that it holds back; None for the whole.
+    """
+
+    name: str
+    error: float
+    bound: float
+    part: str | None
 
 
 @dataclass(frozen=True)
@@ -32,6 +51,12 @@ class Draft:
     shape : ShapeDraft
     trial : Trial or None
         The geometry that was chosen.
+    report : Report or None
+        What became of the shape.
+    cost : Cost or None
+        The bound that cost the bytes; None where there were no bounds.
+    margin : int
+        How far a writer may round decoded positions, as `Meta.margin` has it.
     content : Content
         As a decoder knows it after the same sections.
     """
@@ -41,6 +66,9 @@ class Draft:
     progress: Progress
     shape: ShapeDraft
     trial: Trial | None = None
+    report: Report | None = None
+    cost: Cost | None = None
+    margin: int = 0
     content: Content = NOTHING
 
     @property

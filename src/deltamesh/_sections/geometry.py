@@ -2,34 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from deltamesh._content import Content
-from deltamesh._geometry.bounds import DECODED, bounds_of
+from deltamesh._geometry.bounds import Binding, Bounds, bounds_of
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
-from deltamesh._geometry.search import ScaleError, Trial, smallest
+from deltamesh._geometry.part_search import components_of
+from deltamesh._geometry.search import smallest
 from deltamesh._geometry.solve import factorization
-from deltamesh._measures.margins import position_margin, worst
-from deltamesh._measures.metrics import (
-    VertexErrors,
-    diagonal,
-    errors_from,
-    mean_edge,
-    rounded_up,
-    vertex_errors,
-)
+from deltamesh._geometry.steps import anchor_ratios, ratios
+from deltamesh._geometry.trial import ScaleError, Trial
+from deltamesh._measures.margins import margin_of
+from deltamesh._measures.measure import Measure, Measured
+from deltamesh._measures.metrics import diagonal
+from deltamesh._measures.named_parts import NamedParts, named_parts
+from deltamesh._measures.report import report_of
 from deltamesh._mesh import LARGEST
 from deltamesh._options import Settings
-from deltamesh._sections.draft import Draft
+from deltamesh._sections.draft import Cost, Draft
 from deltamesh._shape.complexes import distinct_faces
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Container, Parameters
-from deltamesh_formats.meshfiles.number_text import rounded
 
 
 def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
@@ -37,20 +34,12 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
     options, structure, V = draft.options, draft.shape.structure, draft.positions
     surface, used = structure.surface, structure.complex.used
     factor = factorization(surface.laplacian, options.solver, options.threads)
-    scale = diagonal(V)
-    asked = bounds_of(options, scale)
-    bounds = None if asked is None else asked.before_writing(scale)
-    faces = _measured(draft)
+    faces, polygons = _measured(draft)
+    component = np.pad(surface.labels, (0, len(V) - used), constant_values=-1)
+    named = named_parts(draft.mesh, faces, polygons, component)
+    measure = Measure(V, faces, named.parts)
 
-    def recorded(decoded: Floats) -> VertexErrors:
-        return rounded_up(vertex_errors(V, decoded, faces))
-
-    def written(decoded: Floats) -> VertexErrors:
-        errors = recorded(decoded)
-        margin = position_margin(errors, scale, decoded, structure.complex.manifold_faces)
-        return worst(errors, recorded(rounded(decoded, margin)))
-
-    def attempt(errors_of: Callable[[Floats], VertexErrors], settings: Settings) -> Trial:
+    def attempt(settings: Settings) -> Trial:
         draft.progress(f"geometry, {settings.method}")
         coder = geometry_codec(settings.method)
         parameters, integers, decoded = coder.quantize(
@@ -61,17 +50,26 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
             reason = f"coordinates of {largest:g} are too large for method {settings.method}"
             raise ScaleError(f"{reason}: try lossless")
         payloads = partial(coder.encode, surface, parameters, integers)
-        return Trial(settings, parameters, integers, payloads, decoded, errors_of(decoded))
+        return Trial(settings, parameters, integers, payloads, decoded, measure(decoded))
 
-    edge = mean_edge(V[:used], surface.faces)
-    trial = smallest(options, bounds, edge, partial(attempt, errors_from(V, faces)))
-    if bounds is not None and bounds.excess(written(trial.vertices)) * DECODED > 1:
-        # So near to a bound that digits count, or a mesh of which the search has lost some.
-        trial = smallest(options, bounds, edge, partial(attempt, written))
-    errors = recorded(trial.vertices)
+    bounds = bounds_of(options, diagonal(V))
+    components = components_of(V[:used], surface.faces, named.parts, measure.diagonals)
+    trial = smallest(options, bounds, components, attempt, named.name)
+    report = report_of(trial.measured, named)
+    cost = None if bounds is None else _cost(bounds.binding(trial.measured), named)
     content = replace(draft.content, integers=trial.integers)
-    payloads, trial = trial.payloads, replace(trial, errors=errors)
-    return payloads, replace(draft, trial=trial, content=content)
+    margin = 0 if options.exact else _margin(measure, trial, diagonal(V), bounds)
+    made = replace(draft, trial=trial, report=report, cost=cost, margin=margin, content=content)
+    return trial.payloads, made
+
+
+def _margin(measure: Measure, trial: Trial, scale: float, bounds: Bounds | None) -> int:
+    """Return the margin within which what is written keeps the bounds, too."""
+
+    def keeps(measured: Measured) -> bool:
+        return bounds is None or bounds.excess(measured) <= 1
+
+    return margin_of(measure, trial.measured, trial.vertices, scale, keeps)
 
 
 def decode(container: Container, content: Content) -> Content:
@@ -81,17 +79,32 @@ def decode(container: Container, content: Content) -> Content:
     return replace(content, integers=coder.decode(surface, parameters, container.sections))
 
 
+def _cost(binding: Binding, named: NamedParts) -> Cost:
+    part = None if binding.part is None else named.name(binding.part)
+    return Cost(binding.name, binding.error, binding.bound, part)
+
+
 def has_scale(p: Parameters, i: Integers) -> bool:
     """Return whether no position that these integers could mean would overflow (SPEC.md 5.7)."""
-    numbers = (i.values, i.positions, i.isolated, i.refinements, i.corrections)
-    values = max(int(np.abs(a).max(initial=0)) for a in numbers)
+    of_vertices, of_anchors = ratios(i), anchor_ratios(i)
+    numbers = [np.abs(a) * of_vertices[: len(a)] for a in (i.values, i.refinements, i.corrections)]
+    numbers += [np.abs(i.positions) * of_anchors, np.abs(i.isolated)]
+    values = max(float(a.max(initial=0)) for a in numbers)
     steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
     return bool(values * steps + origin <= 100 * LARGEST)
 
 
-def _measured(draft: Draft) -> Ints:
-    """Return the triangles over points on which errors are measured: those of any reader."""
-    mesh, structure = draft.mesh, draft.shape.structure
-    if not len(structure.merged):
-        return structure.complex.manifold_faces
-    return distinct_faces(draft.shape.points[mesh.triangles])
+def _measured(draft: Draft) -> tuple[Ints, Ints]:
+    """Return the triangles over points on which errors are measured, and the polygon of each.
+
+    They are those of any reader.
+    """
+    mesh, shape = draft.mesh, draft.shape
+    if not len(shape.structure.merged):
+        faces = shape.structure.complex.manifold_faces
+        triangles = shape.triangle_provenance.corners[: len(faces), 0] // 3
+        return faces, shape.input.triangles.polygon[triangles]
+    cut = mesh.triangulation()
+    faces = shape.points[cut.faces]
+    kept = distinct_faces(faces)
+    return faces[kept], cut.polygon[kept]

@@ -100,11 +100,9 @@ def cut(faces: Ints, n: int) -> Cut:
 
 
 def distinct_faces(faces: Ints) -> Ints:
-    """Return the faces (k, 3) that repeat no vertex; of equal ones, in any winding, the first."""
-    collapsed = _collapsed(faces)
-    faces = faces[~collapsed] if collapsed.any() else faces
-    first = _repeats(faces)[0]
-    return faces[first] if len(first) < len(faces) else faces
+    """Return which faces repeat no vertex, int64 (k,); of equal ones, in any winding, the first."""
+    kept = np.flatnonzero(~_collapsed(faces))
+    return kept[_repeats(faces[kept])[0]]
 
 
 def _collapsed(faces: Ints) -> Bools:

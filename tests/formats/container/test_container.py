@@ -45,7 +45,15 @@ positive = st.floats(min_value=5e-324, allow_infinity=False)
 not_negative = st.floats(min_value=0, allow_infinity=False)
 single = st.floats(min_value=0, allow_infinity=False, width=32)
 names = st.text(max_size=60).filter(lambda s: s.isprintable() and len(s.encode()) <= 255)
-metas = st.builds(Meta, not_negative, not_negative, single, single, not_negative, names, names)
+errors = (not_negative, not_negative, single, single, not_negative, names, names)
+several = {
+    "parts": st.integers(2, layout.VARINT_MAX),
+    "part": names,
+    "part_normal": single,
+    "part_rms": not_negative,
+}
+faces = {name: st.integers(0, layout.VARINT_MAX) for name in ("lost", "turned")}
+metas = st.builds(Meta, *errors, **faces) | st.builds(Meta, *errors, **faces, **several)
 origins = st.tuples(finite, finite, finite)
 seeds = st.integers(0, 2**64 - 1)
 

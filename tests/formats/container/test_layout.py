@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import re
 import sys
+from fractions import Fraction
 from pathlib import Path
 from typing import get_args
 
@@ -39,7 +41,7 @@ def test_spec_types():
     [
         ("2", [layout.HEADER_FIELDS]),
         ("4.1", [layout.PARAMETER_FIELDS]),
-        ("4.2", [layout.META_FIELDS]),
+        ("4.2", [layout.META_FIELDS, layout.META_LOSS_FIELDS, layout.META_PART_FIELDS]),
         ("5.7", [layout.CHECK_FIELDS]),
         ("5.12", [layout.COLUMN_FIELDS, layout.FORMAT_FIELDS]),
         ("5.14", [layout.INTEGER_FIELDS]),
@@ -148,6 +150,18 @@ def test_spec_says_what_fields_share_a_byte():
     assert "`wedges` says: 0, wedges of the attribute's own; 1, the faces," in text
     assert "k + 2, the wedges of attribute k" in text
     assert (layout.OWN_WEDGES, layout.POLYGON_OWNERS, layout.WEDGES_OF) == (0, 1, 2)
+
+
+def test_spec_ratios():
+    text = re.search(r"c = (.*)\n", SPEC)[1]
+    assert tuple(map(float, text.split(", "))) == layout.QUARTERS
+    assert "r(e) = c(e mod 4) * 2^-(e / 4)" in SPEC
+    for k, ratio in enumerate(layout.QUARTERS):
+        # The double nearest to 2^(-k / 4): its neighbours are beyond, to the fourth power.
+        low, high = (Fraction(math.nextafter(ratio, end)) for end in (0.0, 2.0))
+        middle = [(side + Fraction(ratio)) / 2 for side in (low, high)]
+        assert middle[0] ** 4 < Fraction(1, 2**k) < middle[1] ** 4
+    assert len(layout.QUARTERS) == layout.PER_OCTAVE
 
 
 def test_kernels_have_the_numbers_of_the_layout():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 import zlib
 
@@ -253,6 +254,10 @@ def test_a_short_parameter_payload(cut):
     refused(start + b"".join(parts.values()), "truncated")
 
 
+# Numbers and names of a `meta` that goes on with two parts.
+PARTS = bytes(32) + b"\0\0\0\0\2"
+
+
 @pytest.mark.parametrize(
     ("payload", "message"),
     [
@@ -261,7 +266,15 @@ def test_a_short_parameter_payload(cut):
         (bytes(32) + b"\1\x1b\0", "control characters"),
         (bytes(32) + b"\1\xff\0", "not UTF-8"),
         (bytes(32) + b"\0\1", "truncated"),
-        (bytes(32) + b"\0\0\0", "meta: 1 bytes follow the last field"),
+        (bytes(32) + b"\0\0\1", "meta: truncated"),
+        (bytes(32) + b"\0\0\1\2\1\0", "meta: 1 bytes follow the last field"),
+        (bytes(32) + b"\0\0\0\0\1", "no faces are lost or turned, and there is one part"),
+        (bytes(32) + b"\0\0\1\0\0", "0 parts"),
+        (bytes(32) + b"\0\0\0\0\2", "meta: truncated"),
+        (PARTS + struct.pack("<fd", -1, 1) + b"\0", "part_normal is -1"),
+        (PARTS + struct.pack("<fd", 1, math.inf) + b"\0", "part_rms is inf"),
+        (PARTS + struct.pack("<fd", 1, 1) + b"\1\n", "the part name holds control characters"),
+        (PARTS + struct.pack("<fd", 1, 1) + b"\1n\0", "meta: 1 bytes follow the last field"),
     ],
 )
 def test_meta_out_of_range(payload, message):

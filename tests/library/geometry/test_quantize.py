@@ -41,7 +41,7 @@ def test_diffusion_equals_its_oracle(mesh: meshes.Arrays, step: float, steps: fl
     values = quantize_delta(delta, adjacency(F, len(V)), step, FULL)
     np.testing.assert_array_equal(delta, kept)
     around = neighbours_of(F, len(V))
-    expected = oracle.diffuse(around, kept, none, step, 0.0, FULL, along=False)
+    expected = oracle.diffuse(around, kept, none, [step] * len(V), 0.0, FULL, along=False)
     np.testing.assert_array_equal(values, expected)
 
 
@@ -52,17 +52,24 @@ def test_diffusion_equals_its_oracle(mesh: meshes.Arrays, step: float, steps: fl
     st.sampled_from([0.0, 0.15, 0.5]),
     st.tuples(*[st.sampled_from([0.0, 0.5, 0.7, 1.0])] * 2),
     st.booleans(),
+    st.lists(st.floats(0.01, 0.5), min_size=1, max_size=9),
 )
 def test_diffusion_along_normals_equals_its_oracle(
-    mesh: meshes.Arrays, steps: float, zone: float, carry: tuple[float, float], along: bool
+    mesh: meshes.Arrays,
+    steps: float,
+    zone: float,
+    carry: tuple[float, float],
+    along: bool,
+    sizes: list[float],
 ) -> None:
     V, F = mesh
+    each = np.resize(sizes, len(V))
     delta, N, around = steps * V, vertex_normals(V, F, 0.1), neighbours_of(F, len(V))
     values = quantize_delta(
-        delta, adjacency(F, len(V)), 0.37, carry, normals=N, zone=zone, along=along
+        delta, adjacency(F, len(V)), each[:, None], carry, normals=N, zone=zone, along=along
     )
     assert values.shape == (len(V), 1 if along else 3)
-    expected = oracle.diffuse(around, delta, N, 0.37, zone, carry, along)
+    expected = oracle.diffuse(around, delta, N, each.tolist(), zone, carry, along)
     np.testing.assert_array_equal(values, expected)
 
 

@@ -13,7 +13,11 @@ from hypothesis import strategies as st
 
 from deltamesh import TargetError, encode, info
 from deltamesh._geometry.bounds import Bounds
-from deltamesh._geometry.search import MOST_TRIES, Trial, smallest
+from deltamesh._geometry.part_search import Components
+from deltamesh._geometry.search import smallest
+from deltamesh._geometry.step_search import MOST_TRIES
+from deltamesh._geometry.trial import Trial
+from deltamesh._measures.measure import Measured
 from deltamesh._measures.metrics import VertexErrors, diagonal
 from deltamesh._options import Options, Settings
 from deltamesh_formats.container.container import Parameters
@@ -42,11 +46,13 @@ class Model:
 
 def search(law, options, bounds, edge=1.0):
     model = Model(law, [])
-    return smallest(options, bounds, edge, model), model.asked
+    one = np.zeros(1, dtype=np.int64)
+    alone = Components(np.zeros(N, dtype=np.int64), np.array([edge]), np.ones(1), one, one)
+    return smallest(options, bounds, alone, model), model.asked
 
 
 def errors(normal, rms=0.0, largest=0.0):
-    return VertexErrors(rms=rms, max=largest, normal_deviation=normal, dihedral=normal)
+    return Measured(VertexErrors(rms=rms, max=largest, normal_deviation=normal, dihedral=normal))
 
 
 @given(
@@ -64,7 +70,7 @@ def test_a_power_law_with_noise_gets_a_good_step(power, scale, bound, noise, rng
     right = (bound / scale) ** (1 / power)
     edge = right * rng.choice([1e-3, 0.1, 1, 10, 1e3])
     found, asked = search(law, Options(method="highpass"), Bounds(normal_deviation=bound), edge)
-    assert found.errors.normal_deviation <= bound
+    assert found.measured.errors.normal_deviation <= bound
     assert found.settings.step > 0.3 * right
     assert len(asked) <= MOST_TRIES
 
@@ -86,7 +92,7 @@ def test_distances_alone_are_kept_by_cartesian_coordinates():
 
     found, asked = search(law, Options(), Bounds(max=1.0))
     assert {settings.method for settings in asked} == {"cartesian"}
-    assert 0.9 < found.errors.max <= 1
+    assert 0.9 < found.measured.errors.max <= 1
 
 
 def test_drift_is_held_by_anchors():
@@ -127,7 +133,7 @@ def test_a_step_that_is_too_small_ends_the_search():
 
 def test_an_error_of_nothing_lets_the_step_grow():
     def law(settings):
-        return 9.0, errors(0.0 if settings.step < 50 else math.inf)
+        return 9.0, errors(0.0 if settings.step < 50 else 1e9)
 
     options = Options(method="cartesian")
     assert search(law, options, Bounds(normal_deviation=1.0))[0].settings.step >= 16

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 
 import meshes
@@ -11,7 +10,7 @@ import pytest
 
 from deltamesh import MeshError, OptionError, TargetError, decode, encode, info
 from deltamesh._geometry.bounds import Bounds, bounds_of
-from deltamesh._measures.margins import LEAST, SHARE
+from deltamesh._measures.measure import Measured
 from deltamesh._measures.metrics import VertexErrors, diagonal
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
@@ -24,9 +23,9 @@ BUMPY = meshes.torus(24, 16)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("bound", [3.0, 0.2])
 def test_angles_are_within_their_bounds_and_near_them(method, bound):
-    meta = info(encode(*BUMPY, method=method, normal_error=bound)).meta
+    meta = info(encode(*BUMPY, method=method, normal_error=bound, only=True)).meta
     assert 0.5 * bound < meta.normal <= bound
-    meta = info(encode(*BUMPY, method=method, dihedral_error=bound)).meta
+    meta = info(encode(*BUMPY, method=method, dihedral_error=bound, only=True)).meta
     assert 0.5 * bound < meta.dihedral <= bound
 
 
@@ -56,19 +55,10 @@ def test_a_better_quality_is_within_the_bounds_of_a_worse(quality):
 def test_the_excess_is_the_worst_share_and_names_what_was_missed():
     bounds = Bounds(rms=2.0, normal_deviation=1.0)
     errors = VertexErrors(rms=1.0, max=99.0, normal_deviation=3.0, dihedral=5.0)
-    assert bounds.excess(errors) == 3.0
-    assert bounds.distance_excess(errors) == 0.5
-    said = "normal deviation 1 cannot be met: the least found is 3.015"
-    assert str(bounds.before_writing(1.0).missed(errors)) == said
-
-
-def test_bounds_of_decoded_positions_leave_room_for_what_is_written():
-    asked = Bounds(rms=2.0, max=4.0, normal_deviation=1.0)
-    bounds = asked.before_writing(1.0)
-    assert bounds.rms + SHARE * bounds.rms == pytest.approx(asked.rms)
-    assert bounds.max + SHARE * bounds.max + 3**0.5 * LEAST == pytest.approx(4, rel=1e-12)
-    assert bounds.normal_deviation * (1 + SHARE) == pytest.approx(1)
-    assert bounds.dihedral == math.inf
+    assert bounds.excess(Measured(errors)) == 3.0
+    assert bounds.part_excess(Measured(errors)) == (0.5, 3.0)
+    binding = bounds.binding(Measured(errors))
+    assert (binding.name, binding.error, binding.bound) == ("normal deviation", 3.0, 1.0)
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -21,15 +21,16 @@ def test_points_round_trip(
     indices = np.array(sorted(gaps), dtype=np.int64)
     first = np.array(anchors, dtype=np.int64).reshape(-1, 3)
     second = np.array(sorted(isolated), dtype=np.int64).reshape(-1, 3)
-    bits = np.array([30, 30, 30])
+    bits, extra = np.array([30, 30, 30]), np.arange(len(first)) % 31
+    first += ((np.arange(len(first)) % 7 << extra) * (1 << 27))[:, None]
     coder = entropy.encoder(100, points.SLOTS, points.MIXERS)
     assert points.code_gaps(coder, indices.copy(), 5001)
-    points.code_points(coder, first.copy(), bits)
+    points.code_points(coder, first.copy(), bits, extra)
     assert points.code_sorted_points(coder, second.copy(), bits)
     decoder = entropy.decoder(entropy.finish(coder), points.SLOTS, points.MIXERS)
     out = np.zeros_like(indices), np.zeros_like(first), np.zeros_like(second)
     assert points.code_gaps(decoder, out[0], 5001)
-    points.code_points(decoder, out[1], bits)
+    points.code_points(decoder, out[1], bits, extra)
     assert points.code_sorted_points(decoder, out[2], bits)
     entropy.check_end(decoder, 0)
     for decoded, given_values in zip(out, (indices, first, second), strict=True):

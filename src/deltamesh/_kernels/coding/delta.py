@@ -80,7 +80,7 @@ def diffuse(
     indices: Ints,
     delta: Floats,
     normals: Floats,
-    step: float,
+    steps: Floats,
     zone: float,
     tangential: float,
     normal: float,
@@ -88,11 +88,13 @@ def diffuse(
 ) -> None:
     """Round delta / step into `out` (n, 3), or its component along `normals` into `out` (n, 1).
 
-    Numbers within 0.5 + `zone` steps of 0 become 0. The error is passed on, in equal parts, to the
-    neighbours that are still to come, into `delta` (n, 3), which is used up: the share `normal` of
-    its component along the normal, the share `tangential` of the rest.
+    Each vertex has its own of the `steps` (n,). Numbers within 0.5 + `zone` steps of 0 become 0.
+    The error is passed on, in equal parts, to the neighbours that are still to come, into `delta`
+    (n, 3), which is used up: the share `normal` of its component along the normal, the share
+    `tangential` of the rest.
     """
     for i in range(len(out)):
+        step = steps[i]
         a, n = delta[i], normals[i]  # the rounded part is taken off `a`: the error stays
         if out.shape[1] == 3:
             for axis in range(3):

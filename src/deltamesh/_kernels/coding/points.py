@@ -35,11 +35,11 @@ def code_gaps(c: Coder, indices: Ints, n: Int) -> bool:
 
 
 @kernel
-def code_points(c: Coder, points: Ints, bits: Ints) -> None:
-    """Code `points` (k, 3), filled in when decoding, in `bits` (3,) bits a coordinate."""
+def code_points(c: Coder, points: Ints, bits: Ints, extra: Ints) -> None:
+    """Code `points` (k, 3), filled in when decoding, in `bits` (3,) and `extra` (k,) bits each."""
     for k in range(len(points)):
         for axis in range(3):
-            points[k, axis] = code_raw(c, points[k, axis], bits[axis])
+            points[k, axis] = code_raw(c, points[k, axis], bits[axis] + extra[k])
 
 
 @kernel

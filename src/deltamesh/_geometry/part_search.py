@@ -1,0 +1,276 @@
+"""Search for the largest step of each component that keeps the bounds of every part.
+
+The components of a mesh do not see each other: what errs in one follows from its own step. So the
+steps are searched for side by side, in quarters of an octave, each trial being one for all of them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from deltamesh._geometry.bounds import Bounds
+from deltamesh._geometry.step_search import MOST_TRIES, PER_OCTAVE
+from deltamesh._geometry.trial import Attempt, ScaleError, Trial
+from deltamesh._measures.metrics import mean_edges
+from deltamesh._measures.parts import Parts
+from deltamesh._options import Settings
+from deltamesh_formats.array_types import Bools, Floats, Ints
+from deltamesh_formats.container.layout import MAX_EXPONENT
+from deltamesh_formats.container.layout import PER_OCTAVE as LEVELS
+from deltamesh_formats.errors import MeshError
+
+# Trials once all parts are good, by effort.
+TRIES: Final = {1: 3, 2: 5, 3: 8}
+# A part within that share of its bound is settled: a level more would exceed it.
+SETTLED: Final = 0.85
+# What the next level aims at, and how many levels it is away at most.
+AIM: Final = 0.93
+FURTHEST: Final = 5 * LEVELS
+# Levels to which the steps are refined, if that makes the file smaller: fewer of them cost fewer
+# bits to tell. The last is one level for all.
+COARSER: Final = (LEVELS, MAX_EXPONENT + 1)
+
+
+@dataclass(frozen=True)
+class Components:
+    """Components of a mesh, as a search for their steps sees them.
+
+    Attributes
+    ----------
+    of_vertex : int64 (n,)
+        The component of each vertex of the faces.
+    edge, diagonal : float64 (c,)
+        Mean length of the edges, and diagonal of the bounding box.
+    part, touched : int64 (t,)
+        The components that each part touches, pair by pair.
+    """
+
+    of_vertex: Ints
+    edge: Floats
+    diagonal: Floats
+    part: Ints
+    touched: Ints
+
+    @property
+    def alone(self) -> bool:
+        """Whether the mesh is one part."""
+        return len(self.part) == 1
+
+    def largest_rms(self, bounds: Bounds) -> Floats:
+        """Return the largest RMS distance that bounds leave to each component, float64 (c,)."""
+        if self.alone:  # the bound on the whole is the same
+            return np.full(1, math.inf)
+        return np.where(self.diagonal > 0, bounds.part_rms * self.diagonal, math.inf)
+
+    def excess(self, of_parts: Floats) -> Floats:
+        """Return the largest excess of the parts that touch each component, float64 (c,)."""
+        found = np.zeros(len(self.edge))
+        np.maximum.at(found, self.touched, of_parts[self.part])
+        return found
+
+    def settings(self, settings: Settings, steps: Steps) -> Settings:
+        """Return settings with these steps."""
+        level = steps.level - steps.level.min()
+        if not level.any():
+            return replace(settings, step=steps.coarsest, exponents=b"")
+        exponents = level.astype(np.uint8)[self.of_vertex].tobytes()
+        return replace(settings, step=steps.coarsest, exponents=exponents)
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Step of each component: `base` over 2^(level / 4), level int64 (c,)."""
+
+    base: float
+    level: Ints
+
+    @property
+    def coarsest(self) -> float:
+        """The largest step."""
+        return float(self.base * 2.0 ** (-int(self.level.min()) / LEVELS))
+
+    def times(self, factor: float) -> Steps:
+        """Return steps that many times as large."""
+        return Steps(self.base * factor, self.level)
+
+
+def steps_near(wanted: Floats) -> Steps:
+    """Return the steps nearest to those wanted, float64 (c,)."""
+    base = float(wanted.max())
+    level = np.rint(-LEVELS * np.log2(wanted / base)).astype(np.int64)
+    return Steps(base, np.minimum(level, MAX_EXPONENT))
+
+
+@dataclass
+class _Known:
+    """What trials have told of each component.
+
+    Attributes
+    ----------
+    bad, good : float64 (c,)
+        The finest level that failed, the coarsest that held; -inf and inf as long as there is none.
+    bad_excess, good_excess : float64 (c,)
+    failures : int64 (c,)
+        Trials that have failed.
+    """
+
+    bad: Floats
+    good: Floats
+    bad_excess: Floats
+    good_excess: Floats
+    failures: Ints
+
+    def learn(self, level: Ints, excess: Floats) -> None:
+        holds = excess <= 1
+        self.failures += ~holds
+        better, worse = holds & (level < self.good), ~holds & (level > self.bad)
+        self.good[better], self.good_excess[better] = level[better], excess[better]
+        self.bad[worse], self.bad_excess[worse] = level[worse], excess[worse]
+        # Errors do not always fall with the step: the newer trial is believed.
+        crossed = self.bad >= self.good
+        self.bad[crossed & holds], self.good[crossed & ~holds] = -math.inf, math.inf
+
+    @property
+    def settled(self) -> Bools:
+        return np.asarray((self.good_excess > SETTLED) | (self.good - self.bad <= 1))
+
+
+def fit_steps(
+    settings: Settings,
+    bounds: Bounds,
+    steps: Steps,
+    components: Components,
+    effort: int,
+    attempt: Attempt,
+    rival: Trial | None,
+    missed: list[Trial],
+) -> tuple[Trial, Steps] | None:
+    """Return a trial within the bounds whose steps are about the largest; None if it cannot win.
+
+    The last trial that was not good goes to `missed`.
+
+    Raises
+    ------
+    ScaleError
+        If no step has a scale that fits.
+    """
+    c = len(steps.level)
+    bad, good, bad_excess, good_excess = (
+        np.full(c, x) for x in (-math.inf, math.inf, math.inf, 0.0)
+    )
+    known = _Known(bad, good, bad_excess, good_excess, np.zeros(c, dtype=np.int64))
+    vertices = np.bincount(components.of_vertex, minlength=c)
+    found: tuple[Trial, Steps] | None = None
+    for tries in range(1, MOST_TRIES + 1):
+        try:
+            trial = attempt(components.settings(settings, steps))
+        except ScaleError:
+            if found is None:
+                raise
+            break
+        except MeshError:  # 2^30 steps are not enough for a component
+            break
+        excess = _excess(trial, bounds, components)
+        known.learn(steps.level, excess)
+        if (excess <= 1).all():
+            if found is None or vertices @ steps.level <= vertices @ found[1].level:
+                found = trial, steps
+        else:
+            missed[:] = [trial]
+        done = known.settled.all() or tries >= TRIES[effort]
+        if found is not None and done:
+            break
+        if rival is not None and _floor(trial, excess, components) >= rival.size:
+            return None
+        level = _next(known, steps.level)
+        if done and np.isfinite(known.good).all():
+            level = known.good.astype(np.int64)
+        if (level == steps.level).all() or np.ptp(level) > MAX_EXPONENT:
+            break
+        steps = Steps(steps.base, level)
+    return found
+
+
+def with_fewer_levels(
+    settings: Settings,
+    bounds: Bounds,
+    found: tuple[Trial, Steps],
+    components: Components,
+    attempt: Attempt,
+) -> tuple[Trial, Steps]:
+    """Return a smaller trial, if there is one, with fewer levels, none of which is coarser."""
+    for by in COARSER:
+        steps = found[1]
+        level = steps.level - steps.level.min()
+        if not level.any():
+            break
+        rounded = -(-level // by) * by if by <= MAX_EXPONENT else np.full_like(level, level.max())
+        if (rounded == level).all():
+            continue
+        steps = Steps(steps.coarsest, rounded)
+        try:
+            trial = attempt(components.settings(settings, steps))
+        except MeshError:  # 2^30 steps are not enough for a component
+            continue
+        if bounds.excess(trial.measured) <= 1 and trial.size < found[0].size:
+            found = trial, steps
+    return found
+
+
+def _excess(trial: Trial, bounds: Bounds, components: Components) -> Floats:
+    """Return the excess of each component; that of the whole too, where no part tells of it."""
+    excess = components.excess(np.maximum(*bounds.part_excess(trial.measured)))
+    whole = bounds.excess(trial.measured)
+    return excess if whole <= 1 or (excess > 1).any() else np.maximum(excess, whole)
+
+
+def _next(known: _Known, level: Ints) -> Ints:
+    """Return the level to try next for each component, int64 (c,)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        finer = np.ceil(LEVELS * np.log2(known.bad_excess / AIM))
+        coarser = np.floor(LEVELS * np.log2(AIM / known.good_excess))
+        low, high = np.log2(known.good_excess / AIM), np.log2(known.bad_excess / AIM)
+        between = known.good + np.rint((known.bad - known.good) * low / (low - high))
+        middle = np.rint((known.bad + known.good) / 2)
+    # Where slivers have lost their normals, errors fall slowly at first.
+    finer = known.bad + np.clip(finer * 2.0 ** np.maximum(known.failures - 2, 0), 1, FURTHEST)
+    coarser = known.good - np.clip(coarser, 1, FURTHEST)
+    between = np.where(np.isfinite(between), between, middle)
+    between = np.clip(between, known.bad + 1, np.maximum(known.good - 1, known.bad + 1))
+    has_bad, has_good = np.isfinite(known.bad), np.isfinite(known.good)
+    found = np.where(has_bad & has_good, between, np.where(has_bad, finer, coarser))
+    found = np.where(has_good & known.settled, known.good, found)
+    return np.asarray(np.where(np.isfinite(found), found, level), dtype=np.int64)
+
+
+def _floor(trial: Trial, excess: Floats, components: Components) -> float:
+    """Return a size below which no trial like this one will come, at the bounds."""
+    with np.errstate(divide="ignore"):
+        octaves = np.maximum(np.log2(1 / excess), 0)
+    vertices = np.bincount(components.of_vertex, minlength=len(excess))
+    return trial.size - PER_OCTAVE * float(octaves @ vertices)
+
+
+def components_of(V: Floats, F: Ints, parts: Parts, part_diagonal: Floats) -> Components:
+    """Return the components of a mesh.
+
+    Parameters
+    ----------
+    V : float64 (n, 3)
+        The vertices of the faces.
+    F : int64 (m, 3)
+    parts : Parts
+    part_diagonal : float64 (q,)
+        Diagonal of each part.
+    """
+    touching = [np.stack((part, parts.divisions[0])) for part in parts.divisions]
+    pairs = np.unique(np.concatenate(touching, axis=1), axis=1)
+    part, touched = pairs[:, pairs[0] >= 0]
+    edge = mean_edges(V, F, parts.component[F[:, 0]], parts.components)
+    return Components(
+        parts.component[: len(V)], edge, part_diagonal[: parts.components], part, touched
+    )

@@ -1,0 +1,108 @@
+"""Search for the largest step of a mesh that keeps the bounds.
+
+Errors are nearly proportional to steps, so that few trials find it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Final
+
+from deltamesh._geometry.bounds import Bounds
+from deltamesh._geometry.trial import Attempt, ScaleError, Trial
+from deltamesh._options import Settings
+from deltamesh_formats.errors import MeshError
+
+# An error within that share of its bound is good enough, by effort.
+CLOSE: Final = {1: 0.85, 2: 0.93, 3: 0.97}
+# Trials of one method: as long as no step is good, or what is good leaves much to be had, or more
+# than that effort calls near enough.
+MOST_TRIES, LOOSE_TRIES, TRIES = 16, 8, 4
+LOOSE: Final = 0.75
+# The largest factor from a measured step to the next guess.
+FURTHEST: Final = 32.0
+# The least power of the step that errors are taken to grow with.
+FLATTEST: Final = 0.25
+# Bytes a vertex that halving the errors costs, at most: a bit for each of four numbers.
+PER_OCTAVE: Final = 0.5
+
+
+def fit_step(
+    settings: Settings,
+    bounds: Bounds,
+    step: float,
+    effort: int,
+    attempt: Attempt,
+    rival: Trial | None,
+    missed: list[Trial],
+) -> Trial | None:
+    """Return a trial within the bounds whose step is about the largest; None if it cannot win.
+
+    The last trial that was not good goes to `missed`.
+    """
+    good: Trial | None = None
+    excess: dict[float, float] = {}
+    close = CLOSE[effort]
+    for tries in range(1, MOST_TRIES + 1):
+        try:
+            trial = attempt(replace(settings, step=step))
+        except ScaleError:
+            if good is None:
+                raise
+            break
+        except MeshError:  # 2^30 steps are not enough for the mesh
+            if excess:
+                break
+            step *= FURTHEST  # so that an error can name the least bound that can be met
+            continue
+        x = excess[step] = bounds.excess(trial.measured)
+        if x > 1:
+            missed[:] = [trial]
+        elif good is None or step > good.parameters.step:
+            good = trial
+        if close <= x <= 1 or (good is not None and tries >= _tries(excess)):
+            break
+        if rival is not None and floor_of(trial, x) >= rival.size:
+            return None
+        step = _next(excess, (1 + close) / 2)
+    return good
+
+
+def _tries(excess: dict[float, float]) -> int:
+    """Return the trials that are enough, some of them being good."""
+    return LOOSE_TRIES if max(x for x in excess.values() if x <= 1) < LOOSE else TRIES
+
+
+def floor_of(trial: Trial, excess: float) -> float:
+    """Return a size below which no trial like this one will come, at the bounds."""
+    octaves = math.log2(1 / excess) if 0 < excess < 1 else 0.0 if excess else math.inf
+    return trial.size - octaves * PER_OCTAVE * len(trial.vertices)
+
+
+def _next(excess: dict[float, float], aim: float) -> float:
+    """Return the step to try next, from the excess at those that were."""
+    good = max((s for s, x in excess.items() if x <= 1), default=0.0)
+    bad = min((s for s, x in excess.items() if x > 1 and s > good), default=math.inf)
+    if good and bad < math.inf:
+        low, high = excess[good], excess[bad]
+        share = math.log(aim / low) / math.log(high / low) if 0 < low < aim else 0.5
+        return float(good * (bad / good) ** min(max(share, 0.1), 0.9))
+    step = good or bad
+    factor = FURTHEST
+    if excess[step] > 0:
+        factor = (aim / excess[step]) ** (1 / _power(excess, step))
+    return step * min(max(factor, 1 / FURTHEST), FURTHEST)
+
+
+def _power(excess: dict[float, float], step: float) -> float:
+    """Return the power of the step that errors grow with, from the step measured next to it.
+
+    It is 1 but where slivers have lost their normals: there, errors fall slowly at first.
+    """
+    others = [s for s, x in excess.items() if s != step and x > 0]
+    if not others:
+        return 1.0
+    other = min(others, key=lambda s: abs(math.log(s / step)))
+    power = math.log(excess[step] / excess[other]) / math.log(step / other)
+    return min(max(power, FLATTEST), 1.0)

@@ -1,0 +1,56 @@
+"""Trial of some settings: a geometry, coded and decoded whole."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+from deltamesh._geometry.integers import Integers
+from deltamesh._measures.measure import Measured
+from deltamesh._options import Settings
+from deltamesh_formats.array_types import Floats
+from deltamesh_formats.container.container import Parameters
+from deltamesh_formats.errors import MeshError
+
+
+class ScaleError(MeshError):
+    """Coordinates too large for a method, whatever its step; for another one they may not be."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A geometry under some settings: the contents of a file, and what its decoder makes of them.
+
+    Attributes
+    ----------
+    settings : Settings
+    parameters : Parameters
+    integers : Integers
+    encode : callable
+        Makes the payloads, which only a trial within the bounds needs.
+    vertices : float64 (n, 3)
+        Decoded.
+    measured : Measured
+    """
+
+    settings: Settings
+    parameters: Parameters
+    integers: Integers
+    encode: Callable[[], dict[str, bytes]]
+    vertices: Floats
+    measured: Measured
+
+    @cached_property
+    def payloads(self) -> dict[str, bytes]:
+        """The sections of the geometry, by their ids."""
+        return self.encode()
+
+    @property
+    def size(self) -> int:
+        """Bytes of the payloads."""
+        return sum(map(len, self.payloads.values()))
+
+
+Attempt: TypeAlias = Callable[[Settings], Trial]

@@ -1,0 +1,149 @@
+"""Differences of a mesh from a reference: of each vertex, each face and each edge.
+
+They are computed from differences of positions, so that nothing is lost far from the origin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from deltamesh._graph.halfedges import by_edge, edges_of_two, ends
+from deltamesh._vectors import angles, crosses, dots, lengths
+from deltamesh_formats.array_types import Bools, Floats, Ints
+
+# A face has lost its area where less than that share of it is left.
+LOST: Final = 1e-3
+# Degrees by which a face has turned over.
+TURNED: Final = 90.0
+
+
+@dataclass(frozen=True)
+class Differences:
+    """Differences of a mesh from a reference.
+
+    Attributes
+    ----------
+    distance : float64 (n,)
+        From each vertex to where it was, in the unit of the reference.
+    angle : float64 (m,)
+        Between the normals of each face, in degrees; 90 where a face has become a line or a point.
+    change : float64 (e,)
+        Of the dihedral angle at each interior edge, in degrees, at most 180.
+    lost, turned : bool (m,)
+        Which faces had an area of which less than a thousandth is left; which of the others had one
+        and are turned over.
+    """
+
+    distance: Floats
+    angle: Floats
+    change: Floats
+    lost: Bools
+    turned: Bools
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Reference of differences; what they need of it is computed once.
+
+    Attributes
+    ----------
+    vertices : float64 (n, 3)
+    faces : int64 (m, 3)
+    unit : float
+        Length in which distances and areas are measured.
+    """
+
+    vertices: Floats
+    faces: Ints
+    unit: float
+
+    @property
+    def normals(self) -> Floats:
+        """The normals of the faces, (m, 3), of any length."""
+        return self._normals_and_areas[0]
+
+    @property
+    def areas(self) -> Floats:
+        """Twice the areas of the faces in the square unit, (m,)."""
+        return self._normals_and_areas[1]
+
+    @cached_property
+    def _normals_and_areas(self) -> tuple[Floats, Floats]:
+        return _face_normals(self.vertices, self.faces, self.unit)
+
+    @cached_property
+    def edges(self) -> tuple[Ints, Ints, Ints, Bools]:
+        """The interior edges; see `_interior_edges`."""
+        return _interior_edges(self.faces)
+
+    @cached_property
+    def _dihedral(self) -> Floats:
+        return _dihedral_angles(self.vertices, self.normals, *self.edges)
+
+    def differences(self, W: Floats) -> Differences:
+        """Return the differences of other positions of the vertices, float64 (n, 3).
+
+        Raises
+        ------
+        ValueError
+            If they are not as many.
+        """
+        V, m, area = self.vertices, self.normals, self.areas
+        if V.shape != W.shape:
+            raise ValueError(f"{len(V)} and {len(W)} vertices cannot be compared one by one")
+        distance, (k, left) = lengths((W - V) / self.unit), _face_normals(W, self.faces, self.unit)
+        angle = np.where(~k.any(axis=1), 90.0, angles(m, k))
+        change = np.abs(self._dihedral - _dihedral_angles(W, k, *self.edges))
+        lost = (area > 0) & (left < LOST * area)
+        turned = (area > 0) & ~lost & (angle > TURNED)
+        return Differences(distance, angle, np.minimum(change, 360 - change), lost, turned)
+
+
+def _face_normals(V: Floats, F: Ints, unit: float) -> tuple[Floats, Floats]:
+    """Return the faces' normals (m, 3), of any length, and twice their areas in the square unit.
+
+    The sides of a face are scaled by themselves: that of others may be 1e150 times as long.
+    """
+    a, b, c = V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
+    (left, i), (right, j) = _scaled((b - a) / unit), _scaled((c - a) / unit)
+    normals = crosses(left, right)
+    return normals, np.ldexp(lengths(normals), i + j)
+
+
+def _scaled(x: Floats) -> tuple[Floats, Ints]:
+    """Return rows whose largest number is 1/2 to 1, to the last bit, and the powers of two."""
+    exponents = np.frexp(np.abs(x).max(axis=1, initial=0.0))[1]
+    return np.ldexp(x, -exponents[:, None]), exponents
+
+
+def _dihedral_angles(
+    V: Floats, m: Floats, pairs: Ints, left: Ints, right: Ints, same: Bools
+) -> Floats:
+    """Return the angles (e,) from the left faces' normals to the right ones', convex: positive."""
+    a, b = m[left], np.where(same[:, None], -m[right], m[right])
+    axis = crosses(a, b)
+    along = V[pairs[:, 1]] - V[pairs[:, 0]]
+    return np.where(dots(axis, along) < 0, -1.0, 1.0) * angles(a, b)
+
+
+def _interior_edges(F: Ints) -> tuple[Ints, Ints, Ints, Bools]:
+    """Return the edges of exactly two faces.
+
+    Returns
+    -------
+    edges : int64 (e, 2)
+        As the first face runs through them.
+    left, right : int64 (e,)
+        The faces; the first has the lower index.
+    same : bool (e,)
+        Whether both run through it in the same direction: then one of them is turned over.
+    """
+    a, b = ends(F)
+    h, g = edges_of_two(*by_edge(a, b))
+    pairs = np.stack((a[h], b[h]), axis=1)
+    two = (h // 3 != g // 3) & (pairs[:, 0] != pairs[:, 1])
+    return pairs[two], h[two] // 3, g[two] // 3, (a[h] == a[g])[two]

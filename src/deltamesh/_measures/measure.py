@@ -1,0 +1,75 @@
+"""Measure of all that an encoder bounds and records."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from deltamesh._measures.metrics import (
+    VertexErrors,
+    angles_rounded_up,
+    length_rounded_up,
+    reference_of,
+    rounded_up,
+    vertex_errors_of,
+)
+from deltamesh._measures.parts import PartErrors, PartReference, Parts
+from deltamesh_formats.array_types import Bools, Floats, Ints
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Errors of a decoded mesh, rounded up.
+
+    Attributes
+    ----------
+    errors : VertexErrors
+        Over the whole.
+    parts : PartErrors or None
+        Of each part; None if the mesh is one part.
+    lost, turned : bool (m,), or None
+        See `differences.Differences`.
+    """
+
+    errors: VertexErrors
+    parts: PartErrors | None = None
+    lost: Bools | None = None
+    turned: Bools | None = None
+
+
+class Measure:
+    """Measure of other positions of the vertices of a mesh.
+
+    Parameters
+    ----------
+    V : float64 (n, 3)
+    F : int64 (m, 3)
+    parts : Parts
+    """
+
+    def __init__(self, V: Floats, F: Ints, parts: Parts) -> None:
+        self._reference = reference_of(V, F)
+        self._parts = PartReference(self._reference, parts) if parts.count > 1 else None
+
+    @property
+    def diagonals(self) -> Floats:
+        """The diagonals of the parts, float64 (q,)."""
+        return np.array([self._reference.unit]) if self._parts is None else self._parts.diagonal
+
+    def __call__(self, W: Floats) -> Measured:
+        """Return the errors of other positions, float64 (n, 3)."""
+        d = self._reference.differences(W)
+        errors = rounded_up(vertex_errors_of(self._reference, d))
+        parts = None if self._parts is None else _rounded_up(self._parts.errors(d))
+        return Measured(errors, parts, d.lost, d.turned)
+
+
+def _rounded_up(errors: PartErrors) -> PartErrors:
+    return replace(
+        errors,
+        rms=length_rounded_up(errors.rms),
+        max=length_rounded_up(errors.max),
+        normal_deviation=angles_rounded_up(errors.normal_deviation),
+        dihedral=angles_rounded_up(errors.dihedral),
+    )
