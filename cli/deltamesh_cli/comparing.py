@@ -13,6 +13,7 @@ from deltamesh._measures.table import METRICS
 from deltamesh._progress import Progress
 from deltamesh_cli.meshes import LoadedMesh
 from deltamesh_cli.output import display_name, number, table
+from deltamesh_cli.summary import part_object
 from deltamesh_formats.container.summary import bits_per_vertex, relative
 from deltamesh_formats.polymesh.kinds import KIND_WORDS
 
@@ -113,8 +114,10 @@ def comparison_object(name_a: str, name_b: str, comparison: Comparison) -> dict[
     return {
         "a": _file_object(name_a, comparison.a),
         "b": _file_object(name_b, comparison.b),
-        "errors": _errors_object(comparison.errors),
-        **_report_object(comparison.report),
+        "errors": {
+            **_errors_object(comparison.errors),
+            **_report_object(comparison.report),
+        },
         "attributes": attributes,
         "parts": parts,
     }
@@ -175,21 +178,13 @@ def _error_rows(errors: _Errors) -> Iterator[tuple[str, str, str]]:
 
 
 def _report_object(report: Report | None) -> dict[str, object]:
+    keys = ("triangles_lost", "triangles_turned", "parts", "worst_part")
     if report is None:
-        return {"worst_part": None, "faces_lost": None, "faces_turned": None}
-    worst = None
-    if report.worst is not None:
-        worst = {
-            "name": report.worst.name,
-            "of": report.parts,
-            "normal_deviation_degrees": report.worst.normal_deviation,
-            "rms_relative": report.worst.relative_rms,
-        }
-    return {
-        "worst_part": worst,
-        "faces_lost": len(report.lost),
-        "faces_turned": len(report.turned),
-    }
+        return dict.fromkeys(keys)
+    worst = report.worst
+    part = None if worst is None else part_object(**vars(worst))
+    values = (len(report.lost), len(report.turned), report.parts, part)
+    return dict(zip(keys, values, strict=True))
 
 
 def _report_rows(report: Report) -> Iterator[tuple[str, ...]]:

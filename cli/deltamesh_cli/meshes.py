@@ -91,10 +91,9 @@ def note_faces(name: str, report: Report | None, *, quiet: bool) -> None:
     if report is None or quiet:
         return
     fates = ((report.lost, "lost their area"), (report.turned, "turned over"))
-    for faces, fate in fates:
-        if len(faces):
-            text = f"{len(faces)} triangles {fate}, the first in face {faces[0]}"
-            click.echo(f"note: {display_name(name)}: {text}", err=True)
+    told = [f"that {fate}: {len(of)}, the first in face {of[0]}" for of, fate in fates if len(of)]
+    if told:
+        click.echo(f"note: {display_name(name)}: triangles {', '.join(told)}", err=True)
 
 
 def note_memory(name: str, container: Container, *, quiet: bool) -> None:

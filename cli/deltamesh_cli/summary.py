@@ -50,9 +50,6 @@ def container_object(name: str, container: Container) -> dict[str, object]:
         ],
         "attributes": [_attribute_object(entry) for entry in attributes_of(container)],
         "errors": None if meta is None else errors_object(meta),
-        "worst_part": None if meta is None else _worst_part_object(meta),
-        "faces_lost": None if meta is None else meta.lost,
-        "faces_turned": None if meta is None else meta.turned,
         "encoder": None if meta is None else meta.encoder,
         "source_format": None if meta is None else meta.source or None,
         "digest": container.digest.hex(),
@@ -94,17 +91,6 @@ def _parameters_object(parameters: Parameters) -> dict[str, object]:
     }
 
 
-def _worst_part_object(meta: Meta) -> dict[str, object] | None:
-    if meta.parts < 2:
-        return None
-    return {
-        "name": meta.part,
-        "of": meta.parts,
-        "normal_deviation_degrees": meta.part_normal,
-        "rms_relative": meta.part_rms,
-    }
-
-
 def errors_object(meta: Meta) -> dict[str, object]:
     """Return the errors that the encoder measured, for `--json`."""
     return {
@@ -115,6 +101,21 @@ def errors_object(meta: Meta) -> dict[str, object]:
         "normal_deviation_degrees": meta.normal,
         "dihedral_degrees": meta.dihedral,
         "diagonal": meta.diagonal,
+        "triangles_lost": meta.lost,
+        "triangles_turned": meta.turned,
+        "parts": meta.parts,
+        "worst_part": part_object(meta.part, meta.part_normal, meta.part_rms)
+        if meta.parts > 1
+        else None,
+    }
+
+
+def part_object(name: str, normal_deviation: float, relative_rms: float) -> dict[str, object]:
+    """Return the errors of a part for `--json`."""
+    return {
+        "name": name,
+        "normal_deviation_degrees": normal_deviation,
+        "rms_relative": relative_rms,
     }
 
 

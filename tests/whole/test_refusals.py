@@ -22,6 +22,7 @@ from deltamesh._geometry import highpass
 from deltamesh._geometry.integers import NONE, Integers
 from deltamesh._limits import memory_needed
 from deltamesh._pipeline import read_content
+from deltamesh._shape.surface import surface_of
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_varint
@@ -126,7 +127,7 @@ def test_other_magic_and_versions() -> None:
     data = FILES["farthest"]
     assert refusal(forging.with_header(data, magic=b"\x89PNG\r\n\x1a\n")).offset == 0
     assert refusal(forging.with_header(data, magic=b"\x09DMS\r\n\x1a\n")).offset == 0
-    assert "newer" in str(refusal(forging.with_header(data, version=3)))
+    assert "newer" in str(refusal(forging.with_header(data, version=4)))
     assert "newer" in str(refusal(forging.with_header(data, version=65535)))
     assert refusal(forging.with_header(data, version=0)).offset == 8
     assert refusal(forging.with_header(data, reserved=1)).offset == 10
@@ -367,7 +368,8 @@ def test_anchors_that_are_no_vertices() -> None:
     outside = Integers(
         integers.values, np.array([0, 1, 2, 42]), integers.positions, integers.isolated
     )
-    payload = highpass.encode(surface, parameters, outside)["ANCH"]
+    larger = surface_of(surface.faces, 43, 0)
+    payload = highpass.encode(larger, parameters, outside)["ANCH"]
     refusal(forging.forged(data, ANCH=payload))
 
 

@@ -15,7 +15,7 @@ from deltamesh_cli.output import display_name, number, print_json
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.summary import container_object
 from deltamesh_cli.value_types import FILE
-from deltamesh_formats.container.summary import achieved, achieved_in_parts, counts
+from deltamesh_formats.container.summary import achieved, achieved_in_worst_part, counts
 
 _EXAMPLES = """\
 deltamesh encode bunny.ply                      writes bunny.ply.dmesh
@@ -118,8 +118,8 @@ def _print_summary(source: str, target: str, encoded: EncodedFile) -> None:
     click.echo(f"{display_name(target)}: {container.size} bytes, {counts(container)}")
     if container.meta is not None:
         click.echo(f"achieved: {achieved(container.meta)}")
-        for line in achieved_in_parts(container.meta):
-            click.echo(line)
+        if container.meta.parts > 1:
+            click.echo(achieved_in_worst_part(container.meta))
     if cost is not None:
         where = "" if cost.part is None else f" in {display_name(cost.part)}"
         reached = f"{number(cost.error)} of {number(cost.bound)}"

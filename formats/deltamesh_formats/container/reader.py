@@ -277,19 +277,18 @@ def read_meta(payload: Buffer) -> Meta:
     ------
     FormatError
     """
-    values, offsets, end = _read_fields(payload, 0, layout.META_FIELDS)
-    further = end < len(payload)
-    fields: tuple[Field, ...] = layout.META_LOSS_FIELDS if further else ()
-    while fields:
-        found, places, end = _read_fields(payload, end, fields)
-        values, offsets = values | found, offsets | places
-        fields = layout.META_PART_FIELDS if "parts" in found and found["parts"] > 1 else ()
-    if end < len(payload):
-        raise FormatError(f"{len(payload) - end} bytes follow the last field", end)
+    fields: tuple[Field, ...] = layout.META_FIELDS
+    _, _, end = _read_fields(payload, 0, fields)
+    has_losses = end < len(payload)
+    if has_losses:
+        fields += layout.META_LOSS_FIELDS
+        if _read_fields(payload, 0, fields)[0]["parts"] > 1:
+            fields += layout.META_PART_FIELDS
+    values, offsets = _read_table(payload, fields)
     meta = Meta(**values)
     for field, message in meta_faults(meta):
         raise FormatError(message, offsets[field])
-    if further and not meta.has_losses:
+    if has_losses != meta.has_losses:
         raise FormatError("no faces are lost or turned, and there is one part", offsets["lost"])
     return meta
 

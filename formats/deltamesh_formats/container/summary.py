@@ -10,7 +10,15 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from deltamesh_formats.container.container import Container, Meta, Parameters
-from deltamesh_formats.container.layout import ATTRIBUTES, METHODS, ORDER, POLYGONS
+from deltamesh_formats.container.layout import (
+    ATTRIBUTES,
+    METHODS,
+    ORDER,
+    PER_OCTAVE,
+    POLYGONS,
+    QUARTERS,
+    STEPS,
+)
 from deltamesh_formats.container.listing import text_lines
 from deltamesh_formats.container.reader import read_varint
 from deltamesh_formats.container.texts import texts_of
@@ -49,6 +57,16 @@ def polygons(container: Container) -> int:
         return container.triangles
 
 
+def finest_step(container: Container) -> float:
+    """Return the finest step of any vertex; it may be damaged there, which decoding tells."""
+    finest = 0
+    if STEPS in container.sections:
+        payload = container.sections[STEPS].payload
+        finest = max(payload[1 : 1 + payload[0]], default=0) if payload else 0
+    octaves, quarter = divmod(finest, PER_OCTAVE)
+    return container.parameters.step * QUARTERS[quarter] / (1 << octaves)
+
+
 def counts(container: Container) -> str:
     """Return vertices, faces and bits per vertex, in words."""
     rate = bits_per_vertex(container.size, container.vertices)
@@ -67,15 +85,12 @@ def achieved(meta: Meta) -> str:
     )
 
 
-def achieved_in_parts(meta: Meta) -> Iterator[str]:
-    """Yield what the encoder measured of the parts and the faces, in lines of words."""
-    if meta.parts > 1:
-        yield (
-            f"worst of {meta.parts} parts: {printable(meta.part)}, normals"
-            f" {number(meta.part_normal)} degrees, RMS {number(meta.part_rms)} of its own diagonal"
-        )
-    if meta.lost or meta.turned:
-        yield f"triangles that lost their area: {meta.lost}, that turned over: {meta.turned}"
+def achieved_in_worst_part(meta: Meta) -> str:
+    """Return what the encoder measured of the part that is kept worst, in words."""
+    return (
+        f"worst of {meta.parts} parts: {printable(meta.part)}, normals"
+        f" {number(meta.part_normal)} degrees, RMS {number(meta.part_rms)} of its own diagonal"
+    )
 
 
 def container_text(container: Container) -> str:
@@ -104,7 +119,7 @@ def _headline(container: Container) -> str:
 
 def _lines(container: Container) -> Iterator[str]:
     meta = container.meta
-    yield from _described(container.parameters)
+    yield from _described(container.parameters, finest_step(container))
     if ORDER in container.sections:
         yield "order of vertices and faces: that of the source"
     yield from text_lines(texts_of(container))
@@ -112,15 +127,19 @@ def _lines(container: Container) -> Iterator[str]:
         source = f", from {meta.source}" if meta.source else ""
         source += ", positions in float32" if container.parameters.single else ""
         yield f"errors: {achieved(meta)}"
-        yield from achieved_in_parts(meta)
+        if meta.parts > 1:
+            yield achieved_in_worst_part(meta)
+        if meta.lost or meta.turned:
+            yield f"triangles that lost their area: {meta.lost}, that turned over: {meta.turned}"
         yield f"written by {meta.encoder}{source}; format version {container.version}"
 
 
-def _described(parameters: Parameters) -> Iterator[str]:
+def _described(parameters: Parameters, finest: float) -> Iterator[str]:
     method = METHODS[parameters.method]
     facts = [] if parameters.bits is None else [f"{parameters.bits} bits"]
     if parameters.step:
-        facts.append(f"step {number(parameters.step)}")
+        down = f" down to {number(finest)}" if finest < parameters.step else ""
+        facts.append(f"step {number(parameters.step)}{down}")
         if method.coarse:
             facts.append(f"deltas {number(parameters.coarse)} times as coarse")
         if method.anchored:

@@ -19,8 +19,8 @@ from deltamesh._options import DEFAULT_QUALITY, Options
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import TargetError
 
-# Positions may differ by that between machines and solvers, in diagonals of the bounding box
-# (SPEC.md 5.4).
+# Positions may differ by that between machines and solvers, in diagonals of the bounding box of
+# their component (SPEC.md 5.4); that of the whole mesh is at least as long.
 POSITION_TOLERANCE: Final = 1e-9
 
 # The bounds of quality 5: the mean deviation of the face normals in degrees, which shading does not

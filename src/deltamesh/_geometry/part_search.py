@@ -7,13 +7,14 @@ steps are searched for side by side, in quarters of an octave, each trial being 
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from deltamesh._geometry.bounds import Bounds
-from deltamesh._geometry.step_search import MOST_TRIES, PER_OCTAVE
+from deltamesh._geometry.step_search import MOST_TRIES, PER_OCTAVE, fit_step
 from deltamesh._geometry.trial import Attempt, ScaleError, Trial
 from deltamesh._measures.metrics import mean_edges
 from deltamesh._measures.parts import Parts
@@ -30,9 +31,6 @@ SETTLED: Final = 0.85
 # What the next level aims at, and how many levels it is away at most.
 AIM: Final = 0.93
 FURTHEST: Final = 5 * LEVELS
-# Levels to which the steps are refined, if that makes the file smaller: fewer of them cost fewer
-# bits to tell. The last is one level for all.
-COARSER: Final = (LEVELS, MAX_EXPONENT + 1)
 
 
 @dataclass(frozen=True)
@@ -93,6 +91,11 @@ class Steps:
         """The largest step."""
         return float(self.base * 2.0 ** (-int(self.level.min()) / LEVELS))
 
+    @property
+    def finest(self) -> float:
+        """The smallest step."""
+        return float(self.base * 2.0 ** (-int(self.level.max()) / LEVELS))
+
     def times(self, factor: float) -> Steps:
         """Return steps that many times as large."""
         return Steps(self.base * factor, self.level)
@@ -102,7 +105,12 @@ def steps_near(wanted: Floats) -> Steps:
     """Return the steps nearest to those wanted, float64 (c,)."""
     base = float(wanted.max())
     level = np.rint(-LEVELS * np.log2(wanted / base)).astype(np.int64)
-    return Steps(base, np.minimum(level, MAX_EXPONENT))
+    return Steps(base, _within_reach(level))
+
+
+def _within_reach(level: Ints) -> Ints:
+    """Return levels of which none is coarser than exponents can tell, beside the finest."""
+    return np.asarray(np.maximum(level, level.max() - MAX_EXPONENT))
 
 
 @dataclass
@@ -189,7 +197,8 @@ def fit_steps(
         level = _next(known, steps.level)
         if done and np.isfinite(known.good).all():
             level = known.good.astype(np.int64)
-        if (level == steps.level).all() or np.ptp(level) > MAX_EXPONENT:
+        level = _within_reach(level)
+        if (level == steps.level).all():
             break
         steps = Steps(steps.base, level)
     return found
@@ -200,24 +209,23 @@ def with_fewer_levels(
     bounds: Bounds,
     found: tuple[Trial, Steps],
     components: Components,
+    effort: int,
     attempt: Attempt,
 ) -> tuple[Trial, Steps]:
-    """Return a smaller trial, if there is one, with fewer levels, none of which is coarser."""
-    for by in COARSER:
-        steps = found[1]
-        level = steps.level - steps.level.min()
-        if not level.any():
-            break
-        rounded = -(-level // by) * by if by <= MAX_EXPONENT else np.full_like(level, level.max())
-        if (rounded == level).all():
-            continue
-        steps = Steps(steps.coarsest, rounded)
-        try:
-            trial = attempt(components.settings(settings, steps))
-        except MeshError:  # 2^30 steps are not enough for a component
-            continue
+    """Return a smaller trial, if there is one, of full octaves, or of one step for all."""
+    steps = found[1]
+    level = steps.level - steps.level.min()
+    if not level.any():
+        return found
+    octaves = Steps(steps.coarsest, -(-level // LEVELS) * LEVELS)
+    with suppress(MeshError):  # 2^30 steps are not enough for a component
+        trial = attempt(components.settings(settings, octaves))
         if bounds.excess(trial.measured) <= 1 and trial.size < found[0].size:
-            found = trial, steps
+            found = trial, octaves
+    finest = Steps(steps.finest, np.zeros_like(level))
+    alike = fit_step(settings, bounds, finest.base, effort, attempt, found[0], [])
+    if alike is not None and alike.size < found[0].size:
+        found = alike, replace(finest, base=alike.parameters.step)
     return found
 
 

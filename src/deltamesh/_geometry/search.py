@@ -122,7 +122,7 @@ def _fit(
     found = fit_steps(settings, bounds, start, components, options.effort, attempt, best, missed)
     if found is None:
         return None
-    return with_fewer_levels(settings, bounds, found, components, attempt)
+    return with_fewer_levels(settings, bounds, found, components, options.effort, attempt)
 
 
 def _at_rate(options: Options, components: Components, attempt: Attempt) -> Trial:

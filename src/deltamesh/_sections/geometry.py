@@ -85,7 +85,7 @@ def _cost(binding: Binding, named: NamedParts) -> Cost:
 
 
 def has_scale(p: Parameters, i: Integers) -> bool:
-    """Return whether no position that these integers could mean would overflow (SPEC.md 5.7)."""
+    """Return whether no position that these integers could mean would overflow (SPEC.md 5.8)."""
     of_vertices, of_anchors = ratios(i), anchor_ratios(i)
     numbers = [np.abs(a) * of_vertices[: len(a)] for a in (i.values, i.refinements, i.corrections)]
     numbers += [np.abs(i.positions) * of_anchors, np.abs(i.isolated)]

@@ -17,6 +17,7 @@ from deltamesh_formats.container.summary import (
     container_html,
     container_text,
     counts,
+    finest_step,
     header_bytes,
     polygons,
     relative,
@@ -47,6 +48,13 @@ def test_counts_name_polygons_where_there_are_some() -> None:
     assert polygons(file_of(POLY=b"\xff")) == 2000  # damaged there, which decoding tells
 
 
+def test_the_finest_step_is_told_without_decoding() -> None:
+    assert finest_step(file_of()) == 0.5
+    assert finest_step(file_of(STEP=b"\2\0\6labels")) == 0.5 * 0.7071067811865476 / 2
+    for damaged in (b"", b"\0", b"\xff"):
+        assert finest_step(file_of(STEP=damaged)) == 0.5
+
+
 def test_rates_and_errors_are_relative() -> None:
     assert bits_per_vertex(100, 50) == 16
     assert bits_per_vertex(100, 0) == 800
@@ -65,6 +73,8 @@ def test_text_tells_the_parameters_that_the_method_has() -> None:
     assert "isolated vertices: 3" in text
     text = container_text(file_of(replace(HIGHPASS, anchor_method="random", seed=9)))
     assert "anchors: 200, random, seed 9" in text
+    text = container_text(file_of(replace(HIGHPASS, bits=None), STEP=b"\3\0\x28\x02labels"))
+    assert "step 0.001 down to 9.766e-07, error diffusion" in text
     for name in ("CONN", "ANCH", "DELT", "total"):
         assert name in text
         assert f"<td>{name}</td>" in container_html(file_of(HIGHPASS))

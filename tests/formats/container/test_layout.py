@@ -153,7 +153,7 @@ def test_spec_says_what_fields_share_a_byte():
 
 
 def test_spec_ratios():
-    text = re.search(r"c = (.*)\n", SPEC)[1]
+    text = re.search(r" c = (1, .*)\n", SPEC)[1]
     assert tuple(map(float, text.split(", "))) == layout.QUARTERS
     assert "r(e) = c(e mod 4) * 2^-(e / 4)" in SPEC
     for k, ratio in enumerate(layout.QUARTERS):

@@ -70,6 +70,34 @@ def test_far_from_the_origin_only_the_sum_is_rounded(solver: str) -> None:
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
+def test_a_component_of_a_millionth_keeps_its_digits(solver: str) -> None:
+    """Two spheres, the sizes and the distance of which are a million times as large as one."""
+    V, F = meshes.icosphere(4)
+    n, small = len(V), 1e-6 * V
+    L = laplacian_of(meshes.union((V, F), (V, F))[1], 2 * n)
+    one = L[:n, :n]
+    delta, anchors = np.concatenate([one @ V, one @ small]), np.array([0, n])
+    positions = np.stack([V[0], small[0] + [1.0, 2.0, 3.0]])
+    x = least_squares(L, anchors, delta, positions, solver)
+    np.testing.assert_allclose(x[:n], V, rtol=0, atol=1e-13)
+    expected = small - small[0] + positions[1]
+    assert (np.abs(x[n:] - expected) <= np.spacing(3.0)).all()
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_each_component_is_refined(solver: str) -> None:
+    """A small strip that the normal equations alone get wrong, beside a large triangle."""
+    i = np.arange(2998)
+    strip = np.stack((i, i + 1 + i % 2, i + 2 - i % 2), axis=1)
+    F = np.concatenate([strip, [[3000, 3001, 3002]]])
+    x = 1e-6 * np.sin(np.arange(3003.0) / 500)[:, None]
+    x[3000:, 0] = [0.0, 1.0, 2.0]
+    L, anchors = laplacian_of(F, 3003), np.array([0, 3000])
+    error = np.abs(least_squares(L, anchors, L @ x, x[anchors], solver) - x)
+    assert error[:3000].max() < 1e-15
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
 def test_ill_conditioned_is_refined(solver: str) -> None:
     # A strip of 3000 vertices with an anchor at its end: the normal equations alone err by 1e-5.
     i = np.arange(2998)

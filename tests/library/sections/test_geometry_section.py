@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from containers import CARTESIAN
 
-from deltamesh._geometry.integers import NO_POINTS, Integers
+from deltamesh._geometry.integers import Integers
 from deltamesh._mesh import LARGEST
 from deltamesh._sections.geometry import has_scale
 
@@ -17,7 +17,8 @@ ONES = np.ones((2, 3), dtype=np.int64)
 
 @pytest.mark.parametrize("name", ["values", "positions", "isolated", "refinements", "corrections"])
 def test_any_integer_times_the_step_has_to_be_small(name: str) -> None:
-    integers = replace(Integers(NO_POINTS), **{name: -1000 * ONES})
+    none = Integers(0 * ONES, np.arange(2), 0 * ONES)
+    integers = replace(none, **{name: -1000 * ONES})
     assert has_scale(replace(CARTESIAN, step=LARGEST / 100), integers)
     assert not has_scale(replace(CARTESIAN, step=LARGEST), integers)
     assert not has_scale(replace(CARTESIAN, step=1.0, anchor_step=LARGEST), integers)
@@ -28,3 +29,18 @@ def test_the_origin_counts() -> None:
     integers = Integers(ONES)
     assert has_scale(replace(CARTESIAN, origin=(0.0, -LARGEST, 0.0)), integers)
     assert not has_scale(replace(CARTESIAN, origin=(0.0, -101 * LARGEST, 0.0)), integers)
+
+
+def test_in_fine_steps_more_of_them_are_small() -> None:
+    """Of a vertex with the finest step, 2^-30 of the coarsest; isolated vertices have that one."""
+    exponents, far = np.array([0, 120]), np.array([[0, 0, 0], [0, 2**59, 0]])
+    parameters = replace(CARTESIAN, step=LARGEST / 2**24, anchor_step=LARGEST / 2**24)
+    for integers in (
+        Integers(far, exponents=exponents),
+        Integers(0 * ONES, np.arange(2), far, exponents=exponents),
+        Integers(0 * ONES, corrections=far, exponents=exponents),
+    ):
+        assert has_scale(parameters, integers)
+        assert not has_scale(parameters, replace(integers, exponents=exponents[::-1]))
+    far = Integers(np.concatenate([far, far]), exponents=exponents)
+    assert not has_scale(parameters, far)
