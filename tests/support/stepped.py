@@ -10,6 +10,7 @@ import numpy as np
 
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.solve import factorization
+from deltamesh._measures.measure import Measured
 from deltamesh._measures.metrics import vertex_errors
 from deltamesh._options import Options
 from deltamesh._pipeline import Encoded, _meta, encode_mesh
@@ -78,7 +79,7 @@ def restepped(mesh: PolyMesh, options: Options, exponents: Exponents, **changes:
             parameters=parameters,
             integers=integers,
             vertices=decoded,
-            errors=vertex_errors(V, decoded, surface.faces),
+            measured=Measured(vertex_errors(V, decoded, surface.faces)),
         ),
         content=dataclasses.replace(draft.content, integers=integers),
     )
