@@ -65,4 +65,6 @@ def with_places(values: Floats, places: int) -> Floats:
             decimals = np.array(nearest).reshape(values.shape)
         else:
             decimals = np.round(values, places)
-    return np.where(np.isfinite(decimals), decimals + 0.0, values)
+        # A float64 has no digits beyond 2^52 units of the last place.
+        scaled = np.abs(values) * 10.0 ** min(places, 300) < 2.0**52
+    return np.where(scaled & np.isfinite(decimals), decimals + 0.0, values)

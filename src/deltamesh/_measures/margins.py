@@ -42,7 +42,9 @@ def margin_of(
     """Return the margin of the coordinates of decoded positions as `Meta.margin` has it.
 
     Rounding by a margin r moves a vertex by at most sqrt(3) r, and no distance grows by more. What
-    it does to angles is measured, and twice the difference is taken for the most.
+    it does to angles is measured, and twice the difference is taken for the most. Faces that have
+    become lines turn however little they are moved: where no margin leaves the angles alone, the
+    largest one is taken that keeps the bounds.
 
     Parameters
     ----------
@@ -59,15 +61,17 @@ def margin_of(
     if not (0 < diagonal < math.inf):
         return 0
     first = math.log2(diagonal) - math.log2(SHARE * rms / math.sqrt(3)) if rms else math.inf
-    halvings = max(1, math.ceil(min(first, MOST_HALVINGS)))
+    halvings, fallback = max(1, math.ceil(min(first, MOST_HALVINGS))), 0
     while halvings <= MOST_HALVINGS:
         margin = diagonal * 2.0**-halvings
         most = _most(measured, measure(rounded(decoded, margin)), math.sqrt(3) * margin)
         excess = max(_excesses(measured, most, diagonal))
-        if excess <= 1 and keeps(most):
-            return halvings
+        if keeps(most):
+            if excess <= 1:
+                return halvings
+            fallback = fallback or halvings
         halvings += max(1, math.ceil(math.log2(excess) / 2)) if 1 < excess < math.inf else 1
-    return 0
+    return fallback
 
 
 def _most(before: Measured, after: Measured, distance: float) -> Measured:
