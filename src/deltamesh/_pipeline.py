@@ -63,8 +63,9 @@ class Encoded:
     @cached_property
     def mesh(self) -> PolyMesh:
         """The mesh that a decoder will make of the file."""
-        single = self.draft.mesh.precision == "float32"
-        return self.draft.content.mesh(self.draft.chosen.vertices, single)
+        single, meta = self.draft.mesh.precision == "float32", self.container.meta
+        margin = 0.0 if meta is None else meta.room
+        return self.draft.content.mesh(self.draft.chosen.vertices, single, margin)
 
     @cached_property
     def order(self) -> Ints:
@@ -141,6 +142,7 @@ def _meta(draft: Draft) -> Meta:
         normal=errors.normal_deviation,
         dihedral=errors.dihedral,
         diagonal=diagonal(draft.positions),
+        margin=draft.margin,
         encoder=f"deltamesh {__version__}",
         source=draft.options.source_format,
         lost=len(report.lost),
@@ -169,7 +171,8 @@ def decode_mesh(
     factor = factorization(lambda: surface.laplacian, solver, threads, to_solve)
     coder = geometry_codec(parameters.method)
     points = coder.reconstruct(surface, parameters, content.integers, factor)
-    return content.mesh(points, parameters.single)
+    margin = 0.0 if container.meta is None else container.meta.room
+    return content.mesh(points, parameters.single, margin)
 
 
 def proven_content(

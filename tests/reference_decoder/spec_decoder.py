@@ -89,6 +89,7 @@ def check_meta(payload):
     """§4.2."""
     table = Bytes(payload)
     check(all(0 <= x < math.inf for x in table.unpack("ddffd")), "numbers of meta")
+    table.unpack("B")
 
     def check_string():
         (text,) = table.unpack("{}s".format(*table.unpack("B")))

@@ -85,6 +85,8 @@ class Meta:
         Mean deviation of the face normals and of the dihedral angles, in degrees.
     diagonal : float
         Diagonal of the bounding box of the input, in the unit of the mesh.
+    margin : int
+        Halvings of the diagonal, 0 to 255; 0 stands for no margin. See `room`.
     encoder : str
         Name and version of the program.
     source : str
@@ -105,6 +107,7 @@ class Meta:
     normal: float
     dihedral: float
     diagonal: float
+    margin: int
     encoder: str
     source: str
     lost: int = 0
@@ -113,6 +116,11 @@ class Meta:
     part: str = ""
     part_normal: float = 0.0
     part_rms: float = 0.0
+
+    @property
+    def room(self) -> float:
+        """How far each decoded coordinate may be rounded, with which the errors are still kept."""
+        return self.diagonal * 2.0**-self.margin if self.margin else 0.0
 
     @property
     def has_losses(self) -> bool:

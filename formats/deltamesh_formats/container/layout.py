@@ -215,6 +215,7 @@ META_FIELDS: Final = (
     Field("normal", "f32"),
     Field("dihedral", "f32"),
     Field("diagonal", "f64"),
+    Field("margin", "u8"),
     Field("encoder", "string"),
     Field("source", "string"),
 )

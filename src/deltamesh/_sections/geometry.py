@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from deltamesh._content import Content
-from deltamesh._geometry.bounds import Binding, bounds_of
+from deltamesh._geometry.bounds import Binding, Bounds, bounds_of
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.part_search import components_of
@@ -17,7 +17,8 @@ from deltamesh._geometry.solve import factorization
 from deltamesh._geometry.steps import anchor_ratios, ratios
 from deltamesh._geometry.trial import ScaleError, Trial
 from deltamesh._limits import memory_to_encode
-from deltamesh._measures.measure import Measure
+from deltamesh._measures.margins import margin_of
+from deltamesh._measures.measure import Measure, Measured
 from deltamesh._measures.metrics import diagonal
 from deltamesh._measures.named_parts import NamedParts, named_parts
 from deltamesh._measures.report import report_of
@@ -71,7 +72,18 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
     report = report_of(trial.measured, named)
     cost = None if bounds is None else _cost(bounds.binding(trial.measured), named)
     content = replace(draft.content, integers=trial.integers)
-    return trial.payloads, replace(draft, trial=trial, report=report, cost=cost, content=content)
+    margin = 0 if options.exact else _margin(measure, trial, diagonal(V), bounds)
+    made = replace(draft, trial=trial, report=report, cost=cost, margin=margin, content=content)
+    return trial.payloads, made
+
+
+def _margin(measure: Measure, trial: Trial, scale: float, bounds: Bounds | None) -> int:
+    """Return the margin within which what is written keeps the bounds, too."""
+
+    def keeps(measured: Measured) -> bool:
+        return bounds is None or bounds.excess(measured) <= 1
+
+    return margin_of(measure, trial.measured, trial.vertices, scale, keeps)
 
 
 def decode(container: Container, content: Content) -> Content:

@@ -45,7 +45,8 @@ positive = st.floats(min_value=5e-324, allow_infinity=False)
 not_negative = st.floats(min_value=0, allow_infinity=False)
 single = st.floats(min_value=0, allow_infinity=False, width=32)
 names = st.text(max_size=60).filter(lambda s: s.isprintable() and len(s.encode()) <= 255)
-errors = (not_negative, not_negative, single, single, not_negative, names, names)
+halvings = st.integers(0, 255)
+errors = (not_negative, not_negative, single, single, not_negative, halvings, names, names)
 several = {
     "parts": st.integers(2, layout.VARINT_MAX),
     "part": names,

@@ -97,6 +97,8 @@ def read(data: bytes) -> PolyMesh:
     said = str(asset.get("copyright", "")) if isinstance(asset, dict) else ""
     vertices = np.concatenate([np.empty((0, 3)), *scene.vertices])
     scene.vertices.clear()
+    with np.errstate(over="ignore"):  # transforms, and fractions, need not be in float32
+        single = bool((vertices.astype(np.float32) == vertices).all())
     return PolyMesh(
         vertices,
         faces.ravel(),
@@ -105,7 +107,7 @@ def read(data: bytes) -> PolyMesh:
         tuple(_parts(gltf, placed, scene, sizes)),
         {"copyright": (said,)} if said else {},
         tuple(lost),
-        "float32",
+        "float32" if single else "float64",
     )
 
 
