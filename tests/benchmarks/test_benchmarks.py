@@ -33,6 +33,7 @@ SCRIPTS = (
     "curves",
     "speed",
     "lossless",
+    "conversions",
     "valences",
     "order",
     "memory",
@@ -42,6 +43,7 @@ SCRIPTS = (
     "bounds",
     "parts",
 )
+README = (BENCHMARKS / "README.md").read_text(encoding="utf-8")
 TORUS = corpus.GENERATED
 FILE = corpus.path(TORUS).name
 Rows = list[dict[str, str]]
@@ -302,6 +304,18 @@ def test_draco_is_not_smaller_at_equal_bits(bits: int) -> None:
     assert ours.size < 1.03 * draco.size
 
 
+def test_the_table_of_conversions_is_what_is_measured() -> None:
+    conversions = importlib.import_module("conversions")
+    mesh = corpus.load(TORUS)
+    elements = conversions.of_vertices(mesh.faces, len(mesh.vertices))
+    rows = conversions.measured(elements, (40 * mesh.vertices).round(3))
+    for name, kind, without, found, decimals, *_ in rows:
+        line = [name.replace("*", "\N{MULTIPLICATION SIGN}"), kind, without, found]
+        assert f"| {' | '.join(line)} |" in README, name
+        assert float(found) < 0.9 * float(without)
+        assert f"{float(decimals):.2f} bits" in README
+
+
 def test_the_entropy_of_valences() -> None:
     entropy = importlib.import_module("valences").entropy
     assert entropy(np.array([6, 6, 6])) == 0
@@ -332,7 +346,7 @@ def test_a_folder_of_many_meshes_from_few(tmp_path: Path) -> None:
 def test_a_process_is_measured_without_its_parent() -> None:
     used = processes.deltamesh("--version")
     assert 0 < used.seconds < 60
-    # This process, with numba in it, has several times that.
+    # This process, with scipy in it, has several times that.
     assert 5 << 20 < used.peak < 80 << 20
     with pytest.raises(RuntimeError, match="No such command"):
         processes.deltamesh("nothing")
