@@ -202,7 +202,8 @@ def fit_steps(
         if (level == last.level).all() or (found is not None and tries > TRIES[effort]):
             break
         if rival is not None and _floor(trial, excess, components) >= rival.size:
-            break
+            kept = np.where(np.isfinite(known.good), known.good, level).astype(np.int64)
+            return found, Steps(steps.base, _within_reach(kept))
     return found, steps
 
 
