@@ -103,7 +103,7 @@ def build(target: str = "", flags: Sequence[str] = ()) -> Path:
         If there is no compiler, or if it fails.
     """
     library = library_of(target)
-    command = [*zig(), "-target", target] if target else compiler() or zig()
+    command = [*zig(), "-target", target, "-s"] if target else compiler() or zig()
     if library.suffix != ".dll":
         command += ["-fPIC"]
     _compile([*command, "-shared", *flags], library, ["-lm"])

@@ -1,4 +1,6 @@
 /* Cuts of a triangle complex along edges, until it is an oriented manifold. */
+#include <string.h>
+
 #include "deltamesh_core.h"
 #include "graphs.h"
 #include "halfedges.h"
@@ -94,23 +96,23 @@ int dm_pair_up(const int64_t *order, int64_t length, const int64_t *bounds, int6
 int dm_label_fans(const int64_t *opposite, int64_t halfedges, int64_t *label, int64_t *count)
 {
     int64_t fans = 0;
-    int valid = halfedges % 3 == 0;
-    for (int64_t h = 0; h < halfedges; h++) {
-        valid &= (uint64_t)opposite[h] + 1 <= (uint64_t)halfedges;
-        label[h] = -1;
-    }
-    if (!valid)
+    if (halfedges % 3 != 0)
         return DM_INVALID;
+    memset(label, 0xFF, (size_t)halfedges * sizeof(*label)); /* -1 */
     for (int64_t h = 0; h < halfedges; h++) {
         if (label[h] >= 0)
             continue;
         int64_t g = h;
         while (g >= 0 && label[g] < 0) {
             label[g] = fans;
+            if (opposite[g] >= halfedges)
+                return DM_INVALID;
             g = opposite[g] >= 0 ? dm_next(opposite[g]) : -1;
         }
         g = g < 0 ? h : -1;
         for (int64_t left = halfedges; left > 0 && g >= 0; left--) {
+            if (g >= halfedges)
+                return DM_INVALID;
             label[g] = fans;
             g = opposite[dm_previous(g)];
         }

@@ -78,17 +78,17 @@ int dm_code_refinements(dm_coder *c, const int64_t *indptr, int64_t n, const int
     return DM_OK;
 }
 
-/* A number of steps as an integer, the nearest one, the even one of two; what has none becomes the
-   least integer. */
-static int64_t rounded(double steps, double zone)
+/* The integer next to a number of steps, the even one of two; -2^63 for one that 64 bits do not hold.
+ */
+static double rounded(double steps, double zone)
 {
     /* Doubles around it are 1 apart: the sum is rounded to an integer, without a call of rint. */
     const double shift = 0x1.8p52;
     if (!(fabs(steps) > 0.5 + zone))
-        return 0;
+        return 0.0;
     if (fabs(steps) < 0x1p51)
-        return (int64_t)((steps + shift) - shift);
-    return fabs(steps) < 0x1p63 ? (int64_t)steps : INT64_MIN; /* an integer already */
+        return (steps + shift) - shift;
+    return fabs(steps) < 0x1p63 ? steps : -0x1p63; /* an integer already */
 }
 
 /* Round delta / step into `out` (n, 3), or its component along `normals` into `out` (n, 1).
@@ -109,13 +109,16 @@ int dm_diffuse(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t
         const double *const N = normals + 3 * i;
         if (columns == 3) {
             for (int axis = 0; axis < 3; axis++) {
-                out[3 * i + axis] = rounded(a[axis] / step, zone);
-                a[axis] -= (double)out[3 * i + axis] * step;
+                const double number = rounded(a[axis] / step, zone);
+                out[3 * i + axis] = (int64_t)number;
+                a[axis] -= number * step;
             }
         } else {
-            out[i] = rounded((a[0] * N[0] + a[1] * N[1] + a[2] * N[2]) / step, zone);
+            const double number =
+                rounded((a[0] * N[0] + a[1] * N[1] + a[2] * N[2]) / step, zone);
+            out[i] = (int64_t)number;
             for (int axis = 0; axis < 3; axis++)
-                a[axis] -= (double)out[i] * step * N[axis];
+                a[axis] -= number * step * N[axis];
         }
         const int64_t end = indptr[i + 1];
         int64_t first = end; /* of the neighbours still to come, which are the last ones */

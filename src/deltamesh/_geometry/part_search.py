@@ -306,6 +306,9 @@ def components_of(V: Floats, F: Ints, parts: Parts, part_diagonal: Floats) -> Co
     part_diagonal : float64 (q,)
         Diagonal of each part.
     """
+    if not parts.components:  # faces that are all degenerate
+        none = np.zeros(1, dtype=np.int64)
+        return Components(none[:0], part_diagonal, part_diagonal, none, none)
     touching = [np.stack((part, parts.divisions[0])) for part in parts.divisions]
     pairs = np.unique(np.concatenate(touching, axis=1), axis=1)
     part, touched = pairs[:, pairs[0] >= 0]

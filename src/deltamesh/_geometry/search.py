@@ -186,6 +186,8 @@ def _anchored(
         trial = attempt(first)
     except MeshError:  # the step is too small for the mesh: the search will find it as well
         return settings
+    if not trial.parameters.anchor_count:  # a mesh of isolated vertices
+        return settings
     distance, angle = map(components.excess, bounds.part_excess(trial.measured))
     with np.errstate(divide="ignore", invalid="ignore"):
         times = np.log(distance / angle) / math.log(LESS_DISTANCE)

@@ -18,9 +18,6 @@ from numpy.typing import NDArray
 _SUFFIX: Final = {"win32": "dll", "darwin": "dylib"}.get(sys.platform, "so")
 PATH: Final = Path(__file__).with_name(f"_core.{_SUFFIX}")
 
-# Status of a call; see `src/core/deltamesh_core.h`.
-OK, CORRUPT, INVALID = range(3)
-
 
 def _load() -> ctypes.CDLL:
     try:
@@ -33,6 +30,18 @@ def _load() -> ctypes.CDLL:
 
 
 LIBRARY: Final = _load()
+
+
+def constant(name: str) -> int:
+    """Return a number of the core by its name."""
+    value = c_int64()
+    if LIBRARY.dm_find_constant(name.encode(), ctypes.byref(value)):
+        raise KeyError(name)
+    return value.value
+
+
+# Status of a call; see `src/core/deltamesh_core.h`.
+OK, INVALID = constant("DM_OK"), constant("DM_INVALID")
 
 
 def _pointer(
@@ -105,7 +114,7 @@ def number() -> c_int64:
 
 
 def call(name: str, *arguments: object) -> int:
-    """Call a function of the core; return its status, OK or CORRUPT.
+    """Call a function of the core; return its status, OK or that of a corrupt stream.
 
     Parameters
     ----------
@@ -136,14 +145,6 @@ def _converted(argument: object) -> object:
     if isinstance(argument, SupportsIndex):
         return c_int64(argument.__index__())
     return argument
-
-
-def constant(name: str) -> int:
-    """Return a number of the core by its name."""
-    value = number()
-    if LIBRARY.dm_find_constant(name.encode(), ctypes.byref(value)):
-        raise KeyError(name)
-    return value.value
 
 
 def table(name: str, dtype: type[np.generic], size: int) -> NDArray[Any]:

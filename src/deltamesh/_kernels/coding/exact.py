@@ -17,7 +17,7 @@ RAW, NEGATIVE_ZERO = constant("DM_RAW"), constant("DM_NEGATIVE_ZERO")
 
 # Columns of the table of axes: the row of its first format, the number of formats, whether there
 # are raw coordinates and negative zeros.
-AXIS_SIZE = 4
+AXIS_SIZE = constant("DM_AXIS_SIZE")
 
 _AXIS, _FORMAT = model_of("exact_axis"), model_of("exact_format")
 

@@ -9,10 +9,10 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._kernels.core import LIBRARY, address, call, ints_out, invoke, number
+from deltamesh._kernels.core import LIBRARY, address, call, constant, ints_out, invoke, number
 from deltamesh_formats.array_types import Ints
 
-_BUCKETS = 64
+_BUCKETS = constant("DM_BUCKETS")
 
 NODE = np.dtype(
     [

@@ -18,7 +18,7 @@ BOUND = constant("DM_EXACT_BOUND")  # of the points on the grid
 
 # Columns of the table of formats: the base; the places of the grid less those of the format; the
 # digits; the usual length of a distance, at which the coder begins to ask.
-FORMAT_SIZE = 4
+FORMAT_SIZE = constant("DM_FORMAT_SIZE")
 
 POWERS = np.array([10**i for i in range(19)], dtype=np.int64)
 
