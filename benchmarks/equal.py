@@ -17,7 +17,6 @@ import numpy as np
 
 from deltamesh._measures.metrics import diagonal, vertex_errors
 from deltamesh._mesh import TriangleMesh
-from deltamesh._options import DEFAULT_HIGHPASS_STEP
 from deltamesh.bench import codec_of
 
 # How far below the error that is asked for a size still counts as one at that error.
@@ -60,13 +59,17 @@ def knob(label: str) -> str:
     return "step" if label.split()[0] in ("highpass", "refined", "cartesian") else "normal_error"
 
 
+# Where a search for a step begins, in diagonals of the bounding box.
+FIRST_STEP = 1 / 1000
+
+
 class Coder:
     """A codec and a mesh as a curve; each point is coded once."""
 
     def __init__(self, label: str, mesh: TriangleMesh) -> None:
         self.label, self.mesh = label, mesh
         self.points: dict[float, Point] = {}
-        scale = DEFAULT_HIGHPASS_STEP * diagonal(mesh.vertices)
+        scale = FIRST_STEP * diagonal(mesh.vertices)
         self.start = scale if knob(label) == "step" else 1.0
 
     def __call__(self, setting: float) -> Point:

@@ -13,7 +13,6 @@ from deltamesh._options import (
     CHOICES,
     DEFAULT_BITS_NORMAL,
     DEFAULT_BITS_UV,
-    DEFAULT_CARTESIAN_BITS,
     DEFAULT_EFFORT,
     DEFAULT_QUALITY,
     MAX_BITS,
@@ -37,7 +36,7 @@ _BOUNDS: Final = options.combined(
         help="Quality level. Level 5 keeps the mean deviation of the face normals within 1 degree"
         " and the RMS distance within 0.15 % of the diagonal of the bounding box, in the whole and"
         " in each connected component and object by its own diagonal; each two levels more halve"
-        f" both bounds.  [default for auto: {DEFAULT_QUALITY}]",
+        f" both bounds.  [default: {DEFAULT_QUALITY}]",
     ),
     click.option(
         "--normal-error",
@@ -116,15 +115,14 @@ _METHOD: Final = options.combined(
         type=whole(0, MAX_BITS),
         metavar="B",
         help="Bits per coordinate, instead of a quality: the step is the range of the quantized"
-        " values divided by 2^B. With 0 bits, only connectivity and anchors are stored."
-        f"  [default for cartesian: {DEFAULT_CARTESIAN_BITS}]",
+        " values divided by 2^B. With 0 bits, only connectivity and anchors are stored. Errors are"
+        " not bounded at a rate, only told.",
     ),
     click.option(
         "--step",
         type=positive,
         metavar="LENGTH",
-        help="Quantization step, in the unit of the mesh.  [default for refined and highpass:"
-        " 1/1000 of the diagonal of the bounding box]",
+        help="Quantization step, in the unit of the mesh, instead of a quality.",
     ),
     click.option(
         "--coarse",

@@ -94,13 +94,14 @@ def encode(
         memory than on a surface.
     bits : int, optional
         The step is the range of the quantized values over 2^bits. 0 is a least-squares mesh:
-        connectivity and anchors alone. Default for "cartesian": 11.
+        connectivity and anchors alone. Errors are not bounded at a rate; "auto" is Cartesian then
+        if no error is larger and the file is smaller, or if refined would move the vertices
+        further than quality 1 allows.
     step : float, optional
-        The step itself, in the unit of the vertices. Default for "highpass" and "refined": 1/1000
-        of the diagonal of the bounding box.
+        The step itself, in the unit of the vertices.
     quality : int, optional
-        From 1 to 9, instead of bits or a step. 5, the default for "auto", keeps the mean deviation
-        of the face normals within 1 degree, and the RMS distance of the vertices from where they
+        From 1 to 9, instead of bits or a step. 5, the default, keeps the mean deviation of the face
+        normals within 1 degree, and the RMS distance of the vertices from where they
         were within 0.15 % of the diagonal of the bounding box; two levels more halve both. Each
         connected component, and each object, keeps them by its own diagonal.
     normal_error, dihedral_error : float, optional

@@ -15,11 +15,6 @@ from deltamesh_formats.errors import OptionError
 
 CHOICES = (AUTO, *METHODS)
 ANCHOR_METHODS = tuple(sorted(filter(None, layout.ANCHOR_METHODS)))
-# Defaults: bits a coordinate, and a step in diagonals of the bounding box. The range of the deltas
-# is no scale to go by: one vertex of high valence makes it a thousand times as large.
-DEFAULT_CARTESIAN_BITS = 11
-DEFAULT_HIGHPASS_STEP = 1 / 1000
-
 # The step of the deltas that get refined along the normals, in steps of these refinements.
 DEFAULT_COARSE = 8.0
 MAX_COARSE = 64.0

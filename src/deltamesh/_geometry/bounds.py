@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from deltamesh._measures.measure import Measured
-from deltamesh._methods import ANGLE_BOUNDS, AUTO, BOUNDS, DISTANCE_BOUNDS, RATES
+from deltamesh._methods import ANGLE_BOUNDS, BOUNDS, DISTANCE_BOUNDS, RATES
 from deltamesh._options import DEFAULT_QUALITY, Options
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import TargetError
@@ -82,6 +82,10 @@ class Bounds:
             found.append(Binding(one.name, float(one.errors[part]), one.bound, part))
         return max(found, key=lambda one: one.share)
 
+    def within(self, other: Bounds) -> Bounds:
+        """Return the tighter bound of each kind of two."""
+        return Bounds(*map(min, vars(self).values(), vars(other).values()))
+
     @property
     def has_angle(self) -> bool:
         """Whether an angle is bounded."""
@@ -108,6 +112,9 @@ class Bounds:
             _Bounded("normal deviation", e.normal_deviation, self.part_normal),
             _Bounded("dihedral deviation", e.dihedral, self.part_dihedral),
         )
+
+
+NO_BOUNDS: Final = Bounds()
 
 
 @dataclass(frozen=True)
@@ -150,7 +157,7 @@ def _shares(errors: Floats, bound: float) -> Floats:
 
 
 def bounds_of(options: Options, scale: float) -> Bounds | None:
-    """Return the bounds that options ask for, None where they ask for a rate or for nothing.
+    """Return the bounds that options ask for, None where they ask for a rate, or to be exact.
 
     Parameters
     ----------
@@ -163,14 +170,12 @@ def bounds_of(options: Options, scale: float) -> Bounds | None:
     TargetError
         For a distance that positions may differ by between machines.
     """
-    given = [name for name in BOUNDS if getattr(options, name) is not None]
-    if not given and (
-        options.method != AUTO or any(getattr(options, r) is not None for r in RATES)
-    ):
+    if options.exact or any(getattr(options, rate) is not None for rate in RATES):
         return None
+    given = {name for name in BOUNDS if getattr(options, name) is not None}
     quality, default = options.quality, None if options.only else DEFAULT_QUALITY
-    of_angles = quality or (None if set(given) & set(ANGLE_BOUNDS) else default)
-    of_distances = quality or (None if set(given) & set(DISTANCE_BOUNDS) else default)
+    of_angles = quality or (None if given & set(ANGLE_BOUNDS) else default)
+    of_distances = quality or (None if given & set(DISTANCE_BOUNDS) else default)
     normal = min(options.normal_error or math.inf, QUALITY_NORMAL * _factor(of_angles))
     dihedral = options.dihedral_error or math.inf
     part_rms = QUALITY_RMS * _factor(of_distances)
@@ -186,6 +191,12 @@ def bounds_of(options: Options, scale: float) -> Bounds | None:
         part_normal=normal,
         part_dihedral=dihedral,
     )
+
+
+def furthest_at_rate(scale: float) -> Bounds:
+    """Return the distances of quality 1, beyond which a shape is lost, whatever its angles."""
+    rms = QUALITY_RMS * _factor(1)
+    return Bounds(rms=rms * scale or math.inf, part_rms=rms)
 
 
 def _length(error: float | None, relative: float | None, scale: float) -> float:

@@ -19,7 +19,7 @@ from deltamesh._graph.adjacency import lowest
 from deltamesh._kernels.coding import points
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._methods import CARTESIAN
-from deltamesh._options import DEFAULT_CARTESIAN_BITS, Settings
+from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams.columns import decode_three, encode_three
 from deltamesh._streams.entropy import decode_with, encode_with
@@ -45,8 +45,7 @@ def quantize(
     """
     everything = np.concatenate([vertices, isolated])
     origin = everything.min(axis=0)
-    bits = settings.bits if settings.bits or settings.step else DEFAULT_CARTESIAN_BITS
-    step = settings.step or grid_step(everything, bits or 1)
+    step = settings.step or grid_step(everything, settings.bits or 1)
     exponents, coarsest = _of_components(surface, steps.exponents_of(settings, surface, step))
     step *= float(steps.RATIOS[coarsest])
     integers = Integers(np.zeros((len(everything), 3), dtype=np.int64), exponents=exponents)
@@ -54,7 +53,7 @@ def quantize(
     grid = to_grid(everything, origin, step * steps.ratios(integers), extra)
     parameters = Parameters(
         method=CARTESIAN.name,
-        bits=bits,
+        bits=settings.bits,
         step=step,
         origin=(float(origin[0]), float(origin[1]), float(origin[2])),
         isolated=surface.isolated_count,

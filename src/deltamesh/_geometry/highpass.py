@@ -18,8 +18,7 @@ from deltamesh._geometry.quantize import delta_step, from_grid, quantize_delta, 
 from deltamesh._geometry.solve import Factor
 from deltamesh._kernels.coding import points
 from deltamesh._kernels.coding.coder import Coder
-from deltamesh._measures.metrics import diagonal
-from deltamesh._options import DEFAULT_HIGHPASS_STEP, Settings
+from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh._streams.vectors import decode_vectors, encode_vectors
@@ -156,7 +155,8 @@ def step_of(vertices: Floats, delta: Floats, settings: Settings) -> float:
     """Return the quantization step of the settings, 0 for 0 bits."""
     if settings.bits is not None:
         return delta_step(delta, settings.bits) if settings.bits else 0.0
-    return settings.step or DEFAULT_HIGHPASS_STEP * diagonal(vertices) or 1.0
+    assert settings.step is not None
+    return settings.step
 
 
 def _anchor_step(vertices: Floats, step: float) -> float:

@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from deltamesh._geometry.bounds import Bounds
+from deltamesh._geometry.bounds import NO_BOUNDS, Bounds
 from deltamesh._geometry.part_search import (
     Components,
     Steps,
@@ -49,6 +49,7 @@ def smallest(
     components: Components,
     attempt: Attempt,
     name_of: Callable[[int], str] = str,
+    furthest: Bounds = NO_BOUNDS,
 ) -> Trial:
     """Return the smallest trial within the bounds; without bounds, the trial of the options.
 
@@ -61,6 +62,8 @@ def smallest(
     attempt : callable
     name_of : callable
         The name of a part, for messages.
+    furthest : Bounds
+        Distances beyond which "auto" at a rate is not refined.
 
     Raises
     ------
@@ -68,7 +71,7 @@ def smallest(
         If no trial is within the bounds.
     """
     if bounds is None:
-        return _at_rate(options, components, attempt)
+        return _at_rate(options, components, attempt, furthest)
     attempt = lru_cache(maxsize=1)(attempt)
     best: Trial | None = None
     steps: Steps | None = None
@@ -125,18 +128,28 @@ def _fit(
     return None if trial is None else (trial, steps)
 
 
-def _at_rate(options: Options, components: Components, attempt: Attempt) -> Trial:
-    """Return the trial at the rate of the options; for "auto", the smallest of no larger errors."""
+def _at_rate(options: Options, components: Components, attempt: Attempt, furthest: Bounds) -> Trial:
+    """Return the trial at the rate of the options; for "auto", the smallest of no larger errors.
+
+    Deltas drift where there are few vertices: a method without drift replaces refined where that
+    would move them further than the `furthest` bounds, too, whatever the size.
+    """
     if options.method != AUTO:
         return attempt(settings_of(options, options.method))
     if options.bits == 0:
         return attempt(settings_of(options, HIGHPASS.name))
     best = attempt(settings_of(options, REFINED.name))
+    drifts = furthest.excess(best.measured) > 1
     bounds = _errors_of(best.measured)
+    if drifts:
+        bounds = bounds.within(furthest)
     settings = replace(settings_of(options, CARTESIAN.name), bits=None, step=None)
     start = _start(settings, bounds, components, None, None)
-    rival = fit_step(settings, bounds, start.base, options.effort, attempt, best, [])
-    return best if rival is None or best.size <= rival.size else rival
+    rival = None if drifts else best
+    rival = fit_step(settings, bounds, start.base, options.effort, attempt, rival, [])
+    if rival is None or (best.size <= rival.size and not drifts):
+        return best
+    return rival
 
 
 def _errors_of(measured: Measured) -> Bounds:

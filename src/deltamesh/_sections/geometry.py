@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from deltamesh._content import Content
-from deltamesh._geometry.bounds import Binding, Bounds, bounds_of
+from deltamesh._geometry.bounds import Binding, Bounds, bounds_of, furthest_at_rate
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.part_search import components_of
@@ -68,7 +68,9 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
 
     bounds = bounds_of(options, diagonal(V))
     components = components_of(V[:used], surface.faces, named.parts, measure.diagonals)
-    trial = smallest(options, bounds, components, attempt, named.name)
+    trial = smallest(
+        options, bounds, components, attempt, named.name, furthest_at_rate(diagonal(V))
+    )
     report = report_of(trial.measured, named)
     cost = None if bounds is None else _cost(bounds.binding(trial.measured), named)
     content = replace(draft.content, integers=trial.integers)

@@ -44,11 +44,11 @@ class Model:
         return Trial(settings, parameters, None, write, np.zeros((N, 3)), errors)
 
 
-def search(law, options, bounds, edge=1.0):
+def search(law, options, bounds, edge=1.0, **furthest):
     model = Model(law, [])
     one = np.zeros(1, dtype=np.int64)
     alone = Components(np.zeros(N, dtype=np.int64), np.array([edge]), np.ones(1), one, one)
-    return smallest(options, bounds, alone, model), model.asked
+    return smallest(options, bounds, alone, model, **furthest), model.asked
 
 
 def errors(normal, rms=0.0, largest=0.0):
@@ -177,3 +177,17 @@ def test_more_effort_is_never_much_larger_on_real_meshes(name):
     mesh = meshes.real(name)
     sizes = [len(encode(mesh.vertices, mesh.faces, effort=effort)) for effort in (1, 2, 3)]
     assert sizes[2] <= 1.02 * sizes[1] <= 1.05 * sizes[0]
+
+
+def test_a_rate_at_which_refined_would_drift_is_met_by_cartesian_coordinates():
+    def law(settings):
+        if settings.method == "refined":
+            return 10.0, errors(1.0, rms=0.3, largest=0.5)
+        return 20.0, errors(settings.step, rms=settings.step / 10, largest=settings.step)
+
+    options, furthest = Options(bits=8), Bounds(rms=0.02)
+    found, _ = search(law, options, None, furthest=furthest)
+    assert found.settings.method == "cartesian"
+    assert found.measured.errors.rms <= 0.02
+    found, _ = search(law, options, None, furthest=Bounds(rms=0.4))
+    assert found.settings.method == "refined"

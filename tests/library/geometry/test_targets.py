@@ -42,7 +42,9 @@ def test_two_levels_of_quality_halve_the_bounds():
     assert (five.normal_deviation, five.rms) == (1.0, pytest.approx(0.015))
     assert (seven.normal_deviation, seven.rms) == (0.5, pytest.approx(0.0075))
     assert bounds_of(Options(), 10.0) == five
-    assert bounds_of(Options(method="refined"), 10.0) is None
+    assert bounds_of(Options(method="refined"), 10.0) == five
+    assert bounds_of(Options(method="refined", bits=7), 10.0) is None
+    assert bounds_of(Options(method="lossless"), 10.0) is None
 
 
 @pytest.mark.parametrize("quality", range(1, 10))
