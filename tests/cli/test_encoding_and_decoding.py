@@ -40,10 +40,13 @@ def test_a_mesh_has_the_name_and_the_format_that_are_told(
 
 def test_a_file_is_encoded_and_decoded(folder: Path) -> None:
     options = {"method": "lossless", "bits": None}
-    size, container, lost = encode_file("torus.ply", "new", None, silent, options, force=False)
-    assert size == (folder / "torus.ply").stat().st_size
+    made = encode_file("torus.ply", "new", None, silent, options, force=False)
+    container = made.container
+    assert made.source_size == (folder / "torus.ply").stat().st_size
     assert container.size == (folder / "new").stat().st_size
-    assert lost == ()
+    assert made.lost == ()
+    assert made.cost is None
+    assert len(made.report.lost) == len(made.report.turned) == 0
     decode_to_file("back.obj", "obj", "new", container, silent, {}, force=False)
     mesh, again = read_mesh("torus.ply"), read_mesh("back.obj")
     assert sorted(again.vertices.tolist()) == sorted(mesh.vertices.tolist())

@@ -43,6 +43,7 @@ def test_commands(mesh_file: None, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli("compare torus.obj a.dmesh --json") == 0
     errors = json.loads(capsys.readouterr().out)["errors"]
     assert errors.pop("diagonal") > 0
+    assert (errors.pop("parts"), errors.pop("worst_part")) == (1, None)
     assert set(errors.values()) == {0.0}
     assert cli("decode a.dmesh back.obj") == 0
     assert cli("encode back.obj again.dmesh --lossless") == 0
