@@ -122,7 +122,8 @@ class Options:
     def _check_rate(self) -> None:
         # Options with defaults may be left as they are with any method.
         names = (*RATES, *BOUNDS, "coarse")
-        check_together(self.method, [n for n in names if getattr(self, n) is not None])
+        given = [name for name in names if getattr(self, name) is not None]
+        check_together(self.method, [*given, "only"] if self.only else given)
         for name in ("step", *BOUNDS[1:]):
             value = getattr(self, name)
             fits = value is None or (math.isfinite(value) and value > 0)
@@ -133,8 +134,6 @@ class Options:
             # Of 0 bits, the connectivity and the anchors make a surface; nothing else does.
             bare = self.method == AUTO or METHODS[self.method].layout.bare
             _require_within("bits", self.bits, 0 if bare else 1, MAX_BITS)
-        bounded = any(getattr(self, name) is not None for name in BOUNDS)
-        _require(bounded or not self.only, "only needs a bound: a quality, or the error of a kind")
 
     @property
     def exact(self) -> bool:
@@ -161,6 +160,8 @@ def check_together(method: str, given: Collection[str], shown: Callable[[str], s
     rates, bounds = ([name for name in names if name in given] for names in (RATES, BOUNDS))
     if rates and len(rates + bounds) > 1:
         raise OptionError(f"{' and '.join(map(shown, rates + bounds))} exclude each other")
+    if "only" in given and not bounds:
+        raise OptionError(f"{shown('only')} needs a bound: a quality, or the error of a kind")
     known = METHOD_OPTIONS if method == AUTO else METHODS[method].options
     for name in METHOD_OPTIONS:
         if name in given and name not in known:

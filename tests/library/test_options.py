@@ -78,3 +78,11 @@ def test_a_wrong_name_is_a_type_error() -> None:
 def test_rates_contradict_the_lossless_method(rate: dict) -> None:
     with pytest.raises(OptionError, match=r"means? nothing with method lossless"):
         Options(method="lossless", **rate)
+
+
+def test_only_needs_a_bound() -> None:
+    with pytest.raises(OptionError, match="only needs a bound"):
+        Options(only=True)
+    with pytest.raises(OptionError, match="only needs a bound"):
+        Options(only=True, bits=8)
+    assert Options(only=True, rms_error=1.0).only
