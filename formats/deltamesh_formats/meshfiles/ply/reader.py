@@ -57,7 +57,7 @@ def read(data: bytes) -> PolyMesh:
     lost += [f"lists {name} of faces" for name in others]
     lost += [f"properties {name} of triangle strips" for name in strips]
     if len(triangles.sizes):
-        strips_first = [name for name in tables if name in _OF_FACES][0] == "tristrips"
+        strips_first = next(name for name in tables if name in _OF_FACES) == "tristrips"
         of_faces = [_joined_attribute(a, triangles, strips_first) for a in of_faces]
         both = (triangles, polygons) if strips_first else (polygons, triangles)
         polygons = _Polygons(*map(np.concatenate, zip(*both, strict=True)))
