@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from deltamesh_formats.polymesh.kinds import Kind
-    from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
+    from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh
 
 
 class Written(NamedTuple):
@@ -43,8 +43,8 @@ class FileFormat:
         Whether texture coordinates begin at the top left of the picture, not at its bottom left.
     polygons, transforms : bool
         Whether a file holds faces of more than three corners, and the transforms of objects.
-    gaps : bool
-        Whether an element may be without a row of an attribute that others have.
+    gaps : tuple of {"vertex", "corner", "face"}
+        Domains whose elements may be without a row of an attribute that others have.
     parts : tuple of {"object", "mesh", "group", "material", "smoothing"}
         Kinds of parts that a file holds.
     metadata : tuple of str
@@ -65,7 +65,7 @@ class FileFormat:
     has_top_left_textures: bool = False
     polygons: bool = False
     transforms: bool = False
-    gaps: bool = False
+    gaps: tuple[Domain, ...] = ()
     parts: tuple[Kind, ...] = ()
     metadata: tuple[str, ...] = ()
     read: Callable[[bytes], PolyMesh]
@@ -83,4 +83,4 @@ class FileFormat:
             polygons=self.polygons,
             transforms=self.transforms,
         )
-        return losses if self.gaps else (*losses, *filled_gaps(kept))
+        return *losses, *filled_gaps(a for a in kept if a.domain not in self.gaps)

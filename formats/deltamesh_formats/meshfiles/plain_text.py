@@ -21,7 +21,7 @@ _WIDE_MARKS: Final = (
     (b"\xfe\xff", "utf-16-be"),
 )
 # Bytes from which UTF-16 without a mark is known: every second one of them is 0.
-_HEAD: Final = 64
+_HEAD: Final = 8
 _END_MARKS: Final = b"\0\x1a"
 _BLANKS: Final = b" \t\r\n"
 _TAIL: Final = 1 << 12

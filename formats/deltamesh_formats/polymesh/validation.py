@@ -51,13 +51,15 @@ def checked(mesh: PolyMesh, largest: float = math.inf) -> PolyMesh:
     has_points = any(word in mesh.lost for word in (*_POINTS, *_LINES))
     if not (len(mesh.vertices) or has_points):
         raise MeshError(f"it holds no mesh: no vertices and no faces{_also(mesh)}")
-    few = f"{np.count_nonzero(~whole)} faces of fewer than three corners"
-    lost = mesh.lost if whole.all() else (*mesh.lost, few)
+    named = mesh
+    if not whole.all():
+        few = f"{np.count_nonzero(~whole)} faces of fewer than three corners"
+        named = replace(mesh, lost=(*mesh.lost, few))
     if not whole.any():  # before the positions: those of clouds need not be finite
-        raise _no_surface(replace(mesh, lost=lost), edges=int(np.count_nonzero(sizes == 2)))
+        raise _no_surface(named, edges=int(np.count_nonzero(sizes == 2)))
     _check_positions(mesh.vertices, largest)
     _check_indices(mesh)
-    return replace(keep_faces(mesh, whole), lost=lost)
+    return keep_faces(named, whole)
 
 
 def _no_surface(mesh: PolyMesh, edges: int) -> MeshError:

@@ -18,10 +18,11 @@ COMPRESSED: Final = (
 _READ: Final = frozenset(["KHR_mesh_quantization"])
 # Extensions of materials and textures: without them a file has the same mesh, in another look.
 _OF_LOOKS: Final = re.compile(
-    r"KHR_materials_(?!variants).+|(KHR|EXT|MSFT)_texture_.+|KHR_texture_.+|KHR_xmp.*"
-    r"|KHR_lights_punctual|EXT_lights_.+"
+    r"KHR_materials_.+|(KHR|EXT|MSFT)_texture_.+|(KHR|EXT)_lights_.+|KHR_xmp.*"
 )
-# Descriptions of extensions; those of looks are among the look of materials and the textures.
+# Extensions of looks that are not among the look of materials and the textures, by which the others
+# are described.
+_OTHER_LOOKS: Final = frozenset(["KHR_materials_variants"])
 _WORDS: Final = {"KHR_lights_punctual": "lights", "EXT_mesh_gpu_instancing": "GPU instances"}
 _MOST: Final = 6
 # Arrays of the JSON whose objects may have extensions that are not declared.
@@ -48,7 +49,7 @@ def extension_losses(tree: Tree) -> Iterator[str]:
     for name in names:
         if name in _WORDS:
             yield _WORDS[name]
-        elif name not in _READ and not _OF_LOOKS.fullmatch(name):
+        elif name in _OTHER_LOOKS or not (name in _READ or _OF_LOOKS.fullmatch(name)):
             others.append(name[:80])
     if others:
         more = f" and {len(others) - _MOST} more" if len(others) > _MOST else ""

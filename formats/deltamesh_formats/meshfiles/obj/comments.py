@@ -82,7 +82,7 @@ def polypaint(data: bytes, n: int, colours: int) -> tuple[list[Attribute], list[
     except ValueError:
         return [], ["colours in comments (#MRGB) that are not hexadecimal"]
     if len(raw) != 4 * n:
-        return [], [f"colours in comments (#MRGB) of {len(raw) // 4} vertices, of {n}"]
+        return [], [f"colours in comments (#MRGB) of {len(raw) / 4:g} vertices, of {n}"]
     values = np.frombuffer(raw, dtype=np.uint8).reshape(n, 4)
     name = f"colour{colours or ''}"
     found = [Attribute(name, "vertex", values[:, 1:].copy(), "colour", normalized=True)]

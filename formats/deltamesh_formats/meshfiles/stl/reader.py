@@ -29,8 +29,6 @@ ATTRIBUTE: Final = "attribute_bytes"
 # area of a facet, over its squared sides, up to which it has no normal.
 _ALIKE: Final = 0.9
 _SLIVER: Final = 1e-3
-# A count of facets that a program wrote before it knew it, and never replaced.
-_UNKNOWN_COUNTS: Final = (0, 2**32 - 1)
 _TEXT: Final = re.compile(rb"^[ \t]*(?:(?:end[ \t]*)?solid|facet\b)", re.MULTILINE | re.IGNORECASE)
 # The name follows "solid"; some programs put no blank before it.
 _SOLID: Final = re.compile(rb"^[ \t]*(end[ \t]*)?solid([^\n]*)$", re.MULTILINE | re.IGNORECASE)
@@ -57,8 +55,9 @@ def read(data: bytes) -> PolyMesh:
     if as_text is not None:
         return _read_ascii(as_text)
     more, rest = divmod(max(len(data) - _HEADER, 0), FACET.itemsize)
-    if facets in _UNKNOWN_COUNTS and more and not rest:
-        return _read_binary(data, f"the count of facets in the header, {facets}")
+    if not facets and more and not rest:
+        # A program wrote its header before it knew the count, and never replaced it.
+        return _read_binary(data, "the count of facets in the header, 0")
     if 0 < facets < more and not rest:
         raise MeshError(f"its header counts {facets} facets, but it has the length of {more}")
     if facets and len(data) > expected:
@@ -146,12 +145,16 @@ def _other_normals(normals: NDArray[Any], triangles: NDArray[Any]) -> tuple[str,
 
 
 def _objects(names: list[str], of_face: Ints) -> tuple[Parts, ...]:
-    """Return the solids that have facets as objects, unless there is but one without a name."""
+    """Return the solids that have facets as objects, unless there is but one without a name.
+
+    Facets above the first solid, -1, are in none.
+    """
     used, of_face = np.unique(of_face, return_inverse=True)
-    kept = tuple(names[i] for i in used.tolist())
-    if kept in ((), ("",)):
+    none = int(len(used) > 0 and used[0] == -1)
+    kept = tuple(names[i] for i in used[none:].tolist())
+    if not kept or (kept == ("",) and not none):
         return ()
-    return (Parts("object", kept, of_face.astype(np.int64)),)
+    return (Parts("object", kept, of_face.astype(np.int64) - none),)
 
 
 def _check_facets(lines: Lines) -> int:
