@@ -12,7 +12,7 @@ from typing import Final
 
 from deltamesh_formats.errors import MeshError
 
-_UTF8_MARK: Final = b"\xef\xbb\xbf"
+UTF8_MARK: Final = b"\xef\xbb\xbf"
 # The marks of 32 bits come first: one of them begins with a mark of 16 bits.
 _WIDE_MARKS: Final = (
     (b"\xff\xfe\0\0", "utf-32-le"),
@@ -53,7 +53,7 @@ def utf8(data: bytes) -> bytes:
     """
     encoding = wide_encoding(data)
     if encoding is None:
-        return data.removeprefix(_UTF8_MARK)
+        return data.removeprefix(UTF8_MARK)
     try:
         return data.decode(encoding).removeprefix("\ufeff").encode()
     except UnicodeError as error:
@@ -70,7 +70,7 @@ def with_line_feeds(data: bytes) -> bytes:
 
 def without_inner_marks(data: bytes) -> bytes:
     """Return a text with blanks for the byte-order marks of files that were appended to another."""
-    inner = b"\n" + _UTF8_MARK
+    inner = b"\n" + UTF8_MARK
     return data.replace(inner, b"\n   ") if inner in data else data
 
 
