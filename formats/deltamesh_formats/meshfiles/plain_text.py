@@ -7,7 +7,6 @@ Ctrl-Z at the end. Every line keeps its number.
 
 from __future__ import annotations
 
-import re
 from typing import Final
 
 from deltamesh_formats.errors import MeshError
@@ -25,8 +24,6 @@ _HEAD: Final = 8
 _END_MARKS: Final = b"\0\x1a"
 _BLANKS: Final = b" \t\r\n"
 _TAIL: Final = 1 << 12
-# A carriage return that ends a line by itself, not one before a line feed.
-_LONE_RETURN: Final = re.compile(rb"\r(?!\r*\n)")
 
 
 def wide_encoding(data: bytes) -> str | None:
@@ -62,10 +59,14 @@ def utf8(data: bytes) -> bytes:
 
 
 def with_line_feeds(data: bytes) -> bytes:
-    """Return a text in which every line end has a line feed; no byte moves."""
+    """Return a text in which every line end has a line feed; no byte moves.
+
+    CR CR LF, which a program makes that turns each LF of CR LF into CR LF, is one line end.
+    """
     if data.count(b"\r") == data.count(b"\r\n"):
         return data
-    return _LONE_RETURN.sub(b"\n", data)
+    paired = data.replace(b"\r\r\n", b"  \n").replace(b"\r\n", b" \n")
+    return paired.replace(b"\r", b"\n")
 
 
 def without_inner_marks(data: bytes) -> bytes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 
 import numpy as np
 import pytest
@@ -368,3 +369,35 @@ def test_a_message_prints_no_long_face() -> None:
     face = " ".join(map(str, [*range(92), 99]))
     text = "OFF\n93 1 0\n" + "0 0 0\n" * 93 + f"93 {face}\n"
     refused(text, "off", "face 0, of 93 corners, has the vertex index 99, outside 0..92$")
+
+
+MANY = 1 << 18
+
+
+@pytest.mark.parametrize(
+    ("data", "file_format"),
+    [
+        ("#" * MANY + " OF", "off"),
+        ("# " * MANY, "off"),
+        ("OFF" + "#" * MANY, "off"),
+        ("\r" * MANY + "\n", "obj"),
+        ("\r" * MANY + "v", "obj"),
+        ("#MRGB" + " " * MANY + "x y\n", "obj"),
+        ("#" * MANY + "\n\\" + " " * MANY + "x", "obj"),
+        ("\\\n" * MANY, "obj"),
+        ("\\ \ng " * (MANY // 4), "obj"),
+        ("solid\n" + "end " * MANY, "stl"),
+        ("solid\nend" + " " * MANY + "x\n", "stl"),
+        ("solid\n" + "facet\n" * MANY, "stl"),
+        ("solid\nfacet" + " \n" * MANY + "x", "stl"),
+        ("solid\nendfacet\n" + "x\n" * MANY + "1", "stl"),
+        ("ply\n" + "\r" * MANY + "end_header", "ply"),
+        ("ply\n" + "end_header " * MANY, "ply"),
+        ("1." + "#" * MANY + "\nv 0 0 1.#IND" * 9, "obj"),
+    ],
+)
+def test_no_text_takes_long(data: str, file_format: str) -> None:
+    """Expressions that are tried at each byte, and read on from there, would take minutes."""
+    start = time.process_time()
+    refused(data, file_format)
+    assert time.process_time() - start < 10

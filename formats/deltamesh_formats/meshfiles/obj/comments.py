@@ -20,7 +20,7 @@ _NAME: Final = rb"[ \t]*(?:" + b"|".join([b"mtllib", *PARTS.values()]) + rb")[ \
 _NAME_LINE: Final = re.compile(_NAME)
 _CONTINUED: Final = re.compile(rb"(?m)^" + _NAME + rb"[^\n]*$|" + _CONTINUATION.pattern)
 # Two digits each of the mask, red, green and blue of a vertex, and so on for the next ones.
-_POLYPAINT: Final = re.compile(rb"(?m)^[ \t]*#MRGB[ \t]+(\S*)[ \t\r]*$")
+_POLYPAINT: Final = re.compile(rb"(?m)^[ \t]*+#MRGB[ \t]++(\S*+)[ \t\r]*+$")
 _UNMASKED: Final = 255
 
 

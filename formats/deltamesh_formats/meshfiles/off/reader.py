@@ -24,7 +24,7 @@ from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh, Role
 # "#" begins a comment, but for the one in "1.#IND", which is a number.
 _COMMENT: Final = re.compile(rb"#(?!(?<=1\.#)" + text.MSVC_LETTERS.removeprefix(b"#") + rb")[^\n]*")
 # Counts may follow without a blank, as in the data set ModelNet40.
-_KEYWORD: Final = re.compile(rb"(?:\s|#[^\r\n]*)*(((?:ST|C|N)*)(4?n?)OFF)(?=[\s\d#]|\Z)")
+_KEYWORD: Final = re.compile(rb"(?:\s|#[^\r\n]*+)*+(((?:ST|C|N)*+)(4?n?)OFF)(?=[\s\d#]|\Z)")
 _BINARY: Final = re.compile(rb"[ \t]*BINARY[ \t]*\r?\n")
 _COUNT: Final = re.compile(rb"\d{1,18}")
 
