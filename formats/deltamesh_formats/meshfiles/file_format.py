@@ -83,4 +83,5 @@ class FileFormat:
             polygons=self.polygons,
             transforms=self.transforms,
         )
-        return *losses, *filled_gaps(a for a in kept if a.domain not in self.gaps)
+        gaps = filled_gaps(a for a in kept if a.domain not in self.gaps)
+        return *losses, *dict.fromkeys(gaps)
