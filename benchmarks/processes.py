@@ -1,7 +1,7 @@
 """What a whole process takes: seconds, and its peak memory.
 
 A child's `ru_maxrss` starts at what its parent had resident when it was started (getrusage(2) and
-exec on Linux), and a parent with numba in it has a lot. So each command is started by a bare
+exec on Linux), and a parent with scipy in it has a lot. So each command is started by a bare
 interpreter that runs this file as a script and imports next to nothing. POSIX only.
 """
 
@@ -12,7 +12,6 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Mapping
 from typing import NamedTuple
 
 # Seconds; no command that is measured takes nearly as long.
@@ -34,7 +33,7 @@ class Usage(NamedTuple):
     peak: int
 
 
-def deltamesh(*arguments: object, environment: Mapping[str, str] | None = None) -> Usage:
+def deltamesh(*arguments: object) -> Usage:
     """Run a `deltamesh` command of this interpreter's environment; its output goes nowhere.
 
     Raises
@@ -46,8 +45,7 @@ def deltamesh(*arguments: object, environment: Mapping[str, str] | None = None) 
     """
     command = [sys.executable, "-m", "deltamesh_cli", *map(str, arguments)]
     launcher = [sys.executable, "-I", "-S", __file__, *command]
-    env = {**os.environ, **(environment or {})}
-    done = subprocess.run(launcher, env=env, capture_output=True, text=True, timeout=_LIMIT)
+    done = subprocess.run(launcher, capture_output=True, text=True, timeout=_LIMIT)
     if done.returncode:
         raise RuntimeError(f"{' '.join(command)}: {done.stderr.strip()}")
     return Usage(**json.loads(done.stdout))

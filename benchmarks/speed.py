@@ -46,20 +46,20 @@ _CONNECTIVITY = ("mesh", "faces", "encode", "decode")
 def command(names: tuple[str, ...], quick: bool, runs: int, method: str) -> None:
     """Measure seconds and peak memory of the commands, from process start to end.
 
-    Then that of start-up, of the first encode when no kernel has been compiled yet, and faces per
-    second of the connectivity coder inside a process. Nothing is stored.
+    Then that of start-up, and faces per second of the connectivity coder inside a process. Nothing
+    is stored.
     """
     chosen = corpus.chosen(names, quick)
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
-        _encode(corpus.GENERATED, folder, method)  # compiles the kernels, should that be due
+        _encode(corpus.GENERATED, folder, method)
         rows = [_PROCESSES, *(of_processes(name, folder, runs, method) for name in chosen)]
-        click.echo(f"whole processes, kernels cached, seconds (best and median of {runs}):")
+        click.echo(f"whole processes, seconds (best and median of {runs}):")
         click.echo(table(rows))
         click.echo(f"\nthe same for {corpus.GENERATED}, seconds:")
-        click.echo(table(_start_up(folder, runs, method)))
+        click.echo(table(_start_up(folder, runs)))
     rows = [_CONNECTIVITY, *(of_connectivity(name, runs) for name in chosen)]
-    click.echo(f"\nconnectivity after warm-up, million faces a second (best of {runs}):")
+    click.echo(f"\nconnectivity, million faces a second (best of {runs}):")
     click.echo(table(rows))
 
 
@@ -70,15 +70,15 @@ def of_processes(name: str, folder: Path, runs: int, method: str) -> tuple[str, 
     return (name, str(len(corpus.load(name).vertices)), *_cells(encoding), *_cells(decoding))
 
 
-def _encode(name: str, folder: Path, method: str, **environment: str) -> Usage:
+def _encode(name: str, folder: Path, method: str) -> Usage:
     target = folder / f"{name}.dmesh"
     arguments = ("encode", corpus.path(name), target, "-f", "-q", "--method", method)
-    return deltamesh(*arguments, environment=environment)
+    return deltamesh(*arguments)
 
 
-def _decode(name: str, folder: Path, **environment: str) -> Usage:
+def _decode(name: str, folder: Path) -> Usage:
     arguments = ("decode", folder / f"{name}.dmesh", folder / f"{name}.ply", "-f", "-q")
-    return deltamesh(*arguments, environment=environment)
+    return deltamesh(*arguments)
 
 
 def _cells(usages: list[Usage]) -> tuple[str, ...]:
@@ -87,23 +87,14 @@ def _cells(usages: list[Usage]) -> tuple[str, ...]:
     return f"{min(seconds):.2f}", f"{median(seconds):.2f}", f"{peak / 2**20:.0f}"
 
 
-def _start_up(folder: Path, runs: int, method: str) -> list[tuple[str, ...]]:
-    """Return rows: what costs least and, with an empty kernel cache, most; each cache is used once.
-
-    The file of the generated mesh must be in the folder.
-    """
+def _start_up(folder: Path, runs: int) -> list[tuple[str, ...]]:
+    """Return rows: what costs least. The file of the generated mesh must be in the folder."""
     helps = [deltamesh("--help") for _ in range(runs)]
     infos = [deltamesh("info", folder / f"{corpus.GENERATED}.dmesh") for _ in range(runs)]
-    with tempfile.TemporaryDirectory() as cache:
-        encode = _encode(corpus.GENERATED, folder, method, NUMBA_CACHE_DIR=cache)
-    with tempfile.TemporaryDirectory() as cache:
-        decode = _decode(corpus.GENERATED, folder, NUMBA_CACHE_DIR=cache)
     return [
         ("", "best", "median", "MiB"),
         ("--help", *_cells(helps)),
         ("info", *_cells(infos)),
-        ("encode, no kernels yet", *_cells([encode])),
-        ("decode, no kernels yet", *_cells([decode])),
     ]
 
 

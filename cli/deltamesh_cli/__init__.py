@@ -2,7 +2,7 @@
 
 Each command is the module of `commands` that has its name. Importing this package imports neither
 click nor any part of the codec; a command imports the codec when it runs, because `--help` and
-`info` have to answer within 0.3 seconds and numba alone takes longer than that to import.
+`info` have to answer within 0.1 seconds, and numpy alone takes longer than that to import.
 """
 
 from __future__ import annotations

@@ -64,7 +64,8 @@ def decode_to_file(
         The sections of the `.dmesh` file.
     progress : callable
     parameters : dict
-        Keywords of `deltamesh.decode`, None for those that the user did not give.
+        Keywords of `deltamesh.decode`, None for those that the user did not give, and "digits",
+        the decimal places of positions in a text.
     force : bool
         Whether an existing mesh file is overwritten.
 
@@ -79,6 +80,8 @@ def decode_to_file(
     Failure
         If the file cannot be decoded, or the mesh file cannot be written.
     """
-    mesh = decode_container(source, container, progress, **parameters)
+    keywords = {name: value for name, value in parameters.items() if name != "digits"}
+    mesh = decode_container(source, container, progress, **keywords)
     progress("writing")
-    return mesh, write_mesh_file(target, mesh, file_format, force=force)
+    digits = parameters.get("digits")
+    return mesh, write_mesh_file(target, mesh, file_format, digits, force=force)

@@ -58,10 +58,13 @@ def _format_hint(named: str, data: bytes) -> str:
     return "" if known is not None else "--input-format names the format"
 
 
-def write_mesh_file(name: str, mesh: PolyMesh, file_format: str, *, force: bool) -> tuple[str, ...]:
+def write_mesh_file(
+    name: str, mesh: PolyMesh, file_format: str, digits: int | None, *, force: bool
+) -> tuple[str, ...]:
     """Write a mesh file, or a mesh to standard output, and describe what the format cannot hold.
 
-    With `force` an existing file is overwritten.
+    `digits` are the decimal places of positions in a text. With `force` an existing file is
+    overwritten.
 
     Raises
     ------
@@ -71,7 +74,7 @@ def write_mesh_file(name: str, mesh: PolyMesh, file_format: str, *, force: bool)
     from deltamesh_formats.meshfiles.files import written
 
     with attempt(name, "cannot write"):
-        made = written(mesh, file_format)
+        made = written(mesh, file_format, digits)
     files.write_output(name, made.data, force=force)
     return made.lost
 

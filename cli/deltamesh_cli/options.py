@@ -11,7 +11,7 @@ import click
 from deltamesh._options import SOLVERS
 from deltamesh_cli.failures import EXIT_CODES, RunSettings
 from deltamesh_cli.value_types import FILE, size, whole
-from deltamesh_formats.meshfiles.formats import FORMATS, TITLES
+from deltamesh_formats.meshfiles.formats import FORMATS, MAX_DIGITS, TITLES
 
 Command = Callable[..., Any]
 Decorator = Callable[[Command], Command]
@@ -121,6 +121,14 @@ output_format: Final = click.option(
     help="Format of OUT.  [default: by its extension, otherwise the format that was encoded]",
 )
 
+digits: Final = click.option(
+    "--digits",
+    type=whole(0, MAX_DIGITS),
+    metavar="N",
+    help="Write positions with N decimal places into an obj or off file.  [default: a hundredth of"
+    " the error of the file, or finer; all of a lossless file]",
+)
+
 solver: Final = click.option(
     "--solver",
     type=click.Choice(SOLVERS),
@@ -155,7 +163,7 @@ memory: Final = click.option(
 limits: Final = combined(max_vertices, memory)
 
 # All options that say how a file is decoded, and into which format.
-decode_options: Final = combined(output_format, solver, threads, limits)
+decode_options: Final = combined(output_format, digits, solver, threads, limits)
 
 
 def flag_of(name: str) -> str:

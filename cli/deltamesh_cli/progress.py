@@ -6,19 +6,12 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Final, Protocol
 
 import click
 
 from deltamesh._progress import Progress, silent
 
-COMPILING: Final = "compiling kernels (once per installation)"
-
-
-class _Display(Protocol):
-    """A display of the current stage and of the compilation of kernels."""
-
-    def show(self, stage: str, compiling: bool) -> None: ...
+_STARTING = "starting"
 
 
 class _Lines:
@@ -26,14 +19,9 @@ class _Lines:
 
     def __init__(self) -> None:
         self.current: tuple[str, float] | None = None
-        self.announced = False
 
-    def show(self, stage: str, compiling: bool) -> None:
-        if compiling:
-            if not self.announced:
-                click.echo(f"deltamesh: {COMPILING}", err=True)
-            self.announced = True
-        elif self.current is None or self.current[0] != stage:
+    def show(self, stage: str) -> None:
+        if self.current is None or self.current[0] != stage:
             self.end()
             self.current = (stage, time.perf_counter())
 
@@ -45,27 +33,19 @@ class _Lines:
 
 
 @contextmanager
-def _lines() -> Iterator[_Display]:
+def _lines() -> Iterator[Progress]:
     display = _Lines()
-    yield display
+    yield display.show
     display.end()
 
 
 @contextmanager
-def _spinner() -> Iterator[_Display]:
+def _spinner() -> Iterator[Progress]:
     # Imported here: rich takes 0.1 s, and most runs have no terminal to draw on.
     from rich.console import Console
-    from rich.status import Status
-
-    class Spinner:
-        def __init__(self, status: Status) -> None:
-            self.status = status
-
-        def show(self, stage: str, compiling: bool) -> None:
-            self.status.update(f"{stage}: {COMPILING}" if compiling else stage)
 
     with Console(stderr=True).status("") as status:
-        yield Spinner(status)
+        yield status.update
 
 
 def use_lines(show: bool | None, *, verbose: bool) -> bool:
@@ -98,43 +78,12 @@ def displayed_progress(
         Display nothing, unless `show` is True.
     """
     if use_lines(show, verbose=verbose):
-        with _lines() as display, _stages(display) as progress:
+        with _lines() as progress:
+            progress(_STARTING)
             yield progress
     elif use_drawing(show, quiet=quiet):
-        with _spinner() as display, _stages(display) as progress:
+        with _spinner() as progress:
+            progress(_STARTING)
             yield progress
     else:
         yield silent
-
-
-@contextmanager
-def _stages(display: _Display) -> Iterator[Progress]:
-    """Pass stages to a display, and announce when numba compiles a kernel.
-
-    numba reports a compilation when its cache has no machine code (numba manual, "Event API"),
-    which is more reliable than a look into the cache folder. Kernels that call others nest.
-    """
-    current, depth = "starting", 0
-
-    def progress(stage: str) -> None:
-        nonlocal current
-        current = stage
-        display.show(current, depth > 0)
-
-    def compiling(change: int) -> None:
-        nonlocal depth
-        depth += change
-        display.show(current, depth > 0)
-
-    progress(current)
-    from numba.core import event  # 0.7 s, but every command with stages needs numba anyway
-
-    class Listener(event.Listener):
-        def on_start(self, event: object) -> None:
-            compiling(+1)
-
-        def on_end(self, event: object) -> None:
-            compiling(-1)
-
-    with event.install_listener("numba:compile", Listener()):
-        yield progress

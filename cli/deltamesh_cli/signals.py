@@ -2,7 +2,7 @@
 
 Python runs the handler of a signal on the main thread between two byte codes. A sparse
 factorization is one call into machine code that takes seconds. Therefore the codec runs on a second
-thread (the kernels of numba and the solvers release the interpreter lock), and the main thread is
+thread (the compiled core and the solvers release the interpreter lock), and the main thread is
 free to notice Ctrl-C.
 
 SIGTERM and SIGHUP end a process at once, which is right as long as there is nothing to clean up.

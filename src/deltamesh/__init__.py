@@ -4,7 +4,7 @@
 `info` describes a file without decoding it; `verify` decodes it and checks that it is whole.
 `from_arrays` makes a whole mesh, a `PolyMesh`, of polygons and attributes; `read_mesh` and
 `write_mesh` are for the files of other programs, `deltamesh.plugins` for other libraries. A name is
-imported when it is first used, and numba and scipy with it if they are needed.
+imported when it is first used, and numpy and scipy with it if they are needed.
 """
 
 from __future__ import annotations

@@ -90,7 +90,8 @@ def encode(
         "refined" quantizes differential coordinates, coarsely, and their component along the normal
         finely; "highpass" these coordinates alike; "cartesian" x, y and z; "lossless" nothing:
         positions come back bit for bit, -0.0 and all. "auto" is refined or cartesian, whichever
-        takes fewer bytes for the same errors.
+        takes fewer bytes for the same errors, and cartesian where solving would take far more
+        memory than on a surface.
     bits : int, optional
         The step is the range of the quantized values over 2^bits. 0 is a least-squares mesh:
         connectivity and anchors alone. Default for "cartesian": 11.
@@ -158,7 +159,8 @@ def encode(
     Raises
     ------
     MeshError
-        If the arrays are not a mesh; the first element at fault is named.
+        If the arrays are not a mesh; the first element at fault is named. If decoding method
+        "refined" or "highpass" would take more than twice the usual memory.
     OptionError
     TargetError
         If no trial keeps the errors within their bounds; the message has the least ones found.
@@ -261,7 +263,8 @@ def decode(
     FormatError
         If the bytes are damaged or no encoder has written them; it has an offset.
     LimitError
-        Before anything above the limits is allocated.
+        Before anything above the limits is allocated: by the counts of the file or, for methods
+        that solve, by the entries of the factorization.
     SolveError
     TypeError
         For anything but bytes.

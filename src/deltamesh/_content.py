@@ -61,7 +61,7 @@ class Content:
         )
         return digest(s.faces, s.split_points, self.integers, further)
 
-    def mesh(self, points: Floats, single: bool) -> PolyMesh:
+    def mesh(self, points: Floats, single: bool, margin: float = 0.0) -> PolyMesh:
         """Return the mesh.
 
         Parameters
@@ -70,6 +70,8 @@ class Content:
             The decoded positions.
         single : bool
             Whether the source had them in float32.
+        margin : float
+            How far a writer may round each coordinate.
         """
         s = self.structure
         vertices = points[s.points]
@@ -79,6 +81,7 @@ class Content:
                 restore_attribute(one, self.domains, vertices) for one in self.attributes
             ),
             precision="float32" if single else "float64",
+            margin=margin,
         )
         mesh = mesh if self.annotations is None else self.annotations.given_to(mesh)
         return mesh if self.order is None else reordered(mesh, self.order)

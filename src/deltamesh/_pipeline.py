@@ -16,7 +16,7 @@ from deltamesh._content import NOTHING, Content
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.solve import factorization
-from deltamesh._limits import check_limits, filling
+from deltamesh._limits import check_limits, filling, memory_to_solve
 from deltamesh._measures.metrics import diagonal
 from deltamesh._options import Options
 from deltamesh._progress import Progress, silent
@@ -63,8 +63,9 @@ class Encoded:
     @cached_property
     def mesh(self) -> PolyMesh:
         """The mesh that a decoder will make of the file."""
-        single = self.draft.mesh.precision == "float32"
-        return self.draft.content.mesh(self.draft.chosen.vertices, single)
+        single, meta = self.draft.mesh.precision == "float32", self.container.meta
+        margin = 0.0 if meta is None else meta.room
+        return self.draft.content.mesh(self.draft.chosen.vertices, single, margin)
 
     @cached_property
     def order(self) -> Ints:
@@ -141,6 +142,7 @@ def _meta(draft: Draft) -> Meta:
         normal=errors.normal_deviation,
         dihedral=errors.dihedral,
         diagonal=diagonal(draft.positions),
+        margin=draft.margin,
         encoder=f"deltamesh {__version__}",
         source=draft.options.source_format,
         lost=len(report.lost),
@@ -165,10 +167,12 @@ def decode_mesh(
     content = proven_content(container, max_vertices, memory, progress)
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
-    factor = factorization(surface.laplacian, solver, threads)
+    to_solve = memory_to_solve(container, memory)
+    factor = factorization(lambda: surface.laplacian, solver, threads, to_solve)
     coder = geometry_codec(parameters.method)
     points = coder.reconstruct(surface, parameters, content.integers, factor)
-    return content.mesh(points, parameters.single)
+    margin = 0.0 if container.meta is None else container.meta.room
+    return content.mesh(points, parameters.single, margin)
 
 
 def proven_content(

@@ -23,8 +23,9 @@ from deltamesh._mesh import TriangleMesh
 from deltamesh.bench import _rates as rates
 
 sys.path.append(str(BENCHMARKS))
-corpus, curves, equal, headline, processes, run = map(
-    importlib.import_module, ("corpus", "curves", "equal", "headline", "processes", "run")
+corpus, curves, equal, headline, processes, run, shapes = map(
+    importlib.import_module,
+    ("corpus", "curves", "equal", "headline", "processes", "run", "shapes"),
 )
 SCRIPTS = (
     "run",
@@ -32,13 +33,17 @@ SCRIPTS = (
     "curves",
     "speed",
     "lossless",
+    "conversions",
     "valences",
     "order",
     "memory",
     "make_folder",
     "batch",
     "renderings",
+    "bounds",
+    "parts",
 )
+README = (BENCHMARKS / "README.md").read_text(encoding="utf-8")
 TORUS = corpus.GENERATED
 FILE = corpus.path(TORUS).name
 Rows = list[dict[str, str]]
@@ -185,8 +190,21 @@ def test_the_headline_is_a_ratio_of_sizes_at_equal_error(way: str, tmp_path: Pat
         # Draco quantizes as our Cartesian method does: at equal error the step is the same.
         assert 0.89 < one[error][error] / one["draco"][error] < 1.001
         assert 0.8 < one[error]["size"] / one["draco"]["size"] < 1.03
-    ratios = [one[error]["size"] / one["draco"]["size"] for error in headline.ERRORS]
+    for error in headline.ERRORS:
+        assert one["all"][error] <= one["draco"][error] * 1.001
+    assert one["all"]["rms"] <= 1.5e-3
+    assert one["all"]["size"] > 0.99 * max(one[error]["size"] for error in headline.ERRORS)
+    ratios = [one[column]["size"] / one["draco"]["size"] for column in headline.COLUMNS]
     assert done.stdout.splitlines()[-1].split() == [TORUS, *(f"{r:.3f}" for r in ratios * 2)]
+
+
+def test_the_headline_may_keep_the_distance_of_draco_too() -> None:
+    pytest.importorskip("DracoPy")
+    task = (TORUS, "cartesian", (9,), "exact", ("all",))
+    near, far = (headline.compared((*task, rms))[0] for rms in (None, 1.5e-3))
+    assert list(near.ours) == ["all"]
+    assert near.ours["all"].rms <= near.draco.rms
+    assert near.ours["all"].size > 0.95 * far.ours["all"].size
 
 
 def test_means_are_geometric_and_tell_what_is_missing() -> None:
@@ -286,6 +304,18 @@ def test_draco_is_not_smaller_at_equal_bits(bits: int) -> None:
     assert ours.size < 1.03 * draco.size
 
 
+def test_the_table_of_conversions_is_what_is_measured() -> None:
+    conversions = importlib.import_module("conversions")
+    mesh = corpus.load(TORUS)
+    elements = conversions.of_vertices(mesh.faces, len(mesh.vertices))
+    rows = conversions.measured(elements, (40 * mesh.vertices).round(3))
+    for name, kind, without, found, decimals, *_ in rows:
+        line = [name.replace("*", "\N{MULTIPLICATION SIGN}"), kind, without, found]
+        assert f"| {' | '.join(line)} |" in README, name
+        assert float(found) < 0.9 * float(without)
+        assert f"{float(decimals):.2f} bits" in README
+
+
 def test_the_entropy_of_valences() -> None:
     entropy = importlib.import_module("valences").entropy
     assert entropy(np.array([6, 6, 6])) == 0
@@ -316,7 +346,81 @@ def test_a_folder_of_many_meshes_from_few(tmp_path: Path) -> None:
 def test_a_process_is_measured_without_its_parent() -> None:
     used = processes.deltamesh("--version")
     assert 0 < used.seconds < 60
-    # This process, with numba in it, has several times that.
+    # This process, with scipy in it, has several times that.
     assert 5 << 20 < used.peak < 80 << 20
     with pytest.raises(RuntimeError, match="No such command"):
         processes.deltamesh("nothing")
+
+
+# ---- Generated shapes and scenes ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", shapes.SHAPES)
+def test_shapes_are_closed_or_flat_and_turned_outwards(name: str) -> None:
+    mesh = shapes.shape(name)
+    F, V = mesh.triangles, mesh.vertices
+    ends = np.stack((F, np.roll(F, -1, axis=1)), axis=2).reshape(-1, 2)
+    there, back = (set(map(tuple, x.tolist())) for x in (ends, ends[:, ::-1]))
+    if not name.startswith(("grid", "fine grid")):
+        assert there == back
+    volume = np.linalg.det(V[F]).sum() / 6
+    assert volume > 0 or name.startswith("grid")
+    far = shapes.shape(name, turned=True)
+    assert np.linalg.norm(far.vertices.mean(axis=0)) > 50 * np.ptp(far.vertices)
+    assert np.linalg.det(far.vertices[F] - far.vertices.mean(axis=0)).sum() / 6 == pytest.approx(
+        1e-9 * np.linalg.det(V[F] - V.mean(axis=0)).sum() / 6, rel=1e-4
+    )
+
+
+def test_generated_shapes_are_within_the_bounds_and_auto_is_not_worse_than_refined() -> None:
+    bounds = importlib.import_module("bounds")
+    line = ["-j", "1", "--each", "--shape", "box", "--shape", "grid, flat"]
+    options = ("auto", "auto bits=8", "auto normal_error=1", "cartesian max_rel=1e-3")
+    done = CliRunner().invoke(bounds.command, [*line, *(f"--option={one}" for one in options)])
+    assert done.exit_code == 0, done.output
+    rows = [row.split("  ") for row in done.stdout.splitlines()]
+    assert sum("box, turned" in row for line in rows for row in line) >= len(options)
+
+
+def test_an_error_beyond_its_bound_is_wrong() -> None:
+    bounds, decoded = map(importlib.import_module, ("bounds", "decoded"))
+    part = decoded.PartError(rms=1e-3, max=3e-3, normal=0.5, dihedral=2.0)
+    small = part._replace(rms=1e-2)
+
+    def share(**given: object) -> float:
+        one = decoded.Found(None, 0.0, 1, part, [part, small], 0, 0)
+        return bounds.share(one, {"method": "auto", **given}, 2.0)
+
+    assert share() == pytest.approx(1e-2 / 1.5e-3)  # of the small part
+    assert share(quality=7) == pytest.approx(1e-2 / 0.75e-3)
+    assert share(max_error=2e-3) == pytest.approx(3)  # of the whole
+    assert share(rms_error_rel=1e-3) == pytest.approx(1)
+    assert share(dihedral_error=1.0, rms_error_rel=1e-2) == pytest.approx(2)
+    assert share(normal_error=1.0, only=True) == pytest.approx(0.5)
+    assert share(bits=8) == 0
+    assert bounds.Result("auto", "box", False, share=1.1).wrong
+    assert not bounds.Result("auto", "box", False, share=1.0).wrong
+
+
+def test_parts_of_scenes_are_measured_beside_draco(tmp_path: Path) -> None:
+    pytest.importorskip("DracoPy")
+    parts, file = importlib.import_module("parts"), tmp_path / "parts.json"
+    line = ["-j", "1", "--share", "0.005", "--method", "cartesian", "--uniform"]
+    names = ("terrain with a ball", "city of 5000 boxes", "terrain in tiles")
+    done = CliRunner().invoke(
+        parts.command, [*line, *(f"--scene={one}" for one in names), "--json", str(file)]
+    )
+    assert done.exit_code == 0, done.output
+    rows = json.loads(file.read_text())
+    assert {row["scene"] for row in rows} == set(names)
+    for row in rows:
+        assert row["normal"] <= 1
+        assert row["rms"] <= 1.5e-3 * (1 + 1e-6)
+        assert row["parts"] > 1
+        assert row["lost"] == 0
+    draco = [row for row in rows if row["codec"].startswith("draco")]
+    assert len(draco) == len(names)
+    ours = {row["scene"]: row["size"] for row in rows if row["codec"] == "cartesian"}
+    assert all(ours[row["scene"]] < row["size"] for row in draco)
+    with_steps = [row for row in rows if row["codec"] == "cartesian, finest"]
+    assert all(row["steps"] == 0 for row in with_steps)

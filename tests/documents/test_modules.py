@@ -30,7 +30,7 @@ UNTESTED: Mapping[str, str] = {
     "deltamesh._kernels.coding.connectivity": "tested by library/shape/test_connectivity.py",
     "deltamesh._kernels.coding.face_order": "tested by library/order/test_order.py",
     "deltamesh._kernels.coding.vertex_order": "tested by library/order/test_order.py",
-    "deltamesh._kernels.coding.rotation": "tested by library/order/test_order.py",
+    "deltamesh._kernels.coding.steps": "tested by library/order/test_order.py",
     "deltamesh_formats.array_types": TYPES,
     **{
         f"deltamesh_formats.meshfiles.{name}{module}": f"tested through files: {test}"
@@ -65,12 +65,11 @@ TWINS: Mapping[str, tuple[str, ...] | str] = {
     "coding.hidden_edges": ("polygon_oracle.Merging",),
     "coding.labels": ("oracle.code_labels",),
     "coding.merged_pairs": ("polygon_oracle.Merging",),
-    "coding.models": "sums of sizes, not compiled: library/kernels/test_models.py has them by hand",
+    "coding.models": "tables of the core: library/kernels/test_models.py has them by hand",
     "coding.parallelogram": ("oracle.code_positions", "oracle.predict"),
     "coding.points": ("spec_decoder.decode",),
     "coding.remaining": ("oracle.Left", "oracle.rings"),
     "coding.residual": ("oracle.code_deltas", "oracle.code_refinements"),
-    "coding.rotation": ("spec_decoder.read_order",),
     "coding.signed_integers": ("oracle.code_number", "oracle.slot", "oracle.level"),
     "coding.steps": ("spec_decoder.read_order",),
     "coding.stitching": ("spec_decoder.decode",),
@@ -82,7 +81,9 @@ TWINS: Mapping[str, tuple[str, ...] | str] = {
     "mesh.cutting": ("oracle.fans", "oracle.orient"),
     "mesh.diagonals": ("polygon_oracle.choose",),
     "mesh.distance": ("oracle.farthest",),
+    "mesh.elimination": ("oracle.factor_entries",),
     "mesh.halfedges": ("polygon_oracle.after", "polygon_oracle.before"),
+    "mesh.neighbours": ("oracle.neighbours", "oracle.component_labels"),
     "mesh.outlines": ("polygon_oracle.outlines",),
 }
 

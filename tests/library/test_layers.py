@@ -8,7 +8,7 @@ from pathlib import Path
 import children
 import pytest
 
-HEAVY = ("numba", "scipy", "trimesh", "rslab", "rich", "pypardiso", "distributed")
+HEAVY = ("scipy", "trimesh", "rslab", "rich", "pypardiso", "distributed")
 
 
 def modules_after(code: str) -> set[str]:

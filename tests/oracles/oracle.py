@@ -28,6 +28,15 @@ def least_squares(matrix, anchors, delta, positions):
     )[0]
 
 
+def factor_entries(matrix, order):
+    """Entries of the triangular factor, by playing the elimination game on a dense matrix."""
+    filled = matrix.toarray()[order][:, order] != 0
+    for i in range(len(filled)):
+        below = np.flatnonzero(filled[i + 1 :, i]) + i + 1
+        filled[np.ix_(below, below)] = True
+    return int(np.tril(filled).sum())
+
+
 def solution_by_component(matrix, anchors, delta, positions):
     """The least-squares solution of each component by itself, about the mean of its anchors."""
     x = np.zeros_like(delta)
@@ -920,3 +929,22 @@ def _other(coder, wanted, seen, before, order, new):
         bit = (wanted >> len(digits)) & 1
         digits = str(coder.bit(bit, slots, 4 + len(digits))) + digits
     return int("0" + digits, 2)
+
+
+# ---- Neighbours and components -----------------------------------------------------------------
+
+
+def neighbours(pairs, n):
+    """The neighbours of each vertex, ascending, by a look at all edges."""
+    return [
+        sorted([j for i, j in pairs if i == v] + [i for i, j in pairs if j == v]) for v in range(n)
+    ]
+
+
+def component_labels(pairs, n):
+    """The lowest vertex of the component of each vertex, then which of these it is."""
+    lowest = list(range(n))
+    for _ in range(n):
+        for i, j in pairs:
+            lowest[i] = lowest[j] = min(lowest[i], lowest[j])
+    return [sorted(set(lowest)).index(v) for v in lowest]

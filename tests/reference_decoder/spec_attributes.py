@@ -7,8 +7,8 @@ import struct
 from itertools import chain
 
 import numpy as np
-from spec_coder import Bytes, RefusedError, Stream, check, level, wrapped
-from spec_decoder import Axis, Classes, Grid, Vectors, vectors_of
+from spec_coder import Bytes, RefusedError, check, level, wrapped
+from spec_decoder import Axis, Classes, Grid, Vectors, read_axes, vectors_of
 from spec_labels import labels
 
 VERTEX, CORNER, FACE = "vertex", "corner", "face"
@@ -191,11 +191,12 @@ def grid_points(payload, units):
 
 
 class Number(Axis):
-    """§5.12, of numbers of a type; `numbers` are their bits."""
+    """§5.12, of numbers of a type; its coordinates are their bits."""
 
-    def __init__(self, table, number, code):
-        super().__init__(table, number)
+    def __init__(self, table, number, width, code):
+        super().__init__(table, number, width)
         self.code = code
+        check(width == 32 or code == "d", "width of exact numbers")
 
     def add_raw(self, p, width, bits):
         if self.code == "d" and width == 32:
@@ -205,15 +206,17 @@ class Number(Axis):
         check(self.code != "e" or bits < 1 << 16, "more than a binary16 number")
         self.known(2, p, 0, bits)
 
-    def add(self, f, place, error, number):
-        check(abs(number) <= 1e150, "a number that is too large")
+    def bounded(self, f, number):
+        if f == 2:
+            return number
+        number = super().bounded(f, number)
         try:
             bits = bits_of(number, self.code)
         except OverflowError:
             raise RefusedError("a number too large for its type") from None
         (same,) = struct.unpack("<" + self.code, struct.pack("<" + self.code, number))
         check(same == number, "a number that is none of its type")
-        self.known(f, place, error, bits)
+        return bits
 
 
 def bits_of(number, code):
@@ -221,18 +224,10 @@ def bits_of(number, code):
 
 
 def exact(payload, units, code):
-    table = Bytes(payload)
-    (width,) = table.unpack("B")
-    check(width == 32 or (width == 64 and code == "d"), "width of exact numbers")
-    axes = [Number(table, a, code) for a in range(3)]
-    stream = Stream(payload[table.at :])
-    for i, neighbours in enumerate(units.near):
-        known, E, N = [v for v in neighbours if v < i][:8], 0, 0
-        for axis in axes:
-            f, N = axis.read(stream, i, known, units.around.get(i, []), width, E, N)
-            E = 3 * E + f
-    stream.end()
-    return [*zip(*(axis.numbers for axis in axes), strict=True)]
+    def axis(table, number, width):
+        return Number(table, number, width, code)
+
+    return read_axes(payload, units.near, lambda i: units.around.get(i, []), axis)[0]
 
 
 class Decoded:

@@ -62,10 +62,12 @@ def container(data):
 def parameters(payload, vertices):
     """§4.1."""
     table = Bytes(payload)
-    names = "method flags anchor_method bits step x y z anchor_step seed coarse"
-    p = dict(zip(names.split(), table.unpack("4B5dQf"), strict=True))
+    names = "method flags anchor_method bits step x y z anchor_step coarse"
+    p = dict(zip(names.split(), table.unpack("4B5df"), strict=True))
     table.unpack("BB")  # the dead zones: for information
     p["anchor_count"], p["isolated"] = table.varint(), table.varint()
+    if p["anchor_method"] == 1:
+        (p["seed"],) = table.unpack("Q")
     check(table.at == len(payload), "PARM is too long")
     free, steps = p["method"] in (CARTESIAN, LOSSLESS), (p["step"], p["anchor_step"])
     lossless = p["method"] == LOSSLESS
@@ -87,6 +89,7 @@ def check_meta(payload):
     """§4.2."""
     table = Bytes(payload)
     check(all(0 <= x < math.inf for x in table.unpack("ddffd")), "numbers of meta")
+    table.unpack("B")
 
     def check_string():
         (text,) = table.unpack("{}s".format(*table.unpack("B")))
@@ -550,26 +553,72 @@ class Form:
         size = min(self.scaled(m, min(e + self.x, 99)), 1 << 56)
         return -size if index < 0 else size
 
-    def number(self, index, width):
+    def number(self, index, single):
         m, e = self.parts(index)
         check(e < 4096, "a coordinate that is too large")
         check(self.base == 2 or m * 10**e < 1 << 53, "a decimal that is too long")
-        number = float(Fraction(m * self.base**e) / Fraction(self.base) ** self.places)
-        if width == 32 and self.base == 10:
-            (number,) = struct.unpack("<f", struct.pack("<f", number))
+        exact = Fraction(m * self.base**e) / Fraction(self.base) ** self.places
+        check(exact < 1 << 1023, "a coordinate that is too large")
+        number = float(exact)
+        if single and self.base == 10:
+            number = as_single(number)
         return -number if index < 0 else number
 
     def units(self, z, y):
         return z // self.base**y if y >= 0 else min(z, 1 << 29) << min(-y, 32)
 
 
+def as_single(number):
+    """The binary32 number next to one of binary64."""
+    check(abs(number) < 2.0**128 - 2.0**103, "a number too large for binary32")
+    return struct.unpack("<f", struct.pack("<f", number))[0]
+
+
+class Conversion:
+    """What becomes of the sources of an axis."""
+
+    def __init__(self, table, flags, single):
+        count, self.deviations = flags >> 4 & 3, flags >> 7
+        self.single, self.early = single, single and not flags & 64
+        check(count < 3, "operations")
+        check(not flags & 64 or (single and count == 2), "a conversion in binary64")
+        self.operations = [table.unpack("Bd") for _ in range(count)]
+        for operator, operand in self.operations:
+            check(operator < 3 and 2.0**-1022 <= abs(operand) <= 1e150, "an operation")
+
+    def ordinal(self, number, back=False):
+        """The ordinal of a number, or the number that has it."""
+        half = 1 << (31 if self.single else 63)
+        codes = ("<I", "<f") if self.single else ("<Q", "<d")
+        if not back:
+            (b,) = struct.unpack(codes[0], struct.pack(codes[1], number))
+            return b if b < half else half - 1 - b
+        check(-half <= number < half, "an ordinal of no number")
+        b = number if number >= 0 else half - 1 - number
+        (number,) = struct.unpack(codes[1], struct.pack(codes[0], b))
+        check(math.isfinite(number), "a coordinate that is not finite")
+        return number
+
+    def result(self, source, deviation):
+        x = source
+        for operator, operand in self.operations:
+            x = (x + operand, x * operand, x / operand)[operator]
+            check(math.isfinite(x), "a coordinate that is not finite")
+            x = as_single(x) if self.early else x
+        if self.single and (self.operations or self.deviations):
+            x = as_single(x)
+        check(self.deviations or deviation == 0, "a deviation that there is not")
+        return self.ordinal(self.ordinal(x) + deviation, back=True) if self.deviations else x
+
+
 class Axis:
     """The forms of an axis, what was read of it, and what is known of the next vertex."""
 
-    def __init__(self, table, number):
+    def __init__(self, table, number, width):
         self.number, (flags, grid) = number, table.unpack("Bh")
-        count, self.raw, self.zeros = flags & 3, flags >> 2 & 1, flags >> 3
-        check(flags < 16 and count < 3 and count + self.raw, "flags of an axis")
+        count, self.raw, self.zeros = flags & 3, flags >> 2 & 1, flags >> 3 & 1
+        check(count < 3 and count + self.raw, "flags of an axis")
+        self.conversion = Conversion(table, flags, width == 32)
         keys = ((number, i) for i in range(count))
         self.forms = [Form(key, grid, *table.unpack("BhBB")) for key in keys]
         check(len({form.base for form in self.forms}) < 2, "forms of two bases")
@@ -607,18 +656,28 @@ class Axis:
         if index == 0 and f == 0 and self.zeros:
             alike = sum(self.f[v] == 3 for v in known)
             negative = self.bit(stream, ("zero",), (None, alike, T))
-        number = -0.0 if negative else form.number(index, width)
-        self.add(3 if negative else f, place, clamp(place - p, -(1 << 56), 1 << 56), number)
+        number = -0.0 if negative else form.number(index, self.conversion.single)
+        self.known(3 if negative else f, place, clamp(place - p, -(1 << 56), 1 << 56), number)
         size = level(abs(v) >> w)
         return f, (N + size + 1) // 2 if self.number else size
 
     def add_raw(self, p, width, bits):
         code = "<f" if width == 32 else "<d"
-        self.add(2, p, 0, struct.unpack(code, bits.to_bytes(width // 8, "little"))[0])
+        self.known(2, p, 0, struct.unpack(code, bits.to_bytes(width // 8, "little"))[0])
 
-    def add(self, f, place, error, number):
+    def coordinates(self, deviations):
+        """Of what was read."""
+        found = []
+        for f, number, deviation in zip(self.f, self.numbers, deviations, strict=True):
+            check(f != 2 or deviation == 0, "a deviation of a raw number")
+            number = number if f == 2 else self.conversion.result(number, deviation)
+            found.append(self.bounded(f, number))
+        return found
+
+    def bounded(self, f, number):
+        """What a coordinate is; `f` is 2 if it is raw."""
         check(abs(number) <= 1e150, "a coordinate that is too large")
-        self.known(f, place, error, number)
+        return number
 
     def known(self, f, place, error, number):
         self.f.append(f)
@@ -661,21 +720,41 @@ class Axis:
         return -size if k and self.bit(stream, ("sign",), signs, None, form.key) else size
 
 
-def coordinates(payload, faces, near, inner):
-    """§5.12: the coordinates as integers of 64 bits, and the bytes before the stream."""
-    table, guesses = Bytes(payload), parallelograms(faces)
+def read_axes(payload, near, around, axis_of):
+    """Three axes that `axis_of` makes, read, their coordinates, and the bytes before the stream.
+
+    `around` gives the parallelograms of an element.
+    """
+    table = Bytes(payload)
     (width,) = table.unpack("B")
     check(width in (32, 64), "width")
-    axes = [Axis(table, a) for a in range(3)]
-    forms, stream = payload[: table.at], Stream(payload[table.at :])
+    axes = [axis_of(table, a, width) for a in range(3)]
+    forms, vectors = payload[: table.at], [(0, 0, 0)] * len(near)
+    if any(axis.conversion.deviations for axis in axes):
+        (size,) = table.unpack("I")
+        check(table.at + size <= len(payload), "truncated")
+        vectors = vectors_of(payload[table.at + size :], near)
+        payload = payload[: table.at + size]
+    stream = Stream(payload[table.at :])
     for i, neighbours in enumerate(near):
         known, E, N = [v for v in neighbours if v < i][:8], 0, 0
-        of = inner.get(i, []) + guesses.get(i, [])
         for axis in axes:
-            f, N = axis.read(stream, i, known, of, width, E, N)
+            f, N = axis.read(stream, i, known, around(i), width, E, N)
             E = 3 * E + f
     stream.end()
-    rows = zip(*(axis.numbers for axis in axes), strict=True)
+    deviations = zip(*vectors, strict=True) if vectors else [()] * 3
+    numbers = [a.coordinates(some) for a, some in zip(axes, deviations, strict=True)]
+    return [*zip(*numbers, strict=True)], forms
+
+
+def coordinates(payload, faces, near, inner):
+    """§5.12: the coordinates as integers of 64 bits, and the bytes before the stream."""
+    guesses = parallelograms(faces)
+
+    def around(i):
+        return inner.get(i, []) + guesses.get(i, [])
+
+    rows, forms = read_axes(payload, near, around, Axis)
     return [struct.unpack("<3q", struct.pack("<3d", *row)) for row in rows], [tuple(forms)]
 
 

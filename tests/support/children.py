@@ -15,8 +15,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any, Final
 
-# A program may have to compile the kernels first, on a machine that has much else to do. The time
-# limit of a test, in pyproject.toml, is a larger one: this one says which program it was.
+# The machine may have much else to do. The time limit of a test, in pyproject.toml, is a larger
+# one: this one says which program it was.
 SECONDS: Final = 240.0
 
 

@@ -14,10 +14,10 @@ from deltamesh_formats.container.writer import write_container, write_varint
 from deltamesh_formats.errors import FormatError
 
 HIGHPASS = Parameters(
-    "highpass", True, "farthest", 8, 0.001, (-1.0, 0.5, 2.0), 0.25, 2**64 - 1, 200, 3
+    "highpass", True, "random", 8, 0.001, (-1.0, 0.5, 2.0), 0.25, 2**64 - 1, 200, 3
 )
 CARTESIAN = Parameters("cartesian", False, None, None, 0.5, (0.0, 0.0, 0.0), 0.0, 0, 0, 0)
-META = Meta(0.5, 1.25, 2.0, 4.0, 8.0, "deltamesh 0.1.0", "ply")
+META = Meta(0.5, 1.25, 2.0, 4.0, 8.0, 20, "deltamesh 0.1.0", "ply")
 PAYLOADS = {
     "highpass": {"CONN": b"connectivity", "ANCH": b"", "DELT": bytes(range(200))},
     "cartesian": {"CONN": b"c", "CART": b"integers"},
@@ -49,14 +49,14 @@ def refused(data, message=None):
 PINNED = bytes.fromhex(
     """
     89444d530d0a1a0a 0300 0000 e807 d00f 9e08973f
-    5041524d 3c 01 00 ff ff 000000000000e03f
+    5041524d 34 01 00 ff ff 000000000000e03f
         0000000000000000 0000000000000000 0000000000000000
-        0000000000000000 0000000000000000 0000803f 00 00 00 00 38cae788
+        0000000000000000 0000803f 00 00 00 00 8e7fb501
     434f4e4e 01 63 9e98c22e
     43415254 08 696e746567657273 f666a466
-    6d657461 34 000000000000e03f 000000000000f43f 00000040 00008040
-        0000000000002040
-        0f 64656c74616d65736820302e312e30 03 706c79 1cd4908b
+    6d657461 35 000000000000e03f 000000000000f43f 00000040 00008040
+        0000000000002040 14
+        0f 64656c74616d65736820302e312e30 03 706c79 13a6e424
     4348454b 08 3031323334353637 9774630b
     """
 )
@@ -75,12 +75,11 @@ def with_parameters(**changes):
         "origin_y": 0.0,
         "origin_z": 0.0,
         "anchor_step": 0.25,
-        "seed": 0,
         "coarse": 1.0,
         "dead_zone": 0,
         "normal_dead_zone": 0,
     } | {k: v for k, v in changes.items() if k not in ("anchor_count", "isolated", "extra")}
-    payload = struct.pack("<BBBBdddddQfBB", *values.values())
+    payload = struct.pack("<BBBBdddddfBB", *values.values())
     payload += write_varint(changes.get("anchor_count", 1)) + write_varint(
         changes.get("isolated", 0)
     )

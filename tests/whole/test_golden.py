@@ -27,7 +27,7 @@ def test_the_folders_are_complete() -> None:
     assert len(names(GOLDEN)) >= 20
     assert names(REFUSED) == sorted(row.split("\t")[0] for row in TABLE)
     size = sum(path.stat().st_size for folder in (GOLDEN, REFUSED) for path in folder.iterdir())
-    assert size < 350_000
+    assert size < 400_000
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -83,8 +83,8 @@ def test_golden_files_tell_of_parts_and_of_faces_that_are_lost() -> None:
     """Each beginning of the end of `meta`: all of it, without a part, none."""
     metas = [info((GOLDEN / f"{name}.dmesh").read_bytes()).meta for name in names(GOLDEN)]
     assert {(m.lost, m.turned, m.parts) for m in metas} >= {(0, 0, 1), (3, 300, 3), (0, 1, 1)}
-    (several,) = (m for m in metas if m.parts > 1)
-    assert (several.part, several.part_normal, several.part_rms) == ("tétraèdre", 1.5, 0.0123)
+    several = [(m.part, m.part_normal, m.part_rms) for m in metas if m.parts > 1]
+    assert ("tétraèdre", 1.5, 0.0123) in several
 
 
 @pytest.mark.parametrize("row", TABLE, ids=lambda row: row.split("\t")[0])

@@ -95,8 +95,8 @@ def several() -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.fixture(scope="module", autouse=True)
-def compiled() -> None:
-    """Kernels are compiled before anything is timed."""
+def loaded() -> None:
+    """Modules are imported before anything is timed."""
     for method in ("auto", "cartesian", "lossless"):
         decode(encode(*several(), method=method))
 

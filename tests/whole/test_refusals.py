@@ -365,9 +365,8 @@ def test_anchors_that_are_no_vertices() -> None:
     content = read_content(read_container(data), 10**9, 10**12)
     surface, integers = content.structure.surface, content.integers
     parameters = read_container(data).parameters
-    outside = Integers(
-        integers.values, np.array([0, 1, 2, 42]), integers.positions, integers.isolated
-    )
+    values = np.pad(integers.values, ((0, 1), (0, 0)))
+    outside = Integers(values, np.array([0, 1, 2, 42]), integers.positions, integers.isolated)
     larger = surface_of(surface.faces, 43, 0)
     payload = highpass.encode(larger, parameters, outside)["ANCH"]
     refusal(forging.forged(data, ANCH=payload))

@@ -159,7 +159,7 @@ def _decode(job: Job, task: Task) -> tuple[Container, tuple[str, ...]]:
 
 
 def prepare(job: Job) -> None:
-    """Load the codec, or compile it after an installation, before the clock of a file runs."""
+    """Load the codec before the clock of a file runs."""
     warnings.simplefilter("ignore")  # as in deltamesh_cli.program
     import deltamesh
     from deltamesh_formats.meshfiles.files import read_mesh

@@ -157,6 +157,7 @@ The exit code is the largest of the exit codes of all files."""
 )
 @encode_options
 @options.output_format
+@options.digits
 @options.max_vertices
 @options.as_json
 @options.verbosity

@@ -22,6 +22,7 @@ _EXAMPLES = """\
 deltamesh decode bunny.ply.dmesh                 writes bunny.ply
 deltamesh decode bunny.ply.dmesh bunny.stl
 deltamesh decode mesh.dmesh --output-format obj  writes mesh.obj
+deltamesh decode scan.ply.dmesh scan.obj --digits 3
 deltamesh decode upload.dmesh --max-vertices 1000000 --memory 2G
 deltamesh decode - --output-format off < mesh.dmesh | wc
 """
@@ -56,6 +57,11 @@ def command(
     standard error lists the rest. ply holds attributes of any kind; obj holds objects, groups and
     materials; glb holds several meshes with transforms.
 
+    What is written keeps the bounds of the encoder. Positions in ply are float32 if the source had
+    that and it adds next to nothing to the error of IN, otherwise float64; a text has as many
+    digits as that error deserves. stl and glb have nothing but float32: the note says by how much
+    positions were rounded, if that is more.
+
     IN is never modified. If OUT exists, it is overwritten only with -f. "-" stands for standard
     input or output. A mesh from standard input goes to standard output unless OUT is given.
 
@@ -78,7 +84,10 @@ def command(
         container = parse_container(source, files.read_input(source), "cannot decode")
         stored = container.meta.source if container.meta is not None else ""
         name, file_format = output_name_and_format(source, target, output_format, stored)
-        files.check_output(source, name, force=force, text=FORMATS[file_format].is_text)
+        is_text = FORMATS[file_format].is_text
+        if parameters["digits"] is not None and not is_text:
+            raise click.UsageError(f"--digits means nothing for {file_format}, which is binary.")
+        files.check_output(source, name, force=force, text=is_text)
         with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
             mesh, lost = decode_to_file(
                 name, file_format, source, container, progress, parameters, force=force

@@ -16,6 +16,7 @@ from deltamesh_formats.container.layout import (
     ID_SIZE,
     MAX_BITS,
     METHODS,
+    RANDOM,
     ZONE_UNIT,
 )
 
@@ -42,7 +43,7 @@ class Parameters:
     anchor_step : float
         Step of that grid for the anchors; 0 without any.
     seed : int
-        Seed of the random choice of anchors.
+        Seed of the random choice of anchors; 0 for other anchors.
     anchor_count : int
         Number of anchors; 0 for the methods without.
     isolated : int
@@ -84,6 +85,8 @@ class Meta:
         Mean deviation of the face normals and of the dihedral angles, in degrees.
     diagonal : float
         Diagonal of the bounding box of the input, in the unit of the mesh.
+    margin : int
+        Halvings of the diagonal, 0 to 255; 0 stands for no margin. See `room`.
     encoder : str
         Name and version of the program.
     source : str
@@ -104,6 +107,7 @@ class Meta:
     normal: float
     dihedral: float
     diagonal: float
+    margin: int
     encoder: str
     source: str
     lost: int = 0
@@ -112,6 +116,11 @@ class Meta:
     part: str = ""
     part_normal: float = 0.0
     part_rms: float = 0.0
+
+    @property
+    def room(self) -> float:
+        """How far each decoded coordinate may be rounded, with which the errors are still kept."""
+        return self.diagonal * 2.0**-self.margin if self.margin else 0.0
 
     @property
     def has_losses(self) -> bool:
@@ -239,6 +248,8 @@ def parameter_faults(parameters: Parameters, vertices: int) -> Iterator[tuple[st
     for name in ("dead_zone", "normal_dead_zone"):
         if not 0 <= getattr(p, name) * ZONE_UNIT < 256:
             yield name, f"a dead zone of {getattr(p, name)}"
+    if p.seed and p.anchor_method != RANDOM:
+        yield "anchor_method", f"a seed of {p.seed} for anchors that are not random"
     if not method.anchored and (p.anchor_step or p.anchor_count):
         yield "anchor_count", f"anchors in a {method.title} file"
 

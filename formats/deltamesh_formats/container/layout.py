@@ -185,18 +185,20 @@ PARAMETER_FIELDS: Final = (
     Field("origin_y", "f64"),
     Field("origin_z", "f64"),
     Field("anchor_step", "f64"),
-    Field("seed", "u64"),
     Field("coarse", "f32"),
     Field("dead_zone", "u8"),
     Field("normal_dead_zone", "u8"),
     Field("anchor_count", "varint"),
     Field("isolated", "varint"),
 )
+# Where the anchors are random.
+SEED_FIELDS: Final = (Field("seed", "u64"),)
+RANDOM: Final = "random"
 FLAG_DIFFUSION: Final = 1
 FLAG_SINGLE: Final = 2
 ANCHOR_METHODS: Final[Mapping[str | None, int]] = {
     "farthest": 0,
-    "random": 1,
+    RANDOM: 1,
     "greedy": 2,
     None: 255,
 }
@@ -213,6 +215,7 @@ META_FIELDS: Final = (
     Field("normal", "f32"),
     Field("dihedral", "f32"),
     Field("diagonal", "f64"),
+    Field("margin", "u8"),
     Field("encoder", "string"),
     Field("source", "string"),
 )
@@ -263,6 +266,12 @@ FORMAT_FIELDS: Final = (
 COLUMN_FORMATS: Final = 3
 COLUMN_RAW: Final = 4
 COLUMN_ZEROS: Final = 8
+COLUMN_OPERATIONS: Final = 0x30
+COLUMN_DOUBLE: Final = 0x40
+COLUMN_DEVIATIONS: Final = 0x80
+# Fields of an operation, and how it combines a number with its operand.
+OPERATION_FIELDS: Final = (Field("operator", "u8"), Field("operand", "f64"))
+OPERATORS: Final[Mapping[str, int]] = {"add": 0, "multiply": 1, "divide": 2}
 
 # SPEC.md#514-attr
 

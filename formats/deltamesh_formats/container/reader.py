@@ -243,7 +243,11 @@ def read_parameters(payload: Buffer, vertices: int) -> Parameters:
     ------
     FormatError
     """
-    values, offsets = _read_table(payload, layout.PARAMETER_FIELDS)
+    fields: tuple[Field, ...] = layout.PARAMETER_FIELDS
+    first = _read_fields(payload, 0, fields)[0]
+    if first["anchor_method"] == layout.ANCHOR_METHODS[layout.RANDOM]:
+        fields += layout.SEED_FIELDS
+    values, offsets = _read_table(payload, fields)
     for field, names in (("method", _METHODS), ("anchor_method", _ANCHOR_METHODS)):
         if values[field] not in names:
             message = f"{field.replace('_', ' ')} {values[field]} is unknown"
@@ -257,7 +261,7 @@ def read_parameters(payload: Buffer, vertices: int) -> Parameters:
         step=values["step"],
         origin=(values["origin_x"], values["origin_y"], values["origin_z"]),
         anchor_step=values["anchor_step"],
-        seed=values["seed"],
+        seed=values.get("seed", 0),
         anchor_count=values["anchor_count"],
         isolated=values["isolated"],
         coarse=values["coarse"],

@@ -74,7 +74,10 @@ def write_parameters(parameters: Parameters) -> bytes:
         "dead_zone": round(p.dead_zone * layout.ZONE_UNIT),
         "normal_dead_zone": round(p.normal_dead_zone * layout.ZONE_UNIT),
     }
-    return _fields(layout.PARAMETER_FIELDS, values)
+    fields: tuple[Field, ...] = layout.PARAMETER_FIELDS
+    if p.anchor_method == layout.RANDOM:
+        fields += layout.SEED_FIELDS
+    return _fields(fields, values)
 
 
 def write_meta(meta: Meta) -> bytes:

@@ -13,9 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from deltamesh_formats.atomic import PathOrFile, write_file
-from deltamesh_formats.errors import MeshError
+from deltamesh_formats.errors import MeshError, OptionError
 from deltamesh_formats.meshfiles.file_format import FileFormat, Written
-from deltamesh_formats.meshfiles.formats import FORMATS, format_of_extension
+from deltamesh_formats.meshfiles.float32 import rounding_error
+from deltamesh_formats.meshfiles.formats import FORMATS, MAX_DIGITS, format_of_extension
+from deltamesh_formats.meshfiles.number_text import with_places
 from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.polymesh.texture_origin import marked_top_left, with_origin
 from deltamesh_formats.polymesh.validation import checked
@@ -80,27 +82,45 @@ def read_mesh(source: PathOrFile, file_format: str | None = None) -> PolyMesh:
     return marked_top_left(mesh) if known.has_top_left_textures else mesh
 
 
-def written(mesh: PolyMesh, file_format: str) -> Written:
+def written(mesh: PolyMesh, file_format: str, digits: int | None = None) -> Written:
     """Return the bytes of a mesh file, and descriptions of what they do not hold.
 
-    The same mesh gives the same bytes. Positions are exact, or float32 where the format has
-    nothing else (binary STL, GLB). Texture coordinates begin where the format has their origin.
+    The same mesh gives the same bytes. Positions are exact, or rounded by at most the margin of the
+    mesh: to fewer digits in a text, to float32 in a PLY whose source had that. What loses more,
+    because the format has nothing but float32 (binary STL, GLB), is described. Texture coordinates
+    begin where the format has their origin.
 
     Parameters
     ----------
     mesh : PolyMesh
     file_format : str
         Name of the format.
+    digits : int, optional
+        Decimal places of the positions in a text, 0 to 20; binary formats have no use for it.
+        Default: as many as the margin of the mesh asks for.
 
     Raises
     ------
     MeshError
         For a mesh without faces, and one that the format cannot hold.
+    OptionError
+        For digits that are not a number from 0 to 20.
     """
+    if digits is not None and digits not in range(MAX_DIGITS + 1):
+        raise OptionError(f"digits must be a whole number from 0 to {MAX_DIGITS}, not {digits!r}")
     if len(mesh.offsets) < 2:
         raise MeshError("a mesh without faces is not written")
     known = FORMATS[file_format]
-    return known.write(with_origin(mesh, top_left=known.has_top_left_textures))
+    placed = with_origin(mesh, top_left=known.has_top_left_textures)
+    if digits is None or not known.is_text:
+        return known.write(placed)
+    vertices = with_places(mesh.vertices, digits)
+    error = rounding_error(vertices, mesh.vertices)
+    made = known.write(replace(placed, vertices=vertices, margin=0.0))
+    if error <= mesh.margin:
+        return made
+    loss = f"positions beyond {digits} decimal places (by up to {error:.2g})"
+    return made._replace(lost=(*made.lost, loss))
 
 
 def mesh_bytes(mesh: PolyMesh, file_format: str) -> bytes:
@@ -109,7 +129,11 @@ def mesh_bytes(mesh: PolyMesh, file_format: str) -> bytes:
 
 
 def write_mesh(
-    target: PathOrFile, mesh: PolyMesh, file_format: str | None = None
+    target: PathOrFile,
+    mesh: PolyMesh,
+    file_format: str | None = None,
+    *,
+    digits: int | None = None,
 ) -> tuple[str, ...]:
     """Write a mesh file; all its bytes are made before the first one is written.
 
@@ -123,20 +147,26 @@ def write_mesh(
         `deltamesh.from_arrays` makes one of plain arrays.
     file_format : str, optional
         Name of the format, such as "ply"; by default the one of the file name's extension.
+    digits : int, optional
+        Decimal places of the positions in a text, 0 to 20. Default: the fewest that lose nothing
+        or, of a mesh that was decoded, a small share of the error that it has.
 
     Returns
     -------
     tuple of str
-        Descriptions of what the format has no place for.
+        Descriptions of what the format has no place for, and of positions that are rounded by more
+        than that share.
 
     Raises
     ------
     MeshError
         For an unknown format, and a mesh that the format cannot hold.
+    OptionError
+        For digits that are not a number from 0 to 20.
     OSError
         When the file cannot be written.
     """
-    made = written(mesh, mesh_format(target, file_format).name)
+    made = written(mesh, mesh_format(target, file_format).name, digits)
     write_file(target, made.data)
     return made.lost
 

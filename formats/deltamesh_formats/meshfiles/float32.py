@@ -1,4 +1,4 @@
-"""Positions in float32: where the source had no more, and where a format holds no more."""
+"""Positions in float32: where they lose no more than their margin, and what is lost elsewhere."""
 
 from __future__ import annotations
 
@@ -11,17 +11,20 @@ from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
-# As a fraction of the diagonal of the bounding box: a rounding error up to it is that of the format
-# at the size of the mesh, and not worth a warning.
-_TOLERANCE: Final = 2.0**-22
+# As a fraction of the largest coordinate: float64 positions that were moved to another place and
+# back differ by that.
+_NOISE: Final = 2.0**-50
 
 
-def source_positions(mesh: PolyMesh) -> NDArray[Any]:
-    """Return the vertices, (n, 3), as float32 where the source had that and none is beyond it."""
+def stored_positions(mesh: PolyMesh) -> NDArray[Any]:
+    """Return the vertices, (n, 3), as float32 where the source had that and it holds them.
+
+    It holds them if none is moved by more than the margin of the mesh.
+    """
     if mesh.precision == "float32":
-        rounded = _to_float32(mesh.vertices)
-        if np.isfinite(rounded).all():
-            return rounded
+        single = _to_float32(mesh.vertices)
+        if not rounding_error(single, mesh.vertices) > mesh.margin:
+            return single
     return mesh.vertices
 
 
@@ -31,16 +34,12 @@ def bounding_diagonal(vertices: Floats) -> float:
         return float(np.linalg.norm(np.ptp(vertices, axis=0)))
 
 
-def rounded_positions(
-    vertices: Floats, diagonal: float, file_format: str
-) -> tuple[NDArray[np.float32], list[str]]:
-    """Round positions to float32, and describe the loss if it is large for the size of the mesh.
+def single_positions(vertices: Floats, file_format: str) -> NDArray[np.float32]:
+    """Round positions to float32.
 
     Parameters
     ----------
     vertices : float64 (n, 3)
-    diagonal : float
-        Of the bounding box of the mesh.
     file_format : str
         Title of the format, for messages.
 
@@ -55,10 +54,33 @@ def rounded_positions(
         raise MeshError(
             f"{file_format} holds float32, and a coordinate of {vertices[i].tolist()} exceeds that"
         )
-    error = float(np.abs(positions - vertices).max(initial=0))
-    if error > _TOLERANCE * diagonal:
-        return positions, [f"positions beyond float32 (by up to {error:.2g})"]
-    return positions, []
+    return positions
+
+
+def rounding_error(stored: NDArray[Any], values: NDArray[Any]) -> float:
+    """Return the largest difference of numbers in a file from those of a mesh, NaN from NaN 0."""
+    with np.errstate(all="ignore"):
+        error = np.abs(stored.astype(np.float64) - values.astype(np.float64))
+    error[(stored == values) | (np.isnan(stored) & np.isnan(values))] = 0
+    return float(error.max(initial=0))
+
+
+def rounding_losses(what: str, error: float, margin: float, largest: float = 0.0) -> list[str]:
+    """Describe the loss where rounding to float32 has moved numbers by more than their margin.
+
+    Parameters
+    ----------
+    what : str
+        Plural, for the description.
+    error : float
+        The largest difference that rounding made.
+    margin : float
+    largest : float
+        The largest magnitude of numbers that were moved to another place and back.
+    """
+    if not error <= max(margin, _NOISE * largest):
+        return [f"{what} beyond float32 (by up to {error:.2g})"]
+    return []
 
 
 def _to_float32(values: NDArray[Any]) -> NDArray[np.float32]:

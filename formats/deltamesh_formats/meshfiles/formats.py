@@ -19,6 +19,9 @@ EXTENSIONS: Final[Mapping[str, FileFormat]] = {
     extension: one for one in FORMATS.values() for extension in one.extensions
 }
 
+# The most decimal places that a user may ask of a text.
+MAX_DIGITS: Final = 20
+
 # "A, B or C", for help pages.
 TITLES: Final = " or ".join(", ".join(one.title for one in FORMATS.values()).rsplit(", ", 1))
 

@@ -48,6 +48,8 @@ def concatenate(meshes: Sequence[PolyMesh]) -> PolyMesh:
         attributes=tuple(_attribute(some, counts[key[0]]) for key, some in same.items()),
         parts=tuple(_parts(kind, meshes) for kind in kinds),
         lost=tuple(dict.fromkeys(description for mesh in meshes for description in mesh.lost)),
+        precision="float32" if all(m.precision == "float32" for m in meshes) else "float64",
+        margin=min(mesh.margin for mesh in meshes),
     )
 
 
@@ -58,9 +60,9 @@ def _starts(counts: Sequence[int]) -> Ints:
 
 def _attribute(some: Sequence[Attribute | None], starts: Ints) -> Attribute:
     there = [a for a in some if a is not None]
-    values = np.concatenate([a.values for a in there])
+    values, margin = np.concatenate([a.values for a in there]), min(a.margin for a in there)
     if len(there) == len(some) and all(a.index is None for a in there):
-        return replace(there[0], values=values)
+        return replace(there[0], values=values, margin=margin)
     index = np.full(int(starts[-1]), -1)
     first = 0
     for a, begin, end in zip(some, starts[:-1], starts[1:], strict=True):
@@ -68,7 +70,7 @@ def _attribute(some: Sequence[Attribute | None], starts: Ints) -> Attribute:
             rows = a.rows()
             index[begin:end] = np.where(rows < 0, -1, rows + first)
             first += len(a.values)
-    return replace(there[0], values=values, index=index)
+    return replace(there[0], values=values, index=index, margin=margin)
 
 
 def _parts(kind: Kind, meshes: Sequence[PolyMesh]) -> Parts:

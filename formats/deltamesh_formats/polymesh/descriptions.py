@@ -53,8 +53,9 @@ def losses_of(
     losses = dict.fromkeys(mesh.lost)
     if not polygons and (mesh.sizes != 3).any():
         losses["polygons of more than three corners"] = None
+    kept = {id(attribute) for attribute in attributes}
     for attribute in mesh.attributes:
-        if not any(attribute is kept for kept in attributes):
+        if id(attribute) not in kept:
             losses[describe_attribute(attribute)] = None
     for group in mesh.parts:
         if group.kind not in parts:

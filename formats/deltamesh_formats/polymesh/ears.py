@@ -16,6 +16,7 @@ from typing import Final
 import numpy as np
 
 from deltamesh_formats.array_types import Bools, Floats, Ints
+from deltamesh_formats.polymesh.permutations import ranges
 from deltamesh_formats.polymesh.planes import TINY, following
 
 # The sine of the angle below which a corner is taken as flat, and the part of a triangle's height
@@ -148,7 +149,7 @@ class _Outlines:
         if not len(stuck):
             return stuck
         first = self.offsets[stuck]
-        corners = _ranges(first, self.offsets[stuck + 1] - first)
+        corners = ranges(first, self.offsets[stuck + 1] - first)
         return corners[self.after[corners] >= 0]
 
     def _without(self, polygons: Ints, others: Ints) -> Ints:
@@ -193,7 +194,7 @@ class _Outlines:
             # Several at a time, at least one.
             end = np.searchsorted(total, total[begin] - count[begin] + _PAIRS, side="right")
             some = slice(begin, max(int(end), begin + 1))
-            other = self.sorted[_ranges(first[some], count[some])]
+            other = self.sorted[ranges(first[some], count[some])]
             self.is_ear[self._hidden(np.repeat(ears[some], count[some]), other)] = False
             begin = some.stop
 
@@ -218,9 +219,3 @@ def _turn(x: Floats, y: Floats, a: Ints, b: Ints, c: Ints) -> Floats:
     """Return twice the area of triangles, negative where they turn to the right."""
     turn: Floats = (x[b] - x[a]) * (y[c] - y[a]) - (y[b] - y[a]) * (x[c] - x[a])
     return turn
-
-
-def _ranges(first: Ints, count: Ints) -> Ints:
-    """Return so many integers from each first one on, one range after the other."""
-    end = np.cumsum(count)
-    return np.arange(end[-1]) + np.repeat(first - end + count, count)

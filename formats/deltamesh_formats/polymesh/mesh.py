@@ -41,6 +41,9 @@ class Attribute:
         The row of each element, -1 for an element that has none; None when row i is element i's.
     normalized : bool
         Whether integers stand for fractions of the largest value of their type.
+    margin : float
+        How far a writer may round each number: a small share of the error that the numbers have;
+        0 for numbers that have none.
     """
 
     name: str
@@ -49,6 +52,7 @@ class Attribute:
     role: Role = "other"
     index: Ints | None = None
     normalized: bool = False
+    margin: float = 0.0
 
     @property
     def width(self) -> int:
@@ -128,6 +132,9 @@ class PolyMesh:
         Type of the positions in the source; that of text is float64.
     format : str
         Name of the format of the file; "" for a mesh from elsewhere.
+    margin : float
+        How far a writer may round each coordinate: a small share of the error that the positions
+        of a decoded mesh have; 0 for positions that have none.
     """
 
     vertices: Floats
@@ -139,6 +146,7 @@ class PolyMesh:
     lost: tuple[str, ...] = ()
     precision: Precision = "float64"
     format: str = ""
+    margin: float = 0.0
 
     @property
     def sizes(self) -> Ints:

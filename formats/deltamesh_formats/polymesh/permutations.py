@@ -1,4 +1,4 @@
-"""Inverses of permutations, and numbers of values by first appearance."""
+"""Inverses of permutations, ranges of indices, and numbers of values by first appearance."""
 
 from __future__ import annotations
 
@@ -12,6 +12,12 @@ def inverse(order: Ints) -> Ints:
     rank = np.empty(len(order), dtype=np.int64)
     rank[order] = np.arange(len(order))
     return rank
+
+
+def ranges(first: Ints, count: Ints) -> Ints:
+    """Return so many integers from each first one on, one range after the other."""
+    end = np.cumsum(count)
+    return np.arange(int(count.sum())) + np.repeat(first - end + count, count)
 
 
 def numbered(values: Ints) -> tuple[Ints, Ints]:

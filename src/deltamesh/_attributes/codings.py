@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Final
@@ -9,7 +10,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._attributes.normals.octahedral import is_unit
+from deltamesh._attributes.normals.octahedral import half, is_unit
+from deltamesh._measures.margins import SHARE
 from deltamesh._streams.floats import bits_of, from_bits
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.attribute_table import Entry
@@ -168,6 +170,15 @@ def from_codes(entry: Entry, codes: Ints) -> _Any:
     if entry.dtype.kind == "i":
         return words.view(np.int64).astype(entry.dtype)
     return words.astype(entry.dtype)
+
+
+def margin_of(entry: Entry) -> float:
+    """Return how far a writer may round each number of an attribute, 0 if it came back exactly."""
+    if entry.error and entry.coding == "grid":
+        return SHARE / 2 / entry.density
+    if entry.error and entry.coding == "octahedral":
+        return SHARE * math.sqrt(2) / half(entry.bits)
+    return 0.0
 
 
 def check_codes(entry: Entry, codes: Ints) -> None:

@@ -13,7 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._attributes.codings import AttributeSettings, candidate_codings, from_codes, to_codes
+from deltamesh._attributes.codings import (
+    AttributeSettings,
+    candidate_codings,
+    from_codes,
+    margin_of,
+    to_codes,
+)
 from deltamesh._attributes.domains import Domains
 from deltamesh._attributes.normals.coding import (
     Normals,
@@ -243,5 +249,7 @@ def restore_attribute(coded: CodedAttribute, domains: Domains, V: Floats) -> Att
     row[has] = coded.labels
     index = row[coded.owner]
     if e.domain == "corner" or not has.all():
-        return Attribute(e.name, e.domain, values, e.role, index, e.normalized)
-    return Attribute(e.name, e.domain, values[index], e.role, normalized=e.normalized)
+        return Attribute(e.name, e.domain, values, e.role, index, e.normalized, margin_of(e))
+    return Attribute(
+        e.name, e.domain, values[index], e.role, normalized=e.normalized, margin=margin_of(e)
+    )

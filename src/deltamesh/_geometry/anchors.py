@@ -13,16 +13,18 @@ G. L. Steele, D. Lea, C. H. Flood, "Fast splittable pseudorandom number generato
 from __future__ import annotations
 
 import operator
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from deltamesh._geometry.solve import Factor, LeastSquares, factorization
 from deltamesh._graph.adjacency import components, lowest
 from deltamesh._kernels.mesh import distance
 from deltamesh_formats.array_types import Bools, Floats, Ints
+
+if TYPE_CHECKING:
+    import scipy.sparse as sparse
 
 # 0.1 % of the vertices: with the quantization error diffused, more of them buy little.
 DEFAULT_FRACTION: Final = 0.001
@@ -176,7 +178,7 @@ def greedy(
     SolveError
     """
     positions = vertices if positions is None else positions
-    factor = factor or factorization(L)
+    factor = factor or factorization(lambda: L)
     graph = _off_diagonal(L)
     labels = components(*graph)
     k = _clipped(k, labels)

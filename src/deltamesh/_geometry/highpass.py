@@ -16,13 +16,13 @@ from deltamesh._geometry import steps
 from deltamesh._geometry.integers import Integers, Quantized
 from deltamesh._geometry.quantize import delta_step, from_grid, quantize_delta, to_delta, to_grid
 from deltamesh._geometry.solve import Factor
-from deltamesh._kernels.coding import points, residual
+from deltamesh._kernels.coding import points
 from deltamesh._kernels.coding.coder import Coder
-from deltamesh._kernels.coding.delta import code_deltas
 from deltamesh._measures.metrics import diagonal
 from deltamesh._options import DEFAULT_HIGHPASS_STEP, Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams.entropy import decode_with, encode_with
+from deltamesh._streams.vectors import decode_vectors, encode_vectors
 from deltamesh._vectors import safe_lengths
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container import layout
@@ -93,7 +93,7 @@ def anchored(
         step=step,
         origin=(float(origin[0]), float(origin[1]), float(origin[2])),
         anchor_step=fine,
-        seed=settings.seed,
+        seed=settings.seed if settings.anchor_method == layout.RANDOM else 0,
         anchor_count=len(anchors),
         isolated=surface.isolated_count,
         coarse=coarse,
@@ -198,10 +198,10 @@ def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict
     payloads = {
         **steps.encode(surface, integers.exponents),
         layout.ANCHORS: _encode_anchors(surface, parameters, integers),
-        layout.DELTAS: _encode_vectors(surface, integers.values) if parameters.step else b"",
+        layout.DELTAS: encode_vectors(*surface.graph, integers.values) if parameters.step else b"",
     }
     if len(integers.corrections):
-        payloads[layout.CORRECTIONS] = _encode_vectors(surface, integers.corrections)
+        payloads[layout.CORRECTIONS] = encode_vectors(*surface.graph, integers.corrections)
     return payloads
 
 
@@ -213,7 +213,7 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
         anchors, positions, isolated = _decode_anchors(surface, parameters, payload, extra)
     with payload_of(sections[layout.DELTAS]) as payload:
         if parameters.step:
-            values = _decode_vectors(surface, payload)
+            values = decode_vectors(*surface.graph, payload)
         elif len(payload):
             raise FormatError("deltas in a file of 0 bits", 0)
         else:
@@ -224,7 +224,7 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
     with payload_of(sections[layout.CORRECTIONS]) as payload:
         if not parameters.step:
             raise FormatError("corrections in a file of 0 bits", 0)
-        return replace(integers, corrections=_decode_vectors(surface, payload))
+        return replace(integers, corrections=decode_vectors(*surface.graph, payload))
 
 
 def _encode_anchors(surface: Surface, parameters: Parameters, integers: Integers) -> bytes:
@@ -266,16 +266,3 @@ def _decode_anchors(
         return anchors, positions, isolated
 
     return decode_with(points.MODEL, payload[3:], run, 3)
-
-
-def _encode_vectors(surface: Surface, values: Ints) -> bytes:
-    coded = values.copy()
-    return encode_with(
-        residual.MODEL, len(values), lambda coder: code_deltas(coder, *surface.graph, coded)
-    )
-
-
-def _decode_vectors(surface: Surface, payload: memoryview) -> Ints:
-    values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
-    decode_with(residual.MODEL, payload, lambda coder: code_deltas(coder, *surface.graph, values))
-    return values

@@ -1,8 +1,8 @@
 """Lossless method: positions to the last bit.
 
 The integers of this method are the bit patterns of the positions. The encoder chooses
-the formats of the numbers (`deltamesh._streams.number_formats`) and stores them at the beginning of
-EXAC.
+the formats of the numbers (`deltamesh._streams.number_formats`), and what they were converted by,
+and stores both at the beginning of EXAC.
 """
 
 from __future__ import annotations
@@ -17,17 +17,16 @@ from deltamesh._mesh import LARGEST
 from deltamesh._methods import LOSSLESS
 from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
+from deltamesh._streams.column_choice import choose_columns, numbers_of
 from deltamesh._streams.exact import (
     DOUBLE,
     SINGLE,
-    decode_indices,
-    encode_indices,
+    decode_numbers,
+    encode_numbers,
     pack_formats,
-    parallelogram_errors,
     unpack_formats,
 )
-from deltamesh._streams.format_choice import choose_formats
-from deltamesh._streams.number_formats import from_indices, to_indices
+from deltamesh._streams.number_formats import from_indices, raw_bits
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.layout import EXACT
@@ -47,8 +46,8 @@ def quantize(
     V = np.concatenate([vertices, isolated])
     with np.errstate(over="ignore"):
         single = bool((V.astype(np.float32) == V).all())
-    errors = parallelogram_errors(V, surface.elements)
-    axes = [choose_formats(V[:, a].copy(), errors[:, a], single) for a in range(3)]
+    raw, usable = raw_bits(V, single), np.ones(V.shape, dtype=bool)
+    axes = choose_columns(surface.elements, V, usable, raw, single)
     integers = exactly(V.view(np.int64), pack_formats(SINGLE if single else DOUBLE, axes))
     return parameters, integers, V
 
@@ -69,13 +68,10 @@ def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict
     """Return the payload of EXAC."""
     formats = integers.formats.astype(np.uint8).tobytes()
     width, axes, _ = unpack_formats(memoryview(formats))
-    n, bits = len(integers.values), integers.values
-    choices, values = np.empty((n, 3), dtype=np.int64), np.empty((n, 3), dtype=np.int64)
-    for a, column in enumerate(axes):
-        one = bits[:, a].copy().view(np.float64)
-        choices[:, a], values[:, a] = to_indices(one, column, width == SINGLE)
-    stream = encode_indices(surface.elements, width, axes, choices, values)
-    return {EXACT: formats + stream}
+    single, V = width == SINGLE, integers.values.view(np.float64)
+    usable = np.ones(V.shape, dtype=bool)
+    numbers = numbers_of(V, usable, raw_bits(V, single), axes, single)
+    return {EXACT: formats + encode_numbers(surface.elements, width, axes, *numbers)}
 
 
 def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
@@ -84,9 +80,10 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
     V = np.empty((elements.count, 3))
     with payload_of(sections[EXACT]) as payload:
         width, axes, at = unpack_formats(payload)
-        choices, values = decode_indices(payload, at, elements, width, axes)
+        choices, indices, deviations = decode_numbers(payload, at, elements, width, axes)
         for a, column in enumerate(axes):
-            V[:, a] = from_indices(choices[:, a], values[:, a], column, width == SINGLE)
+            known = choices[:, a], indices[:, a], deviations[:, a]
+            V[:, a] = from_indices(*known, column, width == SINGLE)
         if not (np.abs(V) <= LARGEST).all():
             raise FormatError("a position that no mesh has", at)
         return exactly(V.view(np.int64), bytes(payload[:at]))

@@ -70,6 +70,14 @@ class Components:
         np.maximum.at(found, self.touched, of_parts[self.part])
         return found
 
+    def grouped(self, group: Ints) -> Components:
+        """Return groups of components, int64 (c,), each of one step, as components."""
+        count = int(group.max()) + 1
+        edge, diagonal = np.full(count, math.inf), np.full(count, math.inf)
+        np.minimum.at(edge, group, self.edge)
+        np.minimum.at(diagonal, group, self.diagonal)
+        return Components(group[self.of_vertex], edge, diagonal, self.part, group[self.touched])
+
     def settings(self, settings: Settings, steps: Steps) -> Settings:
         """Return settings with these steps."""
         level = steps.level - steps.level.min()
@@ -156,10 +164,10 @@ def fit_steps(
     attempt: Attempt,
     rival: Trial | None,
     missed: list[Trial],
-) -> tuple[Trial, Steps] | None:
-    """Return a trial within the bounds whose steps are about the largest; None if it cannot win.
+) -> tuple[Trial | None, Steps]:
+    """Return the smallest trial within the bounds that was found, and about the largest steps.
 
-    The last trial that was not good goes to `missed`.
+    There is no trial, perhaps, where none can win. The last one that was not good goes to `missed`.
 
     Raises
     ------
@@ -171,8 +179,7 @@ def fit_steps(
         np.full(c, x) for x in (-math.inf, math.inf, math.inf, 0.0)
     )
     known = _Known(bad, good, bad_excess, good_excess, np.zeros(c, dtype=np.int64))
-    vertices = np.bincount(components.of_vertex, minlength=c)
-    found: tuple[Trial, Steps] | None = None
+    found: Trial | None = None
     for tries in range(1, MOST_TRIES + 1):
         try:
             trial = attempt(components.settings(settings, steps))
@@ -184,49 +191,73 @@ def fit_steps(
             break
         excess = _excess(trial, bounds, components)
         known.learn(steps.level, excess)
-        if (excess <= 1).all():
-            if found is None or vertices @ steps.level <= vertices @ found[1].level:
-                found = trial, steps
-        else:
+        if (excess > 1).any():
             missed[:] = [trial]
-        done = known.settled.all() or tries >= TRIES[effort]
-        if found is not None and done:
+        elif found is None or trial.size < found.size:
+            found = trial
+        enough = tries >= TRIES[effort] and np.isfinite(known.good).all()
+        level = known.good.astype(np.int64) if enough else _next(known, steps.level)
+        level = _within_reach(level)
+        last, steps = steps, Steps(steps.base, level)
+        if (level == last.level).all() or (found is not None and tries > TRIES[effort]):
             break
         if rival is not None and _floor(trial, excess, components) >= rival.size:
-            return None
-        level = _next(known, steps.level)
-        if done and np.isfinite(known.good).all():
-            level = known.good.astype(np.int64)
-        level = _within_reach(level)
-        if (level == steps.level).all():
-            break
-        steps = Steps(steps.base, level)
-    return found
+            kept = np.where(np.isfinite(known.good), known.good, level).astype(np.int64)
+            return found, Steps(steps.base, _within_reach(kept))
+    return found, steps
 
 
 def with_fewer_levels(
     settings: Settings,
     bounds: Bounds,
-    found: tuple[Trial, Steps],
+    found: tuple[Trial | None, Steps],
     components: Components,
     effort: int,
     attempt: Attempt,
-) -> tuple[Trial, Steps]:
-    """Return a smaller trial, if there is one, of full octaves, or of one step for all."""
+    rival: Trial | None,
+) -> tuple[Trial | None, Steps]:
+    """Return a smaller trial, if there is one, of two different steps, or of one for all.
+
+    What is alike in several components, such as copies of a bolt, or the height at which houses
+    stand, is coded in fewer bytes where their steps are the same.
+    """
     steps = found[1]
     level = steps.level - steps.level.min()
     if not level.any():
         return found
-    octaves = Steps(steps.coarsest, -(-level // LEVELS) * LEVELS)
-    with suppress(MeshError):  # 2^30 steps are not enough for a component
-        trial = attempt(components.settings(settings, octaves))
-        if bounds.excess(trial.measured) <= 1 and trial.size < found[0].size:
-            found = trial, octaves
-    finest = Steps(steps.finest, np.zeros_like(level))
-    alike = fit_step(settings, bounds, finest.base, effort, attempt, found[0], [])
-    if alike is not None and alike.size < found[0].size:
-        found = alike, replace(finest, base=alike.parameters.step)
+    if len(np.unique(level)) > 2:
+        fine = _finer_of_two(level, np.bincount(components.of_vertex, minlength=len(level)))
+        two = Steps(steps.coarsest, np.array([level[fine == i].max() for i in range(2)]))
+        least, grouped = _smaller(rival, found[0]), components.grouped(fine)
+        with suppress(MeshError):  # 2^30 steps are not enough for a component
+            trial, two = fit_steps(settings, bounds, two, grouped, effort, attempt, least, [])
+            if trial is not None and trial is _smaller(found[0], trial):
+                found = trial, Steps(two.base, two.level[fine])
+    one = Steps(steps.finest, np.zeros_like(level))
+    with suppress(MeshError):
+        attempt(components.settings(settings, one))
+        least = _smaller(rival, found[0])
+        trial = fit_step(settings, bounds, one.base, effort, attempt, least, [])
+        if trial is not None and trial is _smaller(found[0], trial):
+            found = trial, replace(one, base=trial.parameters.step)
     return found
+
+
+def _smaller(one: Trial | None, other: Trial | None) -> Trial | None:
+    """Return the smaller of two trials, the first if they are alike; None if there is none."""
+    trials = [trial for trial in (one, other) if trial is not None]
+    return min(trials, key=lambda trial: trial.size) if trials else None
+
+
+def _finer_of_two(level: Ints, vertices: Ints) -> Ints:
+    """Return which components, 0 or 1, take the finer of the two levels that cost the least.
+
+    Each of the two is the finest of its components; the cost is that of their vertices.
+    """
+    levels, inverse = np.unique(level, return_inverse=True)
+    below = np.cumsum(np.bincount(inverse, vertices))[:-1]
+    coarser = int(np.argmax(below * (levels[-1] - levels[:-1])))
+    return np.asarray(inverse > coarser, dtype=np.int64)
 
 
 def _excess(trial: Trial, bounds: Bounds, components: Components) -> Floats:
@@ -275,6 +306,9 @@ def components_of(V: Floats, F: Ints, parts: Parts, part_diagonal: Floats) -> Co
     part_diagonal : float64 (q,)
         Diagonal of each part.
     """
+    if not parts.components:  # faces that are all degenerate
+        none = np.zeros(1, dtype=np.int64)
+        return Components(none[:0], part_diagonal, part_diagonal, none, none)
     touching = [np.stack((part, parts.divisions[0])) for part in parts.divisions]
     pairs = np.unique(np.concatenate(touching, axis=1), axis=1)
     part, touched = pairs[:, pairs[0] >= 0]

@@ -119,10 +119,10 @@ def _fit(
     if components.alone:
         trial = fit_step(settings, bounds, start.base, options.effort, attempt, best, missed)
         return None if trial is None else (trial, replace(start, base=trial.parameters.step))
-    found = fit_steps(settings, bounds, start, components, options.effort, attempt, best, missed)
-    if found is None:
-        return None
-    return with_fewer_levels(settings, bounds, found, components, options.effort, attempt)
+    effort = options.effort
+    tried = fit_steps(settings, bounds, start, components, effort, attempt, best, missed)
+    trial, steps = with_fewer_levels(settings, bounds, tried, components, effort, attempt, best)
+    return None if trial is None else (trial, steps)
 
 
 def _at_rate(options: Options, components: Components, attempt: Attempt) -> Trial:
@@ -186,6 +186,8 @@ def _anchored(
         trial = attempt(first)
     except MeshError:  # the step is too small for the mesh: the search will find it as well
         return settings
+    if not trial.parameters.anchor_count:  # a mesh of isolated vertices
+        return settings
     distance, angle = map(components.excess, bounds.part_excess(trial.measured))
     with np.errstate(divide="ignore", invalid="ignore"):
         times = np.log(distance / angle) / math.log(LESS_DISTANCE)
@@ -193,6 +195,8 @@ def _anchored(
     wanted = max(float(times[components.of_vertex].mean()), 0.0)
     most = max(MOST_ANCHORS * len(trial.vertices) / trial.parameters.anchor_count, 1.0)
     by = min(round(wanted), int(math.log(most, MORE_ANCHORS)))
+    if not by:
+        return settings
     return replace(settings, anchors=trial.parameters.anchor_count * MORE_ANCHORS**by)
 
 

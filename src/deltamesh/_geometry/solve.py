@@ -15,16 +15,28 @@ error 9e-9 before, 6e-15 after), for the price of one more back substitution.
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse as sparse
-from scipy.sparse import csgraph
 
-from deltamesh._geometry.solvers import SOLVERS, Solve, solver_name
+from deltamesh._geometry.solvers import (
+    MATRIX_ENTRY,
+    SOLVERS,
+    Solve,
+    check_memory,
+    pattern,
+    solver_name,
+)
+from deltamesh._graph.adjacency import components
+from deltamesh._kernels.mesh import elimination
 from deltamesh._machine import available_cores
 from deltamesh_formats.array_types import Floats, Ints
-from deltamesh_formats.errors import SolveError
+from deltamesh_formats.errors import LimitError, SolveError
+
+if TYPE_CHECKING:
+    import scipy.sparse as sparse
 
 Factor = Callable[[Ints], "LeastSquares"]
 
@@ -58,9 +70,13 @@ class LeastSquares:
     threads : int, optional
         For rslab (whose result is the same, bit for bit, for any number) and pardiso. Default: all
         cores. SuperLU of scipy has one.
+    memory : float
+        Bytes that the factorization may take.
 
     Raises
     ------
+    LimitError
+        If it would take more, before any number of it is computed.
     SolveError
         If a component has no anchor, the solver is unknown or missing, or it fails.
     """
@@ -71,7 +87,10 @@ class LeastSquares:
         anchors: Ints,
         solver: str = "auto",
         threads: int | None = None,
+        memory: float = math.inf,
     ) -> None:
+        import scipy.sparse as sparse
+
         self._count, self._labels = _components(L, anchors)
         self._anchors = anchors
         n, k = L.shape[0], len(anchors)
@@ -79,7 +98,7 @@ class LeastSquares:
         self._A = sparse.vstack([L, S], format="csr")
         self._transposed = self._A.T.tocsr()
         self._solve = _factor(
-            self._A, self._transposed, solver_name(solver), threads or available_cores()
+            self._A, self._transposed, solver_name(solver), threads or available_cores(), memory
         )
 
     def solve(self, delta: Floats, positions: Floats) -> Floats:
@@ -135,23 +154,31 @@ class LeastSquares:
             raise SolveError(f"the linear solver failed: {error}") from error
 
 
-def factorization(L: sparse.csr_array, solver: str = "auto", threads: int | None = None) -> Factor:
+def factorization(
+    laplacian: Callable[[], sparse.csr_array],
+    solver: str = "auto",
+    threads: int | None = None,
+    memory: float = math.inf,
+) -> Factor:
     """Return a function of the anchors that makes a `LeastSquares`.
 
-    It remembers the last one: a search asks for the same again and again, and factoring is what
+    The matrix is not made before it is needed, which for some methods it never is. The function
+    remembers the last one: a search asks for the same again and again, and factoring is what
     costs most.
     """
 
     @functools.lru_cache(maxsize=1)
     def remembered(anchors: bytes) -> LeastSquares:
-        return LeastSquares(L, np.frombuffer(anchors, dtype=np.int64), solver, threads)
+        system = np.frombuffer(anchors, dtype=np.int64), solver, threads, memory
+        return LeastSquares(laplacian(), *system)
 
     return lambda anchors: remembered(anchors.tobytes())
 
 
 def _components(L: sparse.csr_array, anchors: Ints) -> tuple[int, Ints]:
     """Return the number of components, each of which has an anchor, and that of each vertex."""
-    count, labels = csgraph.connected_components(L, directed=False)
+    labels = components(L.indptr.astype(np.int64), L.indices.astype(np.int64))
+    count = int(labels.max(initial=-1)) + 1
     anchored = np.zeros(count, dtype=bool)
     anchored[labels[anchors]] = True
     if not anchored.all():
@@ -160,14 +187,18 @@ def _components(L: sparse.csr_array, anchors: Ints) -> tuple[int, Ints]:
     return count, labels
 
 
-def _factor(A: sparse.csr_array, transposed: sparse.csr_array, name: str, threads: int) -> Solve:
+def _factor(
+    A: sparse.csr_array, transposed: sparse.csr_array, name: str, threads: int, memory: float
+) -> Solve:
     """Return a function that solves A^T A x = b."""
     n = A.shape[1]
     if n == 0:
         return np.copy
-    matrix = _quasidefinite(A, transposed)
+    matrix = _quasidefinite(A, transposed, memory)
     try:
-        solve = SOLVERS[name].factor(matrix, threads)
+        solve = SOLVERS[name].factor(matrix, threads, memory)
+    except LimitError:
+        raise
     except Exception as error:  # each solver has exceptions of its own
         raise SolveError(f"solver {name!r} failed: {error}") from error
     if matrix.shape[0] == n:
@@ -175,7 +206,9 @@ def _factor(A: sparse.csr_array, transposed: sparse.csr_array, name: str, thread
     return lambda b: solve(np.pad(b, ((0, matrix.shape[0] - n), (0, 0))))[:n]
 
 
-def _quasidefinite(A: sparse.csr_array, transposed: sparse.csr_array) -> sparse.csr_array:
+def _quasidefinite(
+    A: sparse.csr_array, transposed: sparse.csr_array, memory: float = math.inf
+) -> sparse.csr_array:
     """Return A^T A or, where A has rows of more than `LONGEST_ROW` entries, a sparser stand-in.
 
     With the long rows R and the others B, (B^T B + R^T R) x = b is the first block of
@@ -184,12 +217,27 @@ def _quasidefinite(A: sparse.csr_array, transposed: sparse.csr_array) -> sparse.
     quasidefinite matrices", SIAM J. Optim. 5, 1995). B alone may be singular; B and a weak pin on
     every vertex whose row was taken (a Dirichlet problem) is not. Refinement removes the pins.
     """
+    import scipy.sparse as sparse
+
     is_long = np.diff(A.indptr) > LONGEST_ROW
     if not is_long.any():
+        _check_product(A, transposed, memory)
         return (transposed @ A).tocsr()
     short, long = A[~is_long], A[is_long]
+    columns = short.T.tocsr()
+    _check_product(short, columns, memory)
     # Row i of A is row i of L, which comes first; an anchor's row has one entry.
     pins = sparse.diags_array(PIN * is_long[: A.shape[1]])
     return sparse.block_array(
-        [[short.T @ short + pins, long.T], [long, -sparse.eye_array(long.shape[0])]], format="csr"
+        [[columns @ short + pins, long.T], [long, -sparse.eye_array(long.shape[0])]], format="csr"
     )
+
+
+def _check_product(A: sparse.csr_array, transposed: sparse.csr_array, memory: float) -> None:
+    """Refuse an A^T A that alone is too large; only where it may be are its entries counted."""
+    if MATRIX_ENTRY * np.square(np.diff(A.indptr), dtype=np.float64).sum() <= memory:
+        return
+    entries = elimination.product_entries(
+        *pattern(A), *pattern(transposed), int(memory / MATRIX_ENTRY)
+    )
+    check_memory(MATRIX_ENTRY * entries, memory)

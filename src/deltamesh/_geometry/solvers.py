@@ -4,6 +4,10 @@ rslab does not survive a fork: its threads stay in the parent and its child wait
 with one thread too. The allocator that comes with it belongs to a thread that may not be in the
 child either. A process that was forked from one that had loaded rslab goes by SuperLU of scipy
 instead. MKL starts its threads anew in a child.
+
+Factors of surfaces have some hundred entries an unknown, those of random graphs a share of all
+pairs. So each solver foresees its memory from the positions of the entries, and refuses what would
+take more than it may, before any number is computed.
 """
 
 from __future__ import annotations
@@ -11,6 +15,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 import importlib.util
+import math
 import os
 import sys
 import threading
@@ -18,13 +23,16 @@ import weakref
 from collections.abc import Callable, Iterator, Mapping
 from ctypes import c_int
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-import scipy.sparse as sparse
 
-from deltamesh_formats.array_types import Floats
-from deltamesh_formats.errors import SolveError
+from deltamesh._kernels.mesh import elimination
+from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.errors import LimitError, SolveError
+
+if TYPE_CHECKING:
+    import scipy.sparse as sparse
 
 # From the right-hand sides, float64 (n, c), to the solutions.
 Solve = Callable[[Floats], Floats]
@@ -39,13 +47,25 @@ class Solver:
     module, requirement : str
         What is imported, and what pip installs.
     factor : callable
-        Factors a matrix, csr_array (n, n), with a number of threads.
+        Factors a matrix, csr_array (n, n), with a number of threads, within bytes of memory;
+        raises LimitError where they are not enough.
     """
 
     module: str
     requirement: str
-    factor: Callable[[sparse.csr_array, int], Solve]
+    factor: Callable[[sparse.csr_array, int, float], Solve]
 
+
+# Bytes an entry, measured as peaks of whole processes (`benchmarks/memory.py`): of a matrix beside
+# the plan of rslab, of a triangular factor, and of one by SuperLU, which keeps both triangles.
+MATRIX_ENTRY: Final = 60
+FACTOR_ENTRY: Final = 8
+SUPERLU_ENTRY: Final = 30
+# Unknowns on a mean breadth-first level, over the root of all: below 6 on nearly all surfaces,
+# above only on some with hubs, and 35 in a random graph of 20k vertices.
+BROAD: Final = 8
+# The most by which the fill of our own order may exceed that of amf: it is 1.3 to 2.7 on meshes.
+WORSE: Final = 4
 
 # Whether a process that this one was forked from had loaded rslab.
 _inherited = False
@@ -109,16 +129,62 @@ def _rslab() -> Any:
     return importlib.import_module("rslab")
 
 
-def _factor_rslab(matrix: sparse.csr_array, threads: int) -> Solve:
+def check_memory(needed: float, memory: float) -> None:
+    """Refuse a system that takes more memory than there may be.
+
+    Raises
+    ------
+    LimitError
+    """
+    if needed > memory:
+        raise LimitError(
+            "the edges are not those of a surface: solving for the positions takes more than the"
+            f" limit of {memory / 2**20:.0f} MiB"
+        )
+
+
+def pattern(matrix: sparse.csr_array) -> tuple[Ints, Ints]:
+    """Return where the entries of a matrix are: its indptr and its indices, int64."""
+    return matrix.indptr.astype(np.int64), matrix.indices.astype(np.int64)
+
+
+def _check_breadth(matrix: sparse.csr_array, entry: float, memory: float) -> None:
+    """Refuse what is far too large for any order, before one of minimum degree is looked for.
+
+    Those are fast where there are small separators. In a random graph of 20k vertices that of
+    SuperLU takes 40 s, and amf 30 s in one of 100k; the time of dissection is bounded.
+    """
+    places = pattern(matrix)
+    if memory < math.inf and elimination.breadth(*places) > BROAD * math.sqrt(matrix.shape[0]):
+        _check_fill(matrix, elimination.dissect(*places), entry / WORSE, memory)
+
+
+def _check_fill(matrix: sparse.csr_array, order: Ints, entry: float, memory: float) -> None:
+    """Refuse an order of elimination whose factor has too many entries of so many bytes."""
+    most = int(min(memory / entry, 1 << 60))
+    entries = elimination.factor_entries(*pattern(matrix), order, most)
+    check_memory(entry * entries, memory)
+
+
+def _factor_rslab(matrix: sparse.csr_array, threads: int, memory: float) -> Solve:
     rslab = _rslab()
+    _check_breadth(matrix, FACTOR_ENTRY, memory)
     # amf: half the time of metis on meshes of 35k to 540k vertices, 3-8 % more memory.
-    factor = rslab.ldlt(matrix, ordering="amf", scaling="none", threads=threads)
+    analysis = rslab.analyze(matrix, path="ldlt", ordering="amf", scaling="none", threads=threads)
+    # A thread more takes as much for a small matrix as for a large one: some stack.
+    plan = analysis.memory_plan(nrhs=3, threads=1)
+    check_memory(MATRIX_ENTRY * matrix.nnz + plan["peak_bytes"], memory)
+    factor = analysis.factor(matrix, threads=threads)
     return lambda b: np.asarray(factor.solve_many(np.ascontiguousarray(b)))
 
 
-def _factor_pardiso(matrix: sparse.csr_array, threads: int) -> Solve:
+def _factor_pardiso(matrix: sparse.csr_array, threads: int, memory: float) -> Solve:
     import pypardiso
+    import scipy.sparse as sparse
 
+    if memory < math.inf:  # MKL dissects, too
+        order = elimination.dissect(*pattern(matrix))
+        _check_fill(matrix, order, FACTOR_ENTRY, memory)
     upper = sparse.csr_matrix(sparse.triu(matrix))
     solver = pypardiso.PyPardisoSolver(mtype=-2)  # real, symmetric, indefinite
     with _mkl_threads(solver, threads):
@@ -143,16 +209,40 @@ def _mkl_threads(solver: Any, threads: int) -> Iterator[None]:
         solver.libmkl.MKL_Set_Num_Threads_Local(c_int(previous))
 
 
-def _factor_scipy(matrix: sparse.csr_array, threads: int) -> Solve:
+def _minimum_degree(matrix: sparse.csr_array) -> Ints:
+    """Return the order of SuperLU, which has it from an incomplete factor of hardly any entries."""
+    from scipy.sparse.linalg import spilu
+
+    factor = spilu(
+        matrix.tocsc(),
+        drop_tol=math.inf,
+        fill_factor=1,
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
+    return np.argsort(factor.perm_c)
+
+
+def _factor_scipy(matrix: sparse.csr_array, threads: int, memory: float) -> Solve:
     from scipy.sparse.linalg import splu
 
+    _check_breadth(matrix, SUPERLU_ENTRY, memory)
+    order = _minimum_degree(matrix)
+    _check_fill(matrix, order, SUPERLU_ENTRY, memory)
     factor = splu(
-        matrix.tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
+        matrix[order][:, order].tocsc(),
+        permc_spec="NATURAL",
         diag_pivot_thresh=0.01,  # the diagonal, unless a long row makes it tiny
         options={"SymmetricMode": True},
     )
-    return lambda b: np.asarray(factor.solve(np.ascontiguousarray(b)))
+
+    def solve(b: Floats) -> Floats:
+        x = np.empty_like(b)
+        x[order] = factor.solve(np.ascontiguousarray(b[order]))
+        return x
+
+    return solve
 
 
 SOLVERS: Final[Mapping[str, Solver]] = {

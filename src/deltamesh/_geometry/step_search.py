@@ -100,8 +100,8 @@ def _power(excess: dict[float, float], step: float) -> float:
 
     It is 1 but where slivers have lost their normals: there, errors fall slowly at first.
     """
-    others = [s for s, x in excess.items() if s != step and x > 0]
-    if not others:
+    others = [s for s, x in excess.items() if s != step and 0 < x < math.inf]
+    if not others or excess[step] == math.inf:
         return 1.0
     other = min(others, key=lambda s: abs(math.log(s / step)))
     power = math.log(excess[step] / excess[other]) / math.log(step / other)

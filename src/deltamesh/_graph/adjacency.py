@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sparse
-from scipy.sparse import csgraph
 
 from deltamesh._graph.halfedges import ends
+from deltamesh._kernels.mesh import neighbours
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.polymesh.permutations import numbered
 
@@ -58,19 +57,10 @@ def adjacency(faces: Ints, n: int) -> tuple[Ints, Ints]:
 
 
 def adjacency_of_edges(pairs: Ints, n: int) -> tuple[Ints, Ints]:
-    """Return the neighbours of every vertex, as `adjacency` does, from edges (e, 2), each once."""
-    A = sparse.csr_array(
-        (
-            np.ones(2 * len(pairs)),
-            (
-                np.concatenate((pairs[:, 1], pairs[:, 0])),
-                np.concatenate((pairs[:, 0], pairs[:, 1])),
-            ),
-        ),
-        shape=(n, n),
-    )
-    A.sort_indices()
-    return A.indptr.astype(np.int64), A.indices.astype(np.int64)
+    """Return the neighbours of every vertex, as `adjacency` does, from `edges` (e, 2)."""
+    indptr, indices = np.empty(n + 1, dtype=np.int64), np.empty(2 * len(pairs), dtype=np.int64)
+    neighbours.fill(pairs, indptr, indices)
+    return indptr, indices
 
 
 def components(indptr: Ints, indices: Ints) -> Ints:
@@ -87,11 +77,9 @@ def components(indptr: Ints, indices: Ints) -> Ints:
         Labels 0, 1, ... in the order of each component's lowest vertex. An isolated vertex is a
         component of its own.
     """
-    n = len(indptr) - 1
-    A = sparse.csr_array((np.ones(len(indices), dtype=np.int8), indices, indptr), shape=(n, n))
-    _, labels = csgraph.connected_components(A, directed=False)
-    # scipy does not promise an order of its labels, and the anchors of a file depend on it.
-    return numbered(labels)[0]
+    labels = np.empty(len(indptr) - 1, dtype=np.int64)
+    neighbours.label_components(indptr, indices, labels)
+    return labels
 
 
 def components_of_faces(faces: Ints, n: int) -> Ints:

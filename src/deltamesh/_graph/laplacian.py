@@ -6,10 +6,14 @@ section 3.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import scipy.sparse as sparse
 
 from deltamesh_formats.array_types import Ints
+
+if TYPE_CHECKING:
+    import scipy.sparse as sparse
 
 
 def laplacian(indptr: Ints, indices: Ints) -> sparse.csr_array:
@@ -25,6 +29,8 @@ def laplacian(indptr: Ints, indices: Ints) -> sparse.csr_array:
     csr_array, float64 (n, n)
         Symmetric, with sorted indices. The row of an isolated vertex is empty.
     """
+    import scipy.sparse as sparse  # 0.2 s, which files without a system need not wait for
+
     n = len(indptr) - 1
     A = sparse.csr_array((np.ones(len(indices)), indices, indptr), shape=(n, n))
     L = (sparse.diags_array(np.diff(indptr).astype(np.float64)) - A).tocsr()

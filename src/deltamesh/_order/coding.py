@@ -136,9 +136,9 @@ def _polygon_stream(rows: _Rows, order: Order, plan: int, margin: int, stop: int
     return _stream(len(order.polygons), stop, run)
 
 
-def _stream(count: int, stop: int | None, code: Callable[[Coder], int]) -> bytes:
+def _stream(count: int, stop: int | None, code: Callable[[Coder], bool]) -> bytes:
     def run(coder: Coder) -> None:
-        if code(coder) != steps.OK:
+        if not code(coder):
             raise AssertionError("the order is not a permutation")
 
     return encode_with(steps.MODEL, count if stop is None else min(count, stop), run)
@@ -199,7 +199,7 @@ def decode_order(payload: memoryview, faces: Ints, polygons: Polygons, vertex_co
 
 def _read_vertices(stream: memoryview, at: int, rows: _Rows, plan: int, vertices: Ints) -> None:
     def run(coder: Coder) -> None:
-        if _code_vertices(coder, rows, plan, vertices) != steps.OK:
+        if not _code_vertices(coder, rows, plan, vertices):
             raise FormatError("the vertex order is corrupt", at)
 
     decode_with(steps.MODEL, stream, run, at)
@@ -209,7 +209,7 @@ def _read_polygons(
     stream: memoryview, at: int, rows: _Rows, plan: int, rank: Ints, order: Order
 ) -> None:
     def run(coder: Coder) -> None:
-        if _code_polygons(coder, rows, plan, rank, order) != steps.OK:
+        if not _code_polygons(coder, rows, plan, rank, order):
             raise FormatError("the polygon order is corrupt", at)
 
     decode_with(steps.MODEL, stream, run, at)
@@ -222,7 +222,7 @@ def _code_vertices(
     vertices: Ints,
     margin: int = 0,
     stop: int | None = None,
-) -> int:
+) -> bool:
     n = len(vertices)
     first, last = rows.offsets[:-1], rows.offsets[1:] - 1
     after = np.arange(1, len(rows.corners) + 1)
@@ -233,10 +233,9 @@ def _code_vertices(
     mirror = inverse(np.argsort(indices, kind="stable"))
     newest = 1 if plan & PLAN_NEWEST else 0
     stop = len(vertices) if stop is None else stop
-    status: int = vertex_order.code_vertices(
+    return vertex_order.code_vertices(
         coder, indptr, indices, mirror, newest, vertices, margin, stop
     )
-    return status
 
 
 def _code_polygons(
@@ -247,12 +246,11 @@ def _code_polygons(
     order: Order,
     margin: int = 0,
     stop: int | None = None,
-) -> int:
+) -> bool:
     polygons, rotations = order.polygons, order.rotations
     stop = len(polygons) if stop is None else stop
     ranked = int(np.count_nonzero(rank >= 0))
     anchors = plan & PLAN_ANCHOR
-    status: int = face_order.code_faces(
+    return face_order.code_faces(
         coder, *rows, rank, ranked, anchors, polygons, rotations, margin, stop
     )
-    return status

@@ -55,6 +55,8 @@ class Draft:
         What became of the shape.
     cost : Cost or None
         The bound that cost the bytes; None where there were no bounds.
+    margin : int
+        How far a writer may round decoded positions, as `Meta.margin` has it.
     content : Content
         As a decoder knows it after the same sections.
     """
@@ -66,6 +68,7 @@ class Draft:
     trial: Trial | None = None
     report: Report | None = None
     cost: Cost | None = None
+    margin: int = 0
     content: Content = NOTHING
 
     @property

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from deltamesh._content import Content
-from deltamesh._geometry.bounds import Binding, bounds_of
+from deltamesh._geometry.bounds import Binding, Bounds, bounds_of
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.part_search import components_of
@@ -16,23 +16,38 @@ from deltamesh._geometry.search import smallest
 from deltamesh._geometry.solve import factorization
 from deltamesh._geometry.steps import anchor_ratios, ratios
 from deltamesh._geometry.trial import ScaleError, Trial
-from deltamesh._measures.measure import Measure
+from deltamesh._limits import memory_to_encode
+from deltamesh._measures.margins import margin_of
+from deltamesh._measures.measure import Measure, Measured
 from deltamesh._measures.metrics import diagonal
 from deltamesh._measures.named_parts import NamedParts, named_parts
 from deltamesh._measures.report import report_of
 from deltamesh._mesh import LARGEST
-from deltamesh._options import Settings
+from deltamesh._methods import AUTO, CARTESIAN
+from deltamesh._options import Options, Settings
 from deltamesh._sections.draft import Cost, Draft
 from deltamesh._shape.complexes import distinct_faces
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Container, Parameters
+from deltamesh_formats.errors import LimitError, MeshError
 
 
 def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
     """Return the payloads of the smallest geometry that is good enough, and the draft with it."""
-    options, structure, V = draft.options, draft.shape.structure, draft.positions
+    options = draft.options
+    try:
+        return _encode(draft, options)
+    except LimitError as error:
+        if options.method != AUTO or options.bits == 0:
+            raise MeshError(f"{error}; try method cartesian") from error
+        return _encode(draft, replace(options, method=CARTESIAN.name, coarse=None))
+
+
+def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
+    structure, V = draft.shape.structure, draft.positions
     surface, used = structure.surface, structure.complex.used
-    factor = factorization(surface.laplacian, options.solver, options.threads)
+    memory = memory_to_encode(surface.vertex_count)
+    factor = factorization(lambda: surface.laplacian, options.solver, options.threads, memory)
     faces, polygons = _measured(draft)
     component = np.pad(surface.labels, (0, len(V) - used), constant_values=-1)
     named = named_parts(draft.mesh, faces, polygons, component)
@@ -57,7 +72,18 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
     report = report_of(trial.measured, named)
     cost = None if bounds is None else _cost(bounds.binding(trial.measured), named)
     content = replace(draft.content, integers=trial.integers)
-    return trial.payloads, replace(draft, trial=trial, report=report, cost=cost, content=content)
+    margin = 0 if options.exact else _margin(measure, trial, diagonal(V), bounds)
+    made = replace(draft, trial=trial, report=report, cost=cost, margin=margin, content=content)
+    return trial.payloads, made
+
+
+def _margin(measure: Measure, trial: Trial, scale: float, bounds: Bounds | None) -> int:
+    """Return the margin within which what is written keeps the bounds, too."""
+
+    def keeps(measured: Measured) -> bool:
+        return bounds is None or bounds.excess(measured) <= 1
+
+    return margin_of(measure, trial.measured, trial.vertices, scale, keeps)
 
 
 def decode(container: Container, content: Content) -> Content:

@@ -15,13 +15,12 @@ from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.connectivity import (
     HALFEDGE,
     NEW_VERTEX,
-    OK,
     OLD_VERTEX,
     Region,
     grow,
 )
-from deltamesh._kernels.coding.front import JOINS, Front, new_front
-from deltamesh._kernels.coding.valence import MODEL, MODEL_SIZE, PRIOR
+from deltamesh._kernels.coding.front import new_front
+from deltamesh._kernels.coding.valence import MODEL
 from deltamesh._shape.announced import announced
 from deltamesh._shape.coding_order import in_coding_order
 from deltamesh._shape.draft import ShapeDraft
@@ -83,13 +82,13 @@ def encode_connectivity(topology: Topology) -> tuple[bytes, CodedManifold]:
     front = new_front(len(region.vertices) + face_count)
 
     def run(coder: Coder) -> None:
-        if not _grow(coder, front, region, topology.loop_count, topology.vertex_count):
+        if not grow(coder, front, region, topology.loop_count, topology.vertex_count):
             raise AssertionError("the region grower failed on a manifold")
 
     stream = encode_with(MODEL, face_count, run)
-    counts = (topology.loop_count, topology.boundary_edge_count, int(front.counts[JOINS]))
+    counts = (topology.loop_count, topology.boundary_edge_count, front.counts.join_count)
     faces, is_open = _open(region)
-    starts, order = region.starts[is_open], region.vertices["old"][~region.vertices["is_loop"]]
+    starts, order = region.starts[is_open], region.vertices["old"][region.vertices["is_loop"] == 0]
     manifold = Manifold(faces, len(order), _reordered(topology.opposite, starts))
     payload = b"".join(map(write_varint, counts)) + stream
     return payload, CodedManifold(manifold, order, starts)
@@ -122,8 +121,8 @@ def decode_connectivity(payload: memoryview, vertex_count: int, face_count: int)
     front = new_front(vertex_count + loops + joins)
 
     def run(coder: Coder) -> None:
-        sound = _grow(coder, front, region, loops, vertex_count)
-        if not sound or front.counts[JOINS] != joins:
+        sound = grow(coder, front, region, loops, vertex_count)
+        if not sound or front.counts.join_count != joins:
             raise FormatError("the connectivity is corrupt", at)
 
     decode_with(MODEL, payload[at:], run, at)
@@ -135,29 +134,21 @@ def decode_connectivity(payload: memoryview, vertex_count: int, face_count: int)
     return faces
 
 
-def _grow(coder: Coder, front: Front, region: Region, loops: int, vertices: int) -> bool:
-    """Code a region from the prior probabilities; return whether it is that of a manifold."""
-    coder.memory[: len(PRIOR)] = PRIOR
-    return bool(grow(coder, front, region, loops, vertices) == OK)
-
-
 def _region(
     halfedges: NDArray[np.void], old: NDArray[np.void], vertices: int, faces: int
 ) -> Region:
-    model = np.zeros(MODEL_SIZE, dtype=np.int64)
     return Region(
         halfedges=halfedges,
         old=old,
         faces=np.empty((faces, 3), dtype=np.int64),
         vertices=np.zeros(vertices, dtype=NEW_VERTEX),
-        model=model,
         starts=np.empty(len(halfedges) // 3, dtype=np.int64),
     )
 
 
 def _open(region: Region) -> tuple[Ints, Bools]:
     """Return the faces without those that close boundary loops, and which of all faces they are."""
-    real = ~region.vertices["is_loop"]
+    real = region.vertices["is_loop"] == 0
     index = np.cumsum(real) - 1
     kept = real[region.faces].all(axis=1)
     return index[region.faces[kept]], kept

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import scipy.sparse as sparse
 
 from deltamesh._graph.adjacency import adjacency, adjacency_of_edges, components, edges_between
 from deltamesh._graph.elements import Elements
@@ -16,6 +15,9 @@ from deltamesh._graph.laplacian import laplacian
 from deltamesh._graph.parallelograms import NO_QUADS, parallelograms
 from deltamesh._shape.manifold import Manifold
 from deltamesh_formats.array_types import Bools, Ints
+
+if TYPE_CHECKING:
+    import scipy.sparse as sparse
 
 NO_EDGES: Final = np.zeros(0, dtype=bool)
 

@@ -82,7 +82,7 @@ def _decimal(values: Floats, single: bool) -> Decomposition:
         if not len(left):
             break
     size = np.abs(mantissa)
-    length = np.searchsorted(POWERS, size, side="right")
+    length = length_of(mantissa, 10)
     # Of whole numbers, the zeros at the end are no digits.
     zeros = np.zeros(len(values), dtype=np.int64)
     for power in POWERS[1:16]:
@@ -90,6 +90,13 @@ def _decimal(values: Floats, single: bool) -> Decomposition:
     before = np.where(size == 0, -NEVER, length - places)
     digits = np.where(places == NEVER, NEVER, np.where(size == 0, 0, length - zeros))
     return Decomposition(10, mantissa, places, digits, before)
+
+
+def length_of(mantissa: Ints, base: int) -> Ints:
+    """Return the number of digits of integers below 2^53, 0 of 0."""
+    if base == 2:
+        return np.frexp(mantissa.astype(np.float64))[1].astype(np.int64)
+    return np.searchsorted(POWERS, np.abs(mantissa), side="right")
 
 
 def rounded_to(x: Floats, single: bool) -> Floats:

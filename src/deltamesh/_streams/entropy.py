@@ -2,39 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from deltamesh._kernels.coding.coder import (
-    MASK32,
-    MAX_INPUTS,
-    MIXER_INPUTS,
-    MIXER_LIMIT,
-    MIXER_SIZE,
-    MIXER_YOUTH,
-    MIXERS,
-    POSITION,
-    RANGE,
-    STATE_SIZE,
-    UNKNOWN,
-    YOUTH,
-    Coder,
-    finish_encoding,
-    is_finished,
-    start_decoding,
-)
-from deltamesh._kernels.coding.models import Model
+from deltamesh._kernels.coding.coder import Coder, finish_encoding, is_finished, new_coder
+from deltamesh._kernels.coding.models import Mixers, Model
 from deltamesh_formats.errors import FormatError
-
-# Small files learn faster from a mixer that starts a little above the mean of its inputs, which
-# are all too careful at first, than from one that starts at zero.
-INITIAL_WEIGHT_SUM = 1.2
-
-# Number of inputs of each mixer, and the bound of the counts of its slots.
-Mixers = Sequence[tuple[int, int]]
 
 # No element takes more: three numbers of 31 + 31 + 1 bits, each of at most log2(65536 / P_MIN)
 # = 11.5. Reserved bytes that are not written cost no memory.
@@ -86,33 +61,15 @@ def decode_with(
     return result
 
 
-def _coder(data: NDArray[np.uint8], slots: int, mixers: Mixers) -> Coder:
-    state = np.zeros(STATE_SIZE, dtype=np.int64)
-    state[RANGE] = MASK32
-    state[MIXERS] = slots
-    memory = np.full(slots + len(mixers) * MIXER_SIZE, UNKNOWN, dtype=np.int64)
-    table = memory[slots:].reshape(-1, MIXER_SIZE)
-    inputs, limits = np.array(mixers, dtype=np.int64).T
-    total = np.where(inputs == 1, 1.0, INITIAL_WEIGHT_SUM)
-    table[:, :MAX_INPUTS] = np.rint(65536 * total / inputs)[:, None]
-    table[:, MIXER_INPUTS], table[:, MIXER_LIMIT] = inputs, limits
-    table[:, MIXER_YOUTH] = YOUTH
-    return Coder(state, memory, data)
-
-
 def encoder(elements: int, slots: int, mixers: Mixers) -> Coder:
     """Return a coder for that many vertices, faces or points; each mixer is (inputs, limit)."""
-    coder = _coder(np.zeros(1024 + ELEMENT_BYTES * elements, dtype=np.uint8), slots, mixers)
-    coder.state[POSITION] = -1  # the first byte that leaves LOW is always zero: not stored
-    return coder
+    data = np.zeros(1024 + ELEMENT_BYTES * elements, dtype=np.uint8)
+    return new_coder(Model(slots, mixers), data, decoding=False)
 
 
 def decoder(payload: bytes | memoryview, slots: int, mixers: Mixers) -> Coder:
     """Return a coder that reads `payload`."""
-    # A copy: a read-only array would be another type, and every kernel compiled for it again.
-    coder = _coder(np.frombuffer(payload, dtype=np.uint8).copy(), slots, mixers)
-    start_decoding(coder)
-    return coder
+    return new_coder(Model(slots, mixers), np.frombuffer(payload, dtype=np.uint8), decoding=True)
 
 
 def finish(coder: Coder) -> bytes:
@@ -129,7 +86,7 @@ def check_end(coder: Coder, offset: int) -> None:
     FormatError
         With the position; `offset` is that of the stream.
     """
-    size, position = len(coder.data), int(coder.state[POSITION])
+    size, position = len(coder.data), int(coder.registers.position)
     if size and coder.data[-1] == 0:
         raise FormatError("a zero byte at the end of a stream", offset + size - 1)
     if position < size or not is_finished(coder):

@@ -1,13 +1,14 @@
 """Three columns of floats to the last bit, as in section EXAC and in exact attributes.
 
-The number formats of the columns come first; a stream of the indices in these formats follows.
+The number formats of the columns come first, with their conversions; a stream of the indices in
+these formats follows, then one of deviations if there are any.
 """
 
 from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -15,8 +16,10 @@ from deltamesh._graph.elements import Elements
 from deltamesh._kernels.coding import exact, grid
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.models import Model
+from deltamesh._streams.conversions import Conversion, Operation
 from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh._streams.number_formats import ColumnFormats, NumberFormat, fault_of
+from deltamesh._streams.vectors import decode_vectors, encode_vectors
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container import layout
 from deltamesh_formats.errors import FormatError
@@ -25,18 +28,22 @@ SINGLE, DOUBLE = layout.RAW_WIDTHS["binary32"], layout.RAW_WIDTHS["binary64"]
 _WIDTH: Final = layout.STRUCT_CODES["u8"]
 _COLUMN: Final = layout.struct_of(layout.COLUMN_FIELDS)
 _FORMAT: Final = layout.struct_of(layout.FORMAT_FIELDS)
+_OPERATION: Final = layout.struct_of(layout.OPERATION_FIELDS)
+_SIZE: Final = layout.STRUCT_CODES["u32"]
+_OPERATIONS_AT: Final = (layout.COLUMN_OPERATIONS & -layout.COLUMN_OPERATIONS).bit_length() - 1
 # An element of three numbers of up to 64 + 64 bits takes fewer bytes than two elements of others.
 _ELEMENTS: Final = 2
 
 
-def encode_indices(
+def encode_numbers(
     elements: Elements,
     width: int,
     columns: Sequence[ColumnFormats],
     choices: Ints,
     indices: Ints,
+    deviations: Ints,
 ) -> bytes:
-    """Return the stream of numbers by their indices.
+    """Return the streams of numbers: of their indices, and of their deviations if there are any.
 
     Parameters
     ----------
@@ -44,20 +51,24 @@ def encode_indices(
     width : int
         Bits of a raw number.
     columns : sequence of 3 ColumnFormats
-    choices, indices : int64 (n, 3)
+    choices, indices, deviations : int64 (n, 3)
         As `number_formats.to_indices` returns them.
     """
 
     def run(coder: Coder) -> None:
         _code(coder, elements, columns, width, choices.copy(), indices.copy())
 
-    return encode_with(_model(columns), _ELEMENTS * elements.count, run)
+    stream = encode_with(_model(columns), _ELEMENTS * elements.count, run)
+    if not _deviate(columns):
+        return stream
+    other = encode_vectors(elements.indptr, elements.indices, deviations)
+    return _SIZE.pack(len(stream)) + stream + other
 
 
-def decode_indices(
+def decode_numbers(
     payload: memoryview, at: int, elements: Elements, width: int, columns: Sequence[ColumnFormats]
-) -> tuple[Ints, Ints]:
-    """Return choices and indices, from the stream at `at`: the mirror of `encode_indices`.
+) -> tuple[Ints, Ints, Ints]:
+    """Return choices, indices and deviations, from `at` on: the mirror of `encode_numbers`.
 
     Raises
     ------
@@ -69,7 +80,23 @@ def decode_indices(
         _code(coder, elements, columns, width, choices, indices)
         return choices, indices
 
-    return decode_with(_model(columns), payload[at:], run, at)
+    if not _deviate(columns):
+        choices, indices = decode_with(_model(columns), payload[at:], run, at)
+        return choices, indices, np.zeros_like(choices)
+    (size,), begin = _take(payload, at, _SIZE)
+    end = begin + size
+    if end > len(payload):
+        raise FormatError("truncated: stream of numbers", len(payload))
+    choices, indices = decode_with(_model(columns), payload[begin:end], run, begin)
+    deviations = decode_vectors(elements.indptr, elements.indices, payload[end:], end)
+    having = np.array([column.conversion.deviations for column in columns])
+    if deviations[~(having & (choices != exact.RAW))].any():
+        raise FormatError("deviation of a number that has none", end)
+    return choices, indices, deviations
+
+
+def _deviate(columns: Sequence[ColumnFormats]) -> bool:
+    return any(column.conversion.deviations for column in columns)
 
 
 def parallelogram_errors(V: Floats, elements: Elements) -> Floats:
@@ -80,9 +107,7 @@ def parallelogram_errors(V: Floats, elements: Elements) -> Floats:
 
 
 def _model(columns: Sequence[ColumnFormats]) -> Model:
-    count = sum(len(column.formats) for column in columns)
-    slots = exact.FORMATS_AT + count * exact.FORMAT_SLOTS
-    return Model(slots, 3 * exact.AXIS_MIXERS + count * exact.FORMAT_MIXERS)
+    return exact.model_for(sum(len(column.formats) for column in columns))
 
 
 def _code(
@@ -102,17 +127,22 @@ def _code(
             formats.append((f.base, column.grid - f.places, f.digits, usual))
     tables = np.array(table), np.array(formats, dtype=np.int64).reshape(-1, grid.FORMAT_SIZE)
     around = e.indptr, e.indices, e.first, e.corners
-    exact.code_exact(coder, *around, *tables, np.int64(width), choices, indices)
+    exact.code_exact(coder, *around, *tables, width, choices, indices)
 
 
 def pack_formats(width: int, columns: Sequence[ColumnFormats]) -> bytes:
     """Return the bytes of the formats; the mirror is `unpack_formats`."""
     parts = [_WIDTH.pack(width)]
     for column in columns:
-        flags = layout.COLUMN_RAW * column.raw | layout.COLUMN_ZEROS * column.zeros
-        parts.append(_COLUMN.pack(len(column.formats) | flags, column.grid))
-        for f, usual in zip(column.formats, column.usual, strict=True):
-            parts.append(_FORMAT.pack(f.base, f.places, f.digits, usual))
+        conversion = column.conversion
+        flags = len(column.formats) | len(conversion.operations) << _OPERATIONS_AT
+        flags |= layout.COLUMN_RAW * column.raw | layout.COLUMN_ZEROS * column.zeros
+        flags |= layout.COLUMN_DOUBLE * conversion.double
+        flags |= layout.COLUMN_DEVIATIONS * conversion.deviations
+        parts.append(_COLUMN.pack(flags, column.grid))
+        parts += [_OPERATION.pack(one.operator, one.operand) for one in conversion.operations]
+        pairs = zip(column.formats, column.usual, strict=True)
+        parts += [_FORMAT.pack(f.base, f.places, f.digits, usual) for f, usual in pairs]
     return b"".join(parts)
 
 
@@ -129,22 +159,41 @@ def unpack_formats(payload: memoryview) -> tuple[int, list[ColumnFormats], int]:
     columns = []
     for _ in range(3):
         start = at
-        (flags, grid), at = _take(payload, at, _COLUMN)
-        formats, usual = [], []
-        for _ in range(flags & layout.COLUMN_FORMATS):
-            (*fields, length), at = _take(payload, at, _FORMAT)
-            formats.append(NumberFormat(*fields))
-            usual.append(length)
-        raw, zeros = bool(flags & layout.COLUMN_RAW), bool(flags & layout.COLUMN_ZEROS)
-        column = ColumnFormats(tuple(formats), tuple(usual), grid, raw, zeros)
-        fault = "reserved bits are set" if flags >= 2 * layout.COLUMN_ZEROS else fault_of(column)
+        column, at = _unpack_column(payload, at)
+        fault = fault_of(column, width == SINGLE)
         if fault:
             raise FormatError(fault, start)
         columns.append(column)
     return width, columns, at
 
 
-def _take(payload: memoryview, at: int, fields: struct.Struct) -> tuple[tuple[int, ...], int]:
+def _unpack_column(payload: memoryview, at: int) -> tuple[ColumnFormats, int]:
+    """Return a column that may be at fault, and where it ends."""
+    (flags, grid), at = _take(payload, at, _COLUMN)
+    operations: list[Operation] = []
+    formats: list[NumberFormat] = []
+    usual: list[int] = []
+    for _ in range((flags & layout.COLUMN_OPERATIONS) >> _OPERATIONS_AT):
+        (operator, operand), at = _take(payload, at, _OPERATION)
+        operations.append(Operation(operator, operand))
+    for _ in range(flags & layout.COLUMN_FORMATS):
+        (*fields, length), at = _take(payload, at, _FORMAT)
+        formats.append(NumberFormat(*fields))
+        usual.append(length)
+    raw, zeros, double, deviations = (
+        bool(flags & bit)
+        for bit in (
+            layout.COLUMN_RAW,
+            layout.COLUMN_ZEROS,
+            layout.COLUMN_DOUBLE,
+            layout.COLUMN_DEVIATIONS,
+        )
+    )
+    conversion = Conversion(tuple(operations), double, deviations)
+    return ColumnFormats(tuple(formats), tuple(usual), grid, raw, zeros, conversion), at
+
+
+def _take(payload: memoryview, at: int, fields: struct.Struct) -> tuple[tuple[Any, ...], int]:
     if len(payload) < at + fields.size:
         raise FormatError("truncated: number formats", len(payload))
     return fields.unpack_from(payload, at), at + fields.size

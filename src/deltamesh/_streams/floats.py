@@ -6,7 +6,6 @@ Numbers that no number format holds, those that are not finite among them, are r
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,19 +14,18 @@ from numpy.typing import NDArray
 from deltamesh._graph.elements import Elements
 from deltamesh._kernels.coding.exact import RAW
 from deltamesh._mesh import LARGEST
+from deltamesh._streams.column_choice import choose_columns, numbers_of
 from deltamesh._streams.columns import join_columns, split_columns
 from deltamesh._streams.exact import (
     DOUBLE,
     SINGLE,
-    decode_indices,
-    encode_indices,
+    decode_numbers,
+    encode_numbers,
     pack_formats,
-    parallelogram_errors,
     unpack_formats,
 )
-from deltamesh._streams.format_choice import choose_formats
-from deltamesh._streams.number_formats import RAW_ONLY, ColumnFormats, from_indices, to_indices
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh._streams.number_formats import from_indices
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import FormatError, located
 
 
@@ -58,27 +56,11 @@ def _encoded(elements: Elements, bits: Ints, size: int) -> bytes:
     short = V.astype(np.float32)
     single = size < 8 or bool((short.astype(np.float64).view(np.int64) == bits).all())
     usable = np.abs(V) <= LARGEST
-    errors = parallelogram_errors(V, elements)
     raw = bits_of(short) if single and size == 8 else bits
-    columns, choices, indices = [], np.empty_like(bits), np.empty_like(bits)
-    for a in range(3):
-        some, clean = usable[:, a], np.where(usable[:, a], V[:, a], 0.0)
-        column = _formats(clean[some], errors[np.isfinite(errors[:, a]), a], single, not some.all())
-        choices[:, a], indices[:, a] = to_indices(clean, column, single)
-        choices[~some, a] = RAW
-        columns.append(column)
-    indices = np.where(choices == RAW, raw, indices)
+    columns = choose_columns(elements, V, usable, raw, single)
+    numbers = numbers_of(V, usable, raw, columns, single)
     width = SINGLE if single else DOUBLE
-    stream = encode_indices(elements, width, columns, choices, indices)
-    return pack_formats(width, columns) + stream
-
-
-def _formats(values: Floats, errors: Floats, single: bool, raw: bool) -> ColumnFormats:
-    """Return the formats of the values that may be in one; `raw` if there are others."""
-    if not len(values):
-        return RAW_ONLY
-    column = choose_formats(values, errors, single)
-    return replace(column, raw=column.raw or raw)
+    return pack_formats(width, columns) + encode_numbers(elements, width, columns, *numbers)
 
 
 def decode_floats(
@@ -106,11 +88,12 @@ def _decoded(payload: memoryview, elements: Elements, size: int) -> Ints:
     single = width == SINGLE
     if size < 8 and not single:
         raise FormatError(f"{width}-bit numbers in an attribute of {8 * size} bits", 0)
-    choices, indices = decode_indices(payload, at, elements, width, columns)
+    choices, indices, deviations = decode_numbers(payload, at, elements, width, columns)
     is_raw = choices == RAW
     V = np.empty(indices.shape)
     for a, column in enumerate(columns):
-        V[:, a] = from_indices(choices[:, a], np.where(is_raw, 0, indices)[:, a], column, single)
+        clean = np.where(is_raw, 0, indices)[:, a]
+        V[:, a] = from_indices(choices[:, a], clean, deviations[:, a], column, single)
     numbers = V.astype(f"f{size}")
     if not (np.abs(V) <= LARGEST).all() or (numbers != V).any():
         raise FormatError(f"value not representable in {8 * size} bits", at)

@@ -27,15 +27,17 @@ SINGLE_DIGITS: Final = 24
 LEAST_USUAL: Final = 3.5
 
 # Bits that a format itself takes.
-_FORMAT_BITS: Final = 40.0
+FORMAT_BITS: Final = 40.0
+# Bits of a raw value, of float64 and of float32.
+RAW_BITS: Final = (65.0, 33.0)
 # Limits: of the values that choose the base, of the errors, of the lattices of base 2.
 _SOME: Final = 1 << 14
 _ERRORS: Final = 32
 _MOST_LATTICES: Final = 64
 
 
-def choose_formats(values: Floats, errors: Floats, single: bool) -> ColumnFormats:
-    """Choose the formats of a column that take the fewest bits, by an estimate.
+def choose_formats(values: Floats, errors: Floats, single: bool) -> tuple[float, ColumnFormats]:
+    """Choose the formats of a column that take the fewest bits, by an estimate; return both.
 
     Parameters
     ----------
@@ -46,9 +48,8 @@ def choose_formats(values: Floats, errors: Floats, single: bool) -> ColumnFormat
         Whether all values are float32.
     """
     zeros = bool((np.signbit(values) & (values == 0)).any())
-    raw_bits = 33.0 if single else 65.0
-    sizes = errors if len(errors) else np.abs(values)
-    sample = np.quantile(sizes[:: len(sizes) // _SOME + 1], (np.arange(_ERRORS) + 0.5) / _ERRORS)
+    raw_bits = RAW_BITS[single]
+    sample = sample_of(errors, values)
     # The base is that of the best formats of some values; its best formats of all are then taken.
     some = values[:: len(values) // _SOME + 1]
     costs = {b: _best(decompose(some, b, single), sample, raw_bits)[0] for b in (2, 10)}
@@ -56,15 +57,23 @@ def choose_formats(values: Floats, errors: Floats, single: bool) -> ColumnFormat
     parts = decompose(values, base, single)
     cost, formats = _best(parts, sample, raw_bits)
     if cost > raw_bits * len(values):
-        return RAW_ONLY
-    return _column_formats(parts, formats, sample, zeros)
+        return raw_bits * len(values), RAW_ONLY
+    return cost, _column_formats(parts, formats, sample, zeros)
+
+
+def sample_of(errors: Floats, values: Floats) -> Floats:
+    """Return quantiles of the errors of predictions, or, without any, of the sizes of values."""
+    sizes = errors if len(errors) else np.abs(values)
+    return np.asarray(
+        np.quantile(sizes[:: len(sizes) // _SOME + 1], (np.arange(_ERRORS) + 0.5) / _ERRORS)
+    )
 
 
 def _best(parts: Decomposition, errors: Floats, raw_bits: float) -> tuple[float, _Formats]:
     """Return the fewest bits that formats of the base take, and these formats."""
     distinct, counts = _distinct(parts)
     fit = representable(distinct)
-    lengths = _Lengths(parts.base, errors)
+    lengths = Lengths(parts.base, errors)
     best: tuple[float, _Formats] = (np.inf, ())
     for f in _first_formats(parts.base, distinct.places[fit], distinct.digits[fit]):
         first = fit & holds(f, distinct)
@@ -78,7 +87,7 @@ def _best(parts: Decomposition, errors: Floats, raw_bits: float) -> tuple[float,
             formats = (f, second)
             shares.append(int(counts[rest].sum()))
             cost += counts[rest] @ lengths(second, distinct.size[rest])
-        cost += _FORMAT_BITS * len(formats) + _entropy(shares)
+        cost += FORMAT_BITS * len(formats) + entropy(shares)
         best = min(best, (float(cost), formats), key=lambda one: one[0])
     return best
 
@@ -107,7 +116,7 @@ def _first_formats(base: int, places: Ints, digits: Ints) -> Iterator[NumberForm
             yield NumberFormat(base, int(k), int(p))
 
 
-class _Lengths:
+class Lengths:
     """Estimate of the bits of a distance: the mean of log2(1 + error / unit) over a sample."""
 
     def __init__(self, base: int, errors: Floats) -> None:
@@ -121,7 +130,13 @@ class _Lengths:
         return np.asarray(np.logaddexp2(0.0, self.errors - units[:, None]).mean(axis=1))
 
 
-def _entropy(shares: list[int]) -> float:
+def usual_length(mean: float) -> int:
+    """Return the length of a distance that the coder asks for first, by the mean of lengths."""
+    return min(round(float(mean)), MOST_USUAL) if mean >= LEAST_USUAL else 0
+
+
+def entropy(shares: list[int]) -> float:
+    """Return the bits of the choices of as many values of each kind."""
     total = sum(shares)
     return sum(s * float(np.log2(total / s)) for s in shares if s)
 
@@ -135,11 +150,11 @@ def _column_formats(
         grid = min(grid, GRID_BITS - int(parts.size.max(initial=-NEVER)))
     usual, left = [], representable(parts)
     raw = bool((~left).any())
-    lengths = _Lengths(parts.base, errors)
+    lengths = Lengths(parts.base, errors)
     for f in formats:
         has = left & holds(f, parts)
         left &= ~has
         sizes, counts = np.unique(parts.size[has & (parts.digits > 0)], return_counts=True)
         mean = counts @ lengths(f, sizes) / counts.sum() if len(sizes) else 0.0
-        usual.append(min(round(float(mean)), MOST_USUAL) if mean >= LEAST_USUAL else 0)
+        usual.append(usual_length(mean))
     return ColumnFormats(formats, tuple(usual), grid, raw, zeros)

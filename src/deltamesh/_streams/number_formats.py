@@ -9,7 +9,8 @@ numbers of a format in ascending order, as bit patterns of floats do (P. Lindstr
 "Fast and efficient compression of floating-point data", IEEE TVCG 2006, section 3.2).
 
 The value of a decimal is what a reader of text makes of it: the double next to m * 10^(e - places),
-rounded to float32 for float32 files.
+rounded to float32 for float32 files. Where a program computed the values from such numbers, the
+column has a conversion (`deltamesh._streams.conversions`) too.
 """
 
 from __future__ import annotations
@@ -19,8 +20,18 @@ from typing import Final
 
 import numpy as np
 
-from deltamesh._kernels.coding.exact import NEGATIVE_ZERO, RAW
+from deltamesh._kernels.coding.exact import FIRST, NEGATIVE_ZERO, RAW
 from deltamesh._kernels.coding.grid import BOUND, POWERS
+from deltamesh._streams.conversions import (
+    DEVIATION_BOUND,
+    NO_CONVERSION,
+    Conversion,
+    conversion_fault,
+    converted,
+    from_ordinals,
+    ordinals,
+    unconverted,
+)
 from deltamesh._streams.decomposition import (
     BINARY_DIGITS,
     DECIMAL_PLACES,
@@ -29,6 +40,7 @@ from deltamesh._streams.decomposition import (
     TENS,
     Decomposition,
     decompose,
+    length_of,
     rounded_to,
 )
 from deltamesh_formats.array_types import Bools, Floats, Ints
@@ -81,6 +93,8 @@ class ColumnFormats:
         Whether there are raw values, which are coded as their bits.
     zeros : bool
         Whether there are negative zeros.
+    conversion : Conversion
+        What makes values of the numbers; raw values have none.
     """
 
     formats: tuple[NumberFormat, ...]
@@ -88,6 +102,7 @@ class ColumnFormats:
     grid: int
     raw: bool
     zeros: bool
+    conversion: Conversion = NO_CONVERSION
 
 
 RAW_ONLY: Final = ColumnFormats((), (), 0, raw=True, zeros=False)
@@ -98,8 +113,8 @@ def largest_offset(digits: int) -> int:
     return (1 << (INDEX_BITS - digits)) - GRID_BITS - 2
 
 
-def to_indices(values: Floats, column: ColumnFormats, single: bool) -> tuple[Ints, Ints]:
-    """Return the format of each value, and its index there.
+def to_indices(values: Floats, column: ColumnFormats, single: bool) -> tuple[Ints, Ints, Ints]:
+    """Return the format of each value, its index there, and its deviation.
 
     Parameters
     ----------
@@ -114,9 +129,18 @@ def to_indices(values: Floats, column: ColumnFormats, single: bool) -> tuple[Int
         FIRST, SECOND, RAW or NEGATIVE_ZERO of `deltamesh._kernels.coding.exact`.
     indices : int64 (n,)
         The index of each value in its format, or the bits of a raw one.
+    deviations : int64 (n,)
+        Zeros, unless the conversion of the column has deviations.
     """
     choices = np.full(len(values), RAW, dtype=np.int64)
-    indices = _to_bits(values, single)
+    indices, deviations = raw_bits(values, single), np.zeros(len(values), dtype=np.int64)
+    if column.formats and not column.conversion.identical:
+        parts, off = _sources(values, column, single)
+        has = holds(column.formats[0], parts) & (np.abs(off) < DEVIATION_BOUND)
+        has &= column.conversion.deviations | (off == 0)
+        choices[has], deviations[has] = FIRST, off[has]
+        indices[has] = _index(column.formats[0], parts)[has]
+        return choices, indices, deviations
     if column.formats:
         parts = decompose(values, column.formats[0].base, single)
         fit = representable(parts)
@@ -127,21 +151,28 @@ def to_indices(values: Floats, column: ColumnFormats, single: bool) -> tuple[Int
     if column.zeros:
         negative = np.signbit(values) & (values == 0)
         choices[negative], indices[negative] = NEGATIVE_ZERO, 0
-    return choices, indices
+    return choices, indices, deviations
 
 
-def from_indices(choices: Ints, indices: Ints, column: ColumnFormats, single: bool) -> Floats:
+def from_indices(
+    choices: Ints, indices: Ints, deviations: Ints, column: ColumnFormats, single: bool
+) -> Floats:
     """Return the values: the mirror of `to_indices`; a number beyond its type is infinite."""
     values = np.zeros(len(choices))
-    values[choices == RAW] = _from_bits(indices[choices == RAW], single)
     for i, number_format in enumerate(column.formats):
         has = choices == i
         values[has] = _number(number_format, indices[has], single)
     values[choices == NEGATIVE_ZERO] = -0.0
+    values = converted(values, column.conversion, single)
+    if column.conversion.deviations:
+        finite = np.isfinite(values)
+        places = ordinals(np.where(finite, values, 0.0), single) + deviations
+        values = np.where(finite, from_ordinals(places, single), np.inf)
+    values[choices == RAW] = _from_bits(indices[choices == RAW], single)
     return values
 
 
-def fault_of(column: ColumnFormats) -> str:
+def fault_of(column: ColumnFormats, single: bool) -> str:
     """Return the fault of the formats of a column by the rules of SPEC.md 5.12; "" for none."""
     if len(column.formats) > 2 or not (column.formats or column.raw):
         return f"{len(column.formats)} number formats in a column"
@@ -155,10 +186,39 @@ def fault_of(column: ColumnFormats) -> str:
             fits = fits and f.base == 10 and 0 <= offset <= DECIMAL_OFFSET
         if not fits or f.base != column.formats[0].base or usual > MOST_USUAL:
             return f"invalid number format: base {f.base}, {f.places} places, {f.digits} digits"
-    return ""
+    return conversion_fault(column.conversion, single)
 
 
-def _to_bits(values: Floats, single: bool) -> Ints:
+def _sources(values: Floats, column: ColumnFormats, single: bool) -> tuple[Decomposition, Ints]:
+    """Return the numbers of which the conversion makes about the values, and the deviations.
+
+    They are multiples of the unit of the first format, with no digits if there is none near.
+    """
+    f = column.formats[0]
+    x = unconverted(values, column.conversion)
+    with np.errstate(all="ignore"):
+        middle = np.rint(x * TENS[f.places] if f.base == 10 else np.ldexp(x, f.places))
+    near = np.abs(middle) < EXACT - 2
+    middle = np.where(near, middle, 0.0) + 0.0  # a number that is 0 has no sign
+    there = ordinals(values, single)
+    best, off = np.zeros_like(middle), np.full(len(values), DEVIATION_BOUND)
+    for m in (middle, middle - 1, middle + 1):
+        decimal = f.base == 10
+        numbers = rounded_to(m / TENS[f.places], single) if decimal else np.ldexp(m, -f.places)
+        found = converted(numbers, column.conversion, single)
+        finite = near & np.isfinite(found)
+        distance = there - ordinals(np.where(finite, found, 0.0), single)
+        better = finite & (np.abs(distance) < np.abs(off))
+        best, off = np.where(better, m, best), np.where(better, distance, off)
+    mantissa = best.astype(np.int64)
+    digits = length_of(mantissa, f.base)
+    places = np.full(len(values), f.places)
+    size = np.where(mantissa == 0, -NEVER, digits - places)
+    return Decomposition(f.base, mantissa, places, digits, size), off
+
+
+def raw_bits(values: Floats, single: bool) -> Ints:
+    """Return the bit patterns of values, of binary32 if `single`."""
     if single:
         return values.astype(np.float32).view(np.uint32).astype(np.int64)
     return values.copy().view(np.int64)

@@ -31,7 +31,6 @@ ONE_THREAD: Final = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
-    "NUMBA_NUM_THREADS": "1",
     "RAYON_NUM_THREADS": "1",
     "VECLIB_MAXIMUM_THREADS": "1",
 }

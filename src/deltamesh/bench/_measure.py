@@ -199,10 +199,10 @@ def _setting(word: str) -> tuple[str, Any]:
 
 
 def warm_up(codec: Codec) -> None:
-    """Code a tetrahedron, so that loading or compiling kernels does not count as time to encode."""
+    """Code a tetrahedron, so that loading modules does not count as time to encode."""
     faces = np.array([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
     vertices = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
     try:
         measure("", TriangleMesh(vertices, faces), codec)
     except DeltameshError:
-        return  # a target that a tetrahedron cannot meet; the kernels have been loaded
+        return  # a target that a tetrahedron cannot meet; the modules have been loaded

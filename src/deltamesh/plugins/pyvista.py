@@ -33,6 +33,7 @@ from deltamesh.plugins._fields import (
 )
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import MeshError
+from deltamesh_formats.meshfiles.float32 import stored_positions
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, Role
 from deltamesh_formats.polymesh.texture_origin import with_origin
 from deltamesh_formats.polymesh.validation import checked
@@ -50,7 +51,7 @@ _DICTIONARY: Final = "_PYVISTA_USER_DICT"
 def to_pyvista(mesh: PolyMesh) -> pyvista.PolyData:
     """Return a `PolyData`, its points and faces in the order of the mesh.
 
-    Points are float32 where those of the source were.
+    Points are float32 where those of the source were, and float32 holds them.
 
     Warns
     -----
@@ -62,7 +63,7 @@ def to_pyvista(mesh: PolyMesh) -> pyvista.PolyData:
     warn_of_losses(lost, "a PolyData")
     roles = {a.name: a.role for a in reversed(mesh.attributes) if a.domain != "face"}
     faces = np.insert(mesh.corners, mesh.offsets[:-1], mesh.sizes)
-    made = pyvista.PolyData(mesh.vertices.astype(mesh.precision), faces=faces)
+    made = pyvista.PolyData(stored_positions(mesh), faces=faces)
     for name, values in by_name(points).items():
         made.point_data.set_array(_known(values), name)
     cells: Arrays = [(parts.kind, parts.of_face) for parts in mesh.parts]

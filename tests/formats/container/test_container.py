@@ -45,7 +45,8 @@ positive = st.floats(min_value=5e-324, allow_infinity=False)
 not_negative = st.floats(min_value=0, allow_infinity=False)
 single = st.floats(min_value=0, allow_infinity=False, width=32)
 names = st.text(max_size=60).filter(lambda s: s.isprintable() and len(s.encode()) <= 255)
-errors = (not_negative, not_negative, single, single, not_negative, names, names)
+halvings = st.integers(0, 255)
+errors = (not_negative, not_negative, single, single, not_negative, halvings, names, names)
 several = {
     "parts": st.integers(2, layout.VARINT_MAX),
     "part": names,
@@ -66,15 +67,16 @@ def containers(draw):
     anchored, lossless = method in ("highpass", "refined"), method == "lossless"
     bits = None if lossless else bits
     hundredths = st.integers(0, 255).map(lambda n: n / 100)
+    chosen = draw(st.sampled_from(["farthest", "random", "greedy"])) if anchored else None
     parameters = Parameters(
         method,
         draw(st.booleans()),
-        draw(st.sampled_from(["farthest", "random", "greedy"])) if anchored else None,
+        chosen,
         bits,
         0.0 if lossless or (method == "highpass" and bits == 0) else draw(positive),
         (0.0, 0.0, 0.0) if lossless else draw(origins),
         draw(not_negative) if anchored else 0.0,
-        draw(seeds),
+        draw(seeds) if chosen == "random" else 0,
         draw(counts) if anchored else 0,
         draw(counts),
         draw(st.floats(1, 2**100, width=32)) if method == "refined" else 1.0,

@@ -69,7 +69,7 @@ def test_text_tells_the_parameters_that_the_method_has() -> None:
     assert "anchors" not in text
     text = container_text(file_of(HIGHPASS))
     assert "8 bits, step 0.001, error diffusion" in text
-    assert "anchors: 200, farthest" in text
+    assert "anchors: 200, random" in text
     assert "isolated vertices: 3" in text
     text = container_text(file_of(replace(HIGHPASS, anchor_method="random", seed=9)))
     assert "anchors: 200, random, seed 9" in text

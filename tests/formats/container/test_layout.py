@@ -40,10 +40,10 @@ def test_spec_types():
     ("number", "tables"),
     [
         ("2", [layout.HEADER_FIELDS]),
-        ("4.1", [layout.PARAMETER_FIELDS]),
+        ("4.1", [layout.PARAMETER_FIELDS, layout.SEED_FIELDS]),
         ("4.2", [layout.META_FIELDS, layout.META_LOSS_FIELDS, layout.META_PART_FIELDS]),
         ("5.7", [layout.CHECK_FIELDS]),
-        ("5.12", [layout.COLUMN_FIELDS, layout.FORMAT_FIELDS]),
+        ("5.12", [layout.COLUMN_FIELDS, layout.OPERATION_FIELDS, layout.FORMAT_FIELDS]),
         ("5.14", [layout.INTEGER_FIELDS]),
     ],
 )
@@ -62,6 +62,7 @@ def test_spec_byte_tables(number, tables):
 
 CODES = {
     ("5.11", "Anchor"): layout.POLYGON_ANCHORS,
+    ("5.12", "Operator"): layout.OPERATORS,
     ("5.14", "Domain"): layout.DOMAINS,
     ("5.14", "Role"): layout.ROLES,
     ("5.14", "Type"): layout.TYPES,
@@ -99,6 +100,9 @@ def test_spec_tables_of_codes(number, name):
                 "formats": layout.COLUMN_FORMATS,
                 "raw": layout.COLUMN_RAW,
                 "zeros": layout.COLUMN_ZEROS,
+                "operations": layout.COLUMN_OPERATIONS,
+                "double": layout.COLUMN_DOUBLE,
+                "deviations": layout.COLUMN_DEVIATIONS,
             },
         ),
         (

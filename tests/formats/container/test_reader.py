@@ -256,22 +256,22 @@ def test_a_short_parameter_payload(cut):
 
 
 # Numbers and names of a `meta` that goes on with two parts.
-PARTS = bytes(32) + b"\0\0\0\0\2"
+PARTS = bytes(33) + b"\0\0\0\0\2"
 
 
 @pytest.mark.parametrize(
     ("payload", "message"),
     [
-        (struct.pack("<ddffd", 1, 1, 1, 1, float("nan")) + b"\0\0", "diagonal is nan"),
-        (struct.pack("<ddffd", -1, 1, 1, 1, 1) + b"\0\0", "rms is -1"),
-        (bytes(32) + b"\1\x1b\0", "control characters"),
-        (bytes(32) + b"\1\xff\0", "not UTF-8"),
-        (bytes(32) + b"\0\1", "truncated"),
-        (bytes(32) + b"\0\0\1", "meta: truncated"),
-        (bytes(32) + b"\0\0\1\2\1\0", "meta: 1 bytes follow the last field"),
-        (bytes(32) + b"\0\0\0\0\1", "no faces are lost or turned, and there is one part"),
-        (bytes(32) + b"\0\0\1\0\0", "0 parts"),
-        (bytes(32) + b"\0\0\0\0\2", "meta: truncated"),
+        (struct.pack("<ddffd", 1, 1, 1, 1, float("nan")) + b"\0\0\0", "diagonal is nan"),
+        (struct.pack("<ddffd", -1, 1, 1, 1, 1) + b"\0\0\0", "rms is -1"),
+        (bytes(33) + b"\1\x1b\0", "control characters"),
+        (bytes(33) + b"\1\xff\0", "not UTF-8"),
+        (bytes(33) + b"\0\1", "truncated"),
+        (bytes(33) + b"\0\0\1", "meta: truncated"),
+        (bytes(33) + b"\0\0\1\2\1\0", "meta: 1 bytes follow the last field"),
+        (bytes(33) + b"\0\0\0\0\1", "no faces are lost or turned, and there is one part"),
+        (bytes(33) + b"\0\0\1\0\0", "0 parts"),
+        (bytes(33) + b"\0\0\0\0\2", "meta: truncated"),
         (PARTS + struct.pack("<fd", -1, 1) + b"\0", "part_normal is -1"),
         (PARTS + struct.pack("<fd", 1, math.inf) + b"\0", "part_rms is inf"),
         (PARTS + struct.pack("<fd", 1, 1) + b"\1\n", "the part name holds control characters"),

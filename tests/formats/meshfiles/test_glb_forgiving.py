@@ -194,7 +194,7 @@ def test_extensions_that_are_left_out_are_named() -> None:
     ("change", "message"),
     [
         ({"count": [1] * 93}, r"its count is \[1, 1.{32}\.\.\., not a count"),
-        ({"type": "x" * 93}, r"unknown type 'x{36}\.\.\."),
+        ({"type": "x" * 93}, r"unknown type \"x{36}\.\.\."),
         ({"bufferView": 10**93}, r"bufferViews 10{36}\.\.\., of"),
     ],
 )

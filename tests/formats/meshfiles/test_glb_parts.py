@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import tracemalloc
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,7 @@ from deltamesh_formats.meshfiles.glb.scene import placed_meshes, scene_losses
 from deltamesh_formats.meshfiles.glb.schema import check_types, items
 from deltamesh_formats.meshfiles.glb.semantics import name_of, semantic_of
 from deltamesh_formats.meshfiles.glb.vertex_groups import grouped
-from deltamesh_formats.polymesh.mesh import Attribute
+from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 
 # ---- Chunks ------------------------------------------------------------------------------------
 
@@ -67,10 +68,12 @@ def test_buffers_are_the_binary_chunk_or_base64() -> None:
         (glb((JSON_CHUNK, b"{}"))[:-1], "is it cut short"),
         (glb((BINARY_CHUNK, b"")), "it has no JSON"),
         (glb((JSON_CHUNK, b"{")), "its JSON is not readable"),
-        (glb((JSON_CHUNK, b"[" * 100_000)), "its JSON is not readable"),
+        (glb((JSON_CHUNK, b"[" * 100_000)), "a number that is too long, or too many brackets"),
+        (glb((JSON_CHUNK, b"[" + b"1" * 5000 + b"]")), "a number that is too long"),
+        (glb((JSON_CHUNK, b'{"a": "\xff"}')), "its JSON is not UTF-8"),
         (glb((JSON_CHUNK, b"[]")), "its JSON is not an object"),
         (glb(json_chunk({"buffers": {}})), "buffers is {}, not an array"),
-        (glb(json_chunk({"buffers": [{"uri": "x.bin"}]})), "buffer 0 is in another file, 'x.bin'"),
+        (glb(json_chunk({"buffers": [{"uri": "x.bin"}]})), 'buffer 0 is in another file, "x.bin"'),
         (
             glb(json_chunk({"buffers": [{"uri": "data:;base64,A"}]})),
             "buffer 0 is not readable",
@@ -132,11 +135,11 @@ ACCESSOR = {"bufferView": 0, "count": 3, "componentType": 5126, "type": "SCALAR"
         ({"buffer": 1}, {}, "refers to buffer 1, of 1"),
         ({"extensions": {"EXT_meshopt_compression": {}}}, {}, "is compressed"),
         ({}, {"count": -1}, "its count is -1, not a count"),
-        ({}, {"count": True}, "its count is True, not a count"),
+        ({}, {"count": True}, "its count is true, not a count"),
         ({}, {"componentType": 5124}, "no component type 5124"),
-        ({}, {"type": "VEC5"}, "unknown type 'VEC5'"),
+        ({}, {"type": "VEC5"}, 'unknown type "VEC5"'),
         ({}, {"bufferView": 1}, "refers to bufferViews 1, of 1"),
-        ({}, {"bufferView": "0"}, "refers to bufferViews '0', of 1"),
+        ({}, {"bufferView": "0"}, 'refers to bufferViews "0", of 1'),
     ],
 )
 def test_accessors_that_lead_out_are_refused(
@@ -162,7 +165,7 @@ def test_numbers_and_lists_in_json_are_checked() -> None:
     found = reals({"scale": [1, 2.5, 3]}, "scale", 3)
     assert found is not None
     assert found.tolist() == [1, 2.5, 3]
-    for bad in ([1, 2], [1, 2, "3"], [1, 2, float("nan")], "123"):
+    for bad in ([1, 2], [1, 2, "3"], [1, 2, float("nan")], [1, 2, 10**400], [1, 2, True], "123"):
         with pytest.raises(MeshError, match="scale is not 3 numbers"):
             reals({"scale": bad}, "scale", 3)
 
@@ -304,7 +307,7 @@ def test_vertices_are_repeated_where_corners_differ() -> None:
     assert len(found.vertex) == len(mesh.corners)
     cut = mesh.triangulation()
     np.testing.assert_array_equal(found.vertex[found.faces], cut.faces)
-    np.testing.assert_array_equal(found.rows[0][found.faces], cut.corners)
+    np.testing.assert_array_equal(found.rows[0][0][found.faces], cut.corners)
     np.testing.assert_array_equal(found.polygon, cut.polygon)
     assert found.lost == ()
 
@@ -327,7 +330,29 @@ def test_attributes_that_only_some_corners_have_are_named() -> None:
     partly = Attribute("heat", "vertex", np.zeros((20, 1)), index=index)
     found = grouped(mesh, [partly], np.zeros(20, dtype=np.int64))
     assert found.lost == ("attributes that not all corners of a face have",)
-    assert sorted(set((found.rows[0] < 0).tolist())) == [False, True]
+    assert [list(rows) for rows in found.rows] == [[0], []]
+
+
+def test_many_attributes_of_few_vertices_take_less_than_their_mesh() -> None:
+    """Of each only the corners that have it are kept, and not a number for every corner."""
+    count = 400
+    corners = np.arange(4 * count)
+    index = np.where(np.arange(count)[:, None] == corners // 4, corners % 4, -1)
+    values = np.zeros((4, 1))
+    attributes = [Attribute(f"_{i}", "vertex", values, index=row) for i, row in enumerate(index)]
+    squares = np.random.default_rng(0).random((4 * count, 3))
+    mesh = PolyMesh(squares, corners, 4 * np.arange(count + 1), tuple(attributes))
+    objects = np.zeros(count, dtype=np.int64)
+    tracemalloc.start()
+    found = grouped(mesh, attributes, objects)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < index.nbytes / 2
+    assert found.lost == ()
+    assert [list(rows) for rows in found.rows] == [[i] for i in range(count)]
+    for i, rows in enumerate(found.rows):
+        here = found.vertex[found.starts[i] : found.starts[i + 1]]
+        np.testing.assert_array_equal(rows[i], index[i][here])
 
 
 @pytest.mark.parametrize(

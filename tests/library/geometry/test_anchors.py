@@ -94,7 +94,7 @@ def test_greedy_across_refactoring(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_greedy_is_the_same_for_any_number_of_threads() -> None:
     V, F = meshes.icosphere(4)
     L = laplacian_of(F, len(V))
-    factors = [factorization(L, threads=threads) for threads in (1, 2)]
+    factors = [factorization(lambda: L, threads=threads) for threads in (1, 2)]
     one, two = (anchors.greedy(L, V, 0 * V, 200, factor=factor) for factor in factors)
     np.testing.assert_array_equal(one, two)
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import spec_decoder
 import strategies
+from converted_numbers import KINDS, as_single, walk
 from exact_numbers import positions
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -24,6 +25,7 @@ from deltamesh._shape.surface import surface_of
 from deltamesh._streams import exact as exact_streams
 from deltamesh._streams.number_formats import RAW_ONLY
 from deltamesh_formats.container.container import Section
+from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import FormatError, MeshError
 from deltamesh_formats.polymesh.mesh import from_triangles
 
@@ -97,6 +99,37 @@ def test_negative_zeros_cost_little() -> None:
     assert len(encode(V * [1, 1, -1], F, method="lossless")) < plain + 10
     V[::3, 2] = -0.0
     assert len(encode(V, F, method="lossless")) < plain + len(V) / 7
+
+
+@strategies.FEW
+@given(
+    strategies.SMALL,
+    st.lists(st.sampled_from([*KINDS, "constant", "noise"]), min_size=3, max_size=3),
+    st.sampled_from([0.0, 0.01, 0.3]),
+)
+def test_converted_numbers(seed: int, kinds: list[str], share: float) -> None:
+    """Axes of any kinds, some of the numbers replaced by neighbours, zeros and subnormal ones."""
+    V, F = converted_mesh(kinds, seed)
+    rng = np.random.default_rng(seed)
+    with np.errstate(under="ignore"):
+        near = np.nextafter(V.astype("f4"), np.float32(np.inf)).astype("f8")
+    other = np.where(rng.random(V.shape) < 0.5, near, rng.choice([-0.0, 5e-324, 2.0**-149]))
+    V = np.where(rng.random(V.shape) < share, other, V)
+    assert_kept(V, F)
+
+
+def converted_mesh(kinds, seed):
+    """A sphere, every axis of which is made as its kind says."""
+    V, F = meshes.icosphere(2)
+    columns = []
+    for axis, kind in enumerate(kinds):
+        decimals = (100 * V[:, axis] + walk(len(V), seed + axis) / 100).round(3)
+        if kind in KINDS:
+            single, function = KINDS[kind]
+            columns.append(function(as_single(decimals) if single else decimals))
+        else:
+            columns.append(np.full(len(V), 1.1) if kind == "constant" else 0.1 + V[:, axis])
+    return np.stack(columns, axis=1), F
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
@@ -177,13 +210,41 @@ def test_the_second_decoder(name: str) -> None:
     assert spec_decoder.decode(data)[0].tobytes() == decode(data).vertices.tobytes()
 
 
+@pytest.mark.parametrize("kind", [*KINDS, "units in the last place"])
+def test_the_second_decoder_on_converted_numbers(kind: str) -> None:
+    if kind in KINDS:
+        V, F = converted_mesh([kind] * 3, 4)
+    else:
+        V, F = converted_mesh(["* 25.4"] * 3, 4)
+        V[::7] = np.nextafter(V[::7].astype("f4"), np.float32(np.inf))
+    encoded = assert_kept(V, F)
+    formats = exact_streams.unpack_formats(memoryview(section_of(encoded.data, "EXAC")))[1]
+    assert any(column.conversion.operations for column in formats)
+    deviate = [column.conversion.deviations for column in formats]
+    assert any(deviate) == (kind not in KINDS)
+    assert spec_decoder.decode(encoded.data)[0].tobytes() == decode(encoded.data).vertices.tobytes()
+
+
+def section_of(data: bytes, name: str) -> bytes:
+    return bytes(read_container(data).sections[name].payload)
+
+
 # ---- What no encoder has written ---------------------------------------------------------------
 
 SPHERE = surface_of(meshes.icosphere(0)[1], 12, 0)
 PARAMETERS = lossless.quantize(
-    SPHERE, meshes.icosphere(0)[0], np.zeros((0, 3)), EXACTLY, factorization(SPHERE.laplacian)
+    SPHERE,
+    meshes.icosphere(0)[0],
+    np.zeros((0, 3)),
+    EXACTLY,
+    factorization(lambda: SPHERE.laplacian),
 )[0]
 flags, small = st.integers(0, 15), st.integers(-40, 1100)
+operation = st.builds(
+    lambda *fields: exact_streams._OPERATION.pack(*fields),
+    st.integers(0, 3),
+    st.sampled_from([0.001, 25.4, -1e150, 2.0**-1022]) | st.floats(),
+)
 form = st.builds(
     lambda *fields: exact_streams._FORMAT.pack(*fields),
     st.sampled_from([2, 10]),
@@ -192,16 +253,26 @@ form = st.builds(
     st.integers(0, 62),
 )
 axis = st.builds(
-    lambda forms, bits, grid: exact_streams._COLUMN.pack(len(forms) | bits, grid) + b"".join(forms),
+    lambda forms, operations, bits, grid: (
+        exact_streams._COLUMN.pack(len(forms) | len(operations) << 4 | bits, grid)
+        + b"".join([*operations, *forms])
+    ),
     st.lists(form, max_size=2),
-    st.sampled_from([0, 4, 8, 12]),
+    st.lists(operation, max_size=2),
+    st.sampled_from([0, 4, 8, 12, 64, 128, 132, 196]),
     st.integers(-20, 30) | small,
 )
 payloads = st.builds(
     lambda width, axes, stream: bytes([width]) + b"".join(axes) + stream,
     st.sampled_from([32, 64]),
     st.tuples(axis, axis, axis),
-    st.binary(max_size=300),
+    st.binary(max_size=300)
+    | st.builds(
+        lambda size, *two: bytes([size, 0, 0, 0]) + b"".join(two),
+        st.integers(0, 30),
+        st.binary(max_size=30),
+        st.binary(max_size=100),
+    ),
 )
 
 
@@ -229,7 +300,15 @@ def test_any_forms_that_a_file_may_name(data: st.DataObject) -> None:
     except FormatError:
         return
     V = data.draw(positions(12))
-    axes = [dataclasses.replace(how, raw=True, zeros=bool(how.formats)) for how in axes]
+    axes = [
+        dataclasses.replace(
+            how,
+            raw=True,
+            zeros=bool(how.formats) and how.conversion.identical,
+            conversion=dataclasses.replace(how.conversion, double=False),
+        )
+        for how in axes
+    ]
     bits = V.view(np.int64)
     integers = lossless.exactly(bits, exact_streams.pack_formats(exact_streams.DOUBLE, axes))
     exact = lossless.encode(SPHERE, PARAMETERS, integers)["EXAC"]

@@ -155,6 +155,17 @@ def test_auto_at_a_step_is_not_worse_than_refined():
     assert auto.size <= plain.size
 
 
+def test_auto_at_a_rate_bends_nothing_that_refined_keeps_flat():
+    i, j = (x.ravel() for x in np.meshgrid(np.arange(21) / 20, np.arange(13) / 12))
+    V = np.stack((i, j, 0 * i), axis=1)
+    F = meshes.grid(13, 21)[1]
+    for bits in (5, 8, 11):
+        auto, refined = (info(encode(V, F, method=m, bits=bits)).meta for m in ("auto", "refined"))
+        assert auto.normal <= refined.normal
+        assert auto.max <= refined.max
+    assert refined.normal == 0
+
+
 def test_zero_bits_are_a_least_squares_mesh():
     assert info(encode(*meshes.torus(8, 6), bits=0)).parameters.method == "highpass"
 

@@ -135,3 +135,16 @@ def test_no_vertex_of_any_real_mesh_is_beyond_the_bound(name):
         pytest.skip(str(error))
     assert largest_error(mesh, "refined", max_error_rel=1e-3) <= 1e-3
     assert largest_error(mesh, "auto", quality=4, max_error_rel=2e-3) <= 2e-3
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    "faces", [[[0, 0, 1], [1, 1, 2]], [[0, 0, 0]], [[0, 1, 2], [1, 3, 2]]], ids=str
+)
+@pytest.mark.parametrize("turn", [0, 1], ids=["on a line", "at a point"])
+def test_faces_without_an_area_keep_distances(method, faces, turn):
+    V = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]]) * (1 - turn)
+    for options in ({"quality": 7}, {"max_error": 0.01}, {"normal_error": 1.0, "only": True}):
+        W = decode(encode(V, faces, method=method, keep_order=True, **options)).vertices
+        if "only" not in options:
+            assert np.abs(W - V).max() <= 0.01

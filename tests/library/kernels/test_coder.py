@@ -15,20 +15,14 @@ from hypothesis import strategies as st
 
 from deltamesh._kernels.coding import coder as kernels
 from deltamesh._kernels.coding.coder import (
-    CACHE,
-    CODE,
-    CONTEXT,
     COUNT_BITS,
     COUNT_MASK,
-    LOW,
-    PENDING,
-    POSITION,
     PROBABILITY_BITS,
-    RANGE,
     TOP,
     code_bit,
     code_raw,
 )
+from deltamesh._kernels.coding.models import Model
 from deltamesh._streams import entropy
 from deltamesh_formats.errors import FormatError
 
@@ -69,8 +63,7 @@ def code(coder, message, decoding=False):
             out.append(code_raw(coder, given_value, rest[0]))
         else:
             slots, mixer = rest
-            coder.state[CONTEXT : CONTEXT + len(slots)] = slots
-            out.append(code_bit(coder, given_value, mixer))
+            out.append(code_bit(coder, given_value, slots, mixer))
     return out
 
 
@@ -112,8 +105,8 @@ def test_any_bytes_decode_as_the_oracle_decodes_them(message: list[tuple], data:
     """Of a stream that no encoder has written, both make the same, and go on beyond its end."""
     decoder, twin = entropy.decoder(data, SLOTS, MIXERS), slow(data)
     assert code(decoder, message, decoding=True) == code_slowly(twin, message, decoding=True)
-    assert int(decoder.state[CODE]) == twin.code
-    assert int(decoder.state[POSITION]) == twin.position
+    assert decoder.registers.code == twin.code
+    assert decoder.registers.position == twin.position
 
 
 def test_long_messages_equal_their_oracle() -> None:
@@ -179,9 +172,8 @@ def test_carry_through_bytes_of_ff(length: int, last: int) -> None:
 def test_carries_from_any_place_of_the_range(low: int, pending: int, message: list[tuple]) -> None:
     """A coder with bytes of 0xFF in waiting, as they come up once in 2^(8 n) streams."""
     coder = entropy.encoder(len(message) + pending, SLOTS, MIXERS)
-    coder.state[CACHE], coder.state[PENDING] = 0x41, pending
-    coder.state[LOW] = low
-    coder.state[RANGE] = 2**32 - 1
+    coder.registers.cache, coder.registers.pending = 0x41, pending
+    coder.registers.low, coder.registers.range = low, 2**32 - 1
     code(coder, message)
     data = entropy.finish(coder)
     twin = slow()
@@ -205,30 +197,31 @@ def test_invariants_of_the_state(message: list[tuple]) -> None:
     encoder = entropy.encoder(len(message), SLOTS, MIXERS)
     for symbol in message:
         code(encoder, [symbol])
-        assert TOP <= encoder.state[RANGE] < 2**32
-        assert 0 <= encoder.state[LOW] <= 2**33 - encoder.state[RANGE]  # at most one carry
-        assert 0 <= encoder.state[CACHE] < 256
-        assert encoder.state[PENDING] >= 0
-        slots = encoder.memory[:SLOTS]
-        probability = slots >> COUNT_BITS
-        assert ((probability >= 0) & (probability < 1 << PROBABILITY_BITS)).all()
-        assert (slots & COUNT_MASK <= COUNT_MASK).all()
+        registers = encoder.registers
+        assert TOP <= registers.range < 2**32
+        assert 0 <= registers.low <= 2**33 - registers.range  # at most one carry
+        assert 0 <= registers.cache < 256
+        assert registers.pending >= 0
+        assert (encoder.slots >> COUNT_BITS < 1 << PROBABILITY_BITS).all()
+        assert (encoder.slots & COUNT_MASK <= np.max([limit for _, limit in MIXERS])).all()
     data = entropy.finish(encoder)
     assert not data.endswith(b"\0")
     decoder = entropy.decoder(data, SLOTS, MIXERS)
     for symbol in message:
         code(decoder, [symbol], decoding=True)
-        assert 0 <= decoder.state[CODE] < decoder.state[RANGE]
+        assert 0 <= decoder.registers.code < decoder.registers.range
     # Both have learnt the same.
-    np.testing.assert_array_equal(decoder.memory, encoder.memory)
+    np.testing.assert_array_equal(decoder.slots, encoder.slots)
+    np.testing.assert_array_equal(decoder.mixers, encoder.mixers)
 
 
 def test_weights_of_a_mixer_are_its_own() -> None:
     coder = entropy.encoder(100, SLOTS, MIXERS)
-    before = coder.memory[SLOTS:].reshape(len(MIXERS), -1).copy()
+    before = coder.mixers.copy()
     code(coder, [("bit", 1, [3, 4], 1)] * 50)
-    changed = coder.memory[SLOTS:].reshape(before.shape) != before
-    assert np.argwhere(changed).tolist() == [[1, 0], [1, 1], [1, kernels.MIXER_YOUTH]]
+    changed = coder.mixers["weights"] != before["weights"]
+    assert np.argwhere(changed).tolist() == [[1, 0], [1, 1]]
+    assert (before["youth"] - coder.mixers["youth"]).tolist() == [0, 50, 0, 0, 0, 0]
 
 
 @pytest.mark.parametrize(("mixer", "p"), [(0, 0.5), (0, 0.3), (0, 0.9), (4, 0.02), (4, 0.5)])
@@ -295,7 +288,7 @@ def test_a_buffer_that_is_too_small_is_not_overrun() -> None:
     """The length says that more was needed; nothing beyond the buffer is touched."""
     big = entropy.encoder(1000, SLOTS, MIXERS)
     backing = np.full(100, 0xEE, dtype=np.uint8)
-    small = big._replace(data=backing[:10], state=big.state.copy(), memory=big.memory.copy())
+    small = kernels.new_coder(Model(SLOTS, MIXERS), backing[:10], decoding=False)
     message = [("raw", 0x7ABCDEF, 27)] * 20
     code(big, message)
     code(small, message)

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from payloads import SPHERE
 
 from deltamesh._graph.adjacency import adjacency
-from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import delta as delta_kernels
 from deltamesh._kernels.coding import residual
 from deltamesh._streams import entropy
@@ -79,7 +78,7 @@ def test_any_bytes_are_the_deltas_of_the_oracle(data: bytes, filler: int, more: 
     zeros = [[0, 0, 0]] * 42
     twin = twin_of(data, residual.MIXERS)
     assert oracle.code_deltas(twin, neighbours_of(SPHERE, 42), zeros) == out.tolist()
-    assert int(decoder.state[coder_kernels.CODE]) == twin.code
+    assert decoder.registers.code == twin.code
     assert np.abs(out).max() < 2**31
 
 

@@ -12,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from polygon_meshes import MADE
 
-from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import hidden_edges as kernels
 from deltamesh._kernels.coding.merged_pairs import code_explicit_pairs
 from deltamesh._shape.merging import halfedge_groups
@@ -56,5 +55,5 @@ def test_any_bytes_are_the_polygons_of_the_oracle(
         )
         assert found == twin.code_explicit_pairs(coder, {}, most, total, oracle.code_below)
         assert twin.merged == {h: g for h, g in enumerate(merged.tolist()) if g >= 0}
-    assert int(decoder.state[coder_kernels.CODE]) == coder.code
+    assert decoder.registers.code == coder.code
     merged_polygons(merged)  # whatever it is, these are polygons

@@ -11,7 +11,6 @@ from elements_of import of_faces, rows
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh._kernels.coding import coder as coder_kernels
 from deltamesh._kernels.coding import labels as kernels
 from deltamesh._streams import entropy, labels
 from deltamesh_formats.array_types import Ints
@@ -58,4 +57,4 @@ def test_any_bytes_are_the_labels_of_the_oracle(data: bytes, filler: int, more: 
     if expected is not None:
         assert found.tolist() == expected
         assert seen == max(expected) + 1
-        assert int(decoder.state[coder_kernels.CODE]) == twin.code
+        assert decoder.registers.code == twin.code

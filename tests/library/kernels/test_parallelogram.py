@@ -16,8 +16,7 @@ from deltamesh._geometry.quantize import MOST_STEPS
 from deltamesh._graph.adjacency import adjacency
 from deltamesh._graph.halfedges import pair_halfedges
 from deltamesh._graph.parallelograms import NO_QUADS, parallelograms
-from deltamesh._kernels.coding import coder as coder_kernels
-from deltamesh._kernels.coding import parallelogram, residual
+from deltamesh._kernels.coding import parallelogram
 from deltamesh._shape.connectivity import encode_connectivity
 from deltamesh._shape.topology import build_topology
 from deltamesh._streams import entropy
@@ -44,8 +43,8 @@ def assert_positions_of_the_oracle(data, F, n, quads=NO_QUADS):
         twin, neighbours_of(F, n), corners_of(F, n, quads), lambda *_: 0, within
     )
     assert values.tolist() == found[0]
-    assert int(decoder.state[coder_kernels.CODE]) == twin.code
-    assert int(decoder.state[coder_kernels.POSITION]) == twin.position
+    assert decoder.registers.code == twin.code
+    assert decoder.registers.position == twin.position
     return found
 
 
@@ -73,20 +72,14 @@ def test_prediction_equals_its_oracle(mesh: meshes.Arrays, seed: int, most: int)
     first, corners, within = parallelograms(F, n, quads)
     values = rng.integers(0, most, (n, 3))
     around, rows = neighbours_of(F, n), corners_of(F, n, quads)
-    known = np.zeros(residual.KNOWN, dtype=np.int64)
-    predictions = np.zeros((3, parallelogram.PREDICTIONS), dtype=np.int64)
-    candidates = np.zeros((3, parallelogram.CANDIDATES), dtype=np.int64)
     for i in range(n):
-        known[:] = 0
-        known[residual.NEIGHBOURS] = sum(j < i for j in around[i])
-        out = predictions, candidates, known
-        kind = parallelogram._predict(*graph, first, corners, within, values, i, *out)
+        found = parallelogram.predict(*graph, first, corners, within, values, i)
         inner = int(within[i])
         wanted, axes = oracle.predict(values.tolist(), i, around[i], rows.get(i, []), inner)
-        assert 0 <= kind == wanted < parallelogram.CLASSES
-        assert predictions.tolist() == [row[0] for row in axes]
-        assert candidates.tolist() == [row[1] for row in axes]
-        assert known[residual.HINT : residual.HINT + 3].tolist() == [row[2] for row in axes]
+        assert 0 <= found.kind == wanted < parallelogram.CLASSES
+        assert found.predictions.tolist() == [row[0] for row in axes]
+        assert found.positions.tolist() == [row[1] for row in axes]
+        assert found.hints.tolist() == [row[2] for row in axes]
 
 
 @strategies.SOME

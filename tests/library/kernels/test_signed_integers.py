@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh._kernels.coding import signed_integers
-from deltamesh._kernels.coding.coder import CODE
 from deltamesh._streams import entropy
 
 
@@ -88,7 +87,7 @@ def test_any_bytes_are_the_numbers_of_the_oracle(
     decoder, twin = entropy.decoder(data, signed_integers.SLOTS, NUMBER_MIXERS), slow_numbers(data)
     values = code_numbers(decoder, rows, decoding=True)
     assert values == code_numbers_slowly(twin, rows, decoding=True)
-    assert int(decoder.state[CODE]) == twin.code
+    assert decoder.registers.code == twin.code
     assert max(map(abs, values), default=0) < 2**31
 
 

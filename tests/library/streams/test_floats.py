@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from payloads import joined
 
 from deltamesh._graph.elements import of_vertices
-from deltamesh._streams.exact import DOUBLE, SINGLE, encode_indices, pack_formats
+from deltamesh._streams.exact import DOUBLE, SINGLE, encode_numbers, pack_formats
 from deltamesh._streams.floats import bits_of, decode_floats, encode_floats, from_bits
 from deltamesh._streams.number_formats import RAW_ONLY
 from deltamesh_formats.array_types import Ints
@@ -72,7 +72,9 @@ def test_doubles_that_are_singles_cost_half() -> None:
 def raw_stream(width: int, bits: Ints) -> bytes:
     """A stream of raw numbers of a width in bits."""
     columns, raw = [RAW_ONLY] * 3, np.full(bits.shape, 2)
-    return pack_formats(width, columns) + encode_indices(SPHERE, width, columns, raw, bits)
+    return pack_formats(width, columns) + encode_numbers(
+        SPHERE, width, columns, raw, bits, np.zeros_like(bits)
+    )
 
 
 def refused(stream: bytes, size: int, message: str) -> None:

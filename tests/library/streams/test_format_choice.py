@@ -25,7 +25,7 @@ def test_the_shortest_form_is_found(
     values: list[float], single: bool, base: int, places: int, digits: int
 ) -> None:
     V = np.tile(np.array(values, dtype=np.float64), 100)
-    how = choose_formats(V, np.abs(V), single)
+    _, how = choose_formats(V, np.abs(V), single)
     assert how.formats == (NumberFormat(base, places, digits),)
     assert not how.raw
 
@@ -33,15 +33,15 @@ def test_the_shortest_form_is_found(
 def test_random_bits_have_the_form_of_their_type() -> None:
     rng = np.random.default_rng(3)
     V = rng.random(1000)
-    assert choose_formats(V, V, False).formats[0].digits == BINARY_DIGITS
+    assert choose_formats(V, V, False)[1].formats[0].digits == BINARY_DIGITS
     single = V.astype(np.float32).astype(np.float64)
-    assert {form.digits for form in choose_formats(single, V, True).formats} == {24}
+    assert {form.digits for form in choose_formats(single, V, True)[1].formats} == {24}
 
 
 def test_a_few_other_numbers_are_raw() -> None:
     V = np.random.default_rng(4).random(10000).round(4)
     V[77:80] = 1 / 3, 1e-20, 1e100
-    how = choose_formats(V, V, False)
+    _, how = choose_formats(V, V, False)
     assert how.formats == (NumberFormat(10, 4, 4),)
     assert how.raw
     assert np.flatnonzero(to_indices(V, how, False)[0]).tolist() == [77, 78, 79]

@@ -48,11 +48,12 @@ def test_an_index_counts_the_numbers_of_a_form(form: NumberFormat) -> None:
     expected = every_number(form, 5)
     values = np.array([float(x) for x in expected])
     how = ColumnFormats((form,), (0,), form.places, raw=False, zeros=False)
-    classes, indices = to_indices(values, how, single=False)
+    classes, indices, deviations = to_indices(values, how, single=False)
     assert not classes.any()
     half = len(expected) // 2
     assert indices.tolist() == list(range(-half, half + 1))
-    assert from_indices(classes, indices, how, single=False).tolist() == values.tolist()
+    assert not deviations.any()
+    assert from_indices(classes, indices, deviations, how, single=False).tolist() == values.tolist()
     between = (values[1:] + values[:-1]) / 2
     assert (to_indices(between, how, single=False)[0] == RAW).all()
 
@@ -63,9 +64,10 @@ def test_formats_and_back(values: list[float]) -> None:
     V = np.array(values)
     with np.errstate(over="ignore"):
         single = bool((V.astype(np.float32) == V).all())
-    how = choose_formats(V, np.abs(V), single)
-    classes, integers = to_indices(V, how, single)
-    assert from_indices(classes, integers, how, single).tobytes() == V.tobytes()
+    _, how = choose_formats(V, np.abs(V), single)
+    classes, integers, deviations = to_indices(V, how, single)
+    assert not deviations.any()
+    assert from_indices(classes, integers, deviations, how, single).tobytes() == V.tobytes()
     assert ((classes == NEGATIVE_ZERO) <= how.zeros).all()
     assert (np.abs(integers[classes < RAW]) < 2**61).all()
 
@@ -75,12 +77,14 @@ def test_indices_of_binary_formats_are_kept_small() -> None:
     for digits in (1, 24, 53):
         most = largest_offset(digits)
         good = ColumnFormats((NumberFormat(2, 0, digits),), (0,), -most, raw=False, zeros=False)
-        assert fault_of(good) == ""
-        assert "invalid number format" in fault_of(dataclasses.replace(good, grid=-most - 1))
+        assert fault_of(good, single=False) == ""
+        assert "invalid number format" in fault_of(
+            dataclasses.replace(good, grid=-most - 1), single=False
+        )
 
 
 def test_a_number_beyond_its_type_is_infinite() -> None:
     how = ColumnFormats((NumberFormat(2, -971, 53),), (0,), 0, raw=False, zeros=False)
     zero = np.zeros(1, dtype=np.int64)
-    assert from_indices(zero, np.array([1 << 60]), how, single=False)[0] == np.inf
-    assert from_indices(zero, np.array([-(1 << 60)]), how, single=False)[0] == -np.inf
+    assert from_indices(zero, np.array([1 << 60]), zero, how, single=False)[0] == np.inf
+    assert from_indices(zero, np.array([-(1 << 60)]), zero, how, single=False)[0] == -np.inf

@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import binascii
 import json
-import math
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles.glb.extensions import COMPRESSED, check_required
-from deltamesh_formats.meshfiles.glb.schema import Tree, brief, check_types, items
+from deltamesh_formats.meshfiles.glb.schema import Tree, check_types, items, shown
 
 MAGIC: Final = b"glTF"
 JSON_CHUNK: Final = b"JSON"
@@ -66,7 +66,7 @@ class Gltf:
         """
         found = self.items(name)
         if not isinstance(index, int) or not 0 <= index < len(found):
-            raise MeshError(f"it refers to {name} {brief(repr(index))}, of {len(found)}")
+            raise MeshError(f"it refers to {name} {shown(index)}, of {len(found)}")
         return found[index]  # type: ignore[no-any-return]
 
     def accessor(self, index: object) -> NDArray[Any]:
@@ -78,8 +78,7 @@ class Gltf:
         kind = _component(accessor)
         shape = _SHAPES.get(accessor.get("type", ""))
         if shape is None:
-            kind_name = brief(repr(accessor.get("type")))
-            raise MeshError(f"accessor {index} has the unknown type {kind_name}")
+            raise MeshError(f"accessor {index} has the unknown type {shown(accessor.get('type'))}")
         width = shape[0] * shape[1]
         if "bufferView" in accessor:
             values = self._view(accessor["bufferView"], start, count, shape, kind)
@@ -141,7 +140,7 @@ def whole(tree: Tree, name: str, default: int | None = None) -> int:
     """Return a count, or another whole number from 0, in an object."""
     value = tree.get(name, default)
     if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**53:
-        raise MeshError(f"its {name} is {brief(repr(value))}, not a count")
+        raise MeshError(f"its {name} is {shown(value)}, not a count")
     return value
 
 
@@ -151,7 +150,9 @@ def reals(tree: Tree, name: str, count: int) -> Floats | None:
         return None
     found = tree[name]
     fits = isinstance(found, list) and len(found) == count
-    if not fits or not all(isinstance(x, (int, float)) and math.isfinite(x) for x in found):
+    # JSON has whole numbers of any size; true is none, though Python counts it as one.
+    largest = sys.float_info.max
+    if not fits or not all(type(x) in (int, float) and abs(x) <= largest for x in found):
         raise MeshError(f"a node's {name} is not {count} numbers")
     return np.array(found, dtype=np.float64)
 
@@ -159,7 +160,7 @@ def reals(tree: Tree, name: str, count: int) -> Floats | None:
 def _component(accessor: Tree) -> np.dtype[Any]:
     code = whole(accessor, "componentType")
     if code not in COMPONENTS:
-        raise MeshError(f"there is no component type {code!r}")
+        raise MeshError(f"there is no component type {code}")
     return np.dtype("<" + COMPONENTS[code])
 
 
@@ -192,8 +193,12 @@ def read_chunks(data: bytes) -> Gltf:
         raise MeshError("it has no JSON")
     try:
         tree = json.loads(chunks[JSON_CHUNK])
-    except (ValueError, RecursionError) as error:
+    except json.JSONDecodeError as error:
         raise MeshError(f"its JSON is not readable: {error}") from None
+    except UnicodeDecodeError:
+        raise MeshError("its JSON is not UTF-8") from None
+    except (ValueError, RecursionError):
+        raise MeshError("its JSON has a number that is too long, or too many brackets") from None
     if not isinstance(tree, dict):
         raise MeshError("its JSON is not an object")
     check_types(tree)
@@ -213,5 +218,5 @@ def _buffers(tree: Tree, binary: bytes) -> list[bytes]:
             except binascii.Error as error:
                 raise MeshError(f"buffer {i} is not readable: {error}") from None
         else:
-            raise MeshError(f"buffer {i} is in another file, {str(uri)[:80]!r}: it is not read")
+            raise MeshError(f"buffer {i} is in another file, {shown(uri)}: it is not read")
     return found

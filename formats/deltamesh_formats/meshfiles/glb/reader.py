@@ -19,7 +19,7 @@ from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles.glb import placement
 from deltamesh_formats.meshfiles.glb.chunks import Gltf, read_chunks
 from deltamesh_formats.meshfiles.glb.scene import Placed, placed_meshes, scene_losses
-from deltamesh_formats.meshfiles.glb.schema import Tree, items
+from deltamesh_formats.meshfiles.glb.schema import Tree, items, shown
 from deltamesh_formats.meshfiles.glb.semantics import name_of
 from deltamesh_formats.meshfiles.triangle_strips import triangles_of_strips
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
@@ -27,7 +27,8 @@ from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _MODES: Final = {0: "points", 1: "lines", 2: "lines", 3: "lines"}
 # Nodes may show a mesh, and primitives name an accessor, any number of times: a small file can ask
-# for any amount of memory. This many numbers, about 2 GiB, are read at most.
+# for any amount of memory. This many numbers are read at most; with all that belongs to them they
+# take up to 4 GiB, measured as the peak of a process.
 _MOST: Final = 1 << 28
 
 
@@ -89,20 +90,24 @@ def read(data: bytes) -> PolyMesh:
         if one.mesh not in read_meshes:
             read_meshes[one.mesh] = list(_primitives(gltf, scene, one.mesh, lost))
         _place(gltf, scene, read_meshes[one.mesh], one, number)
-    sizes = [len(faces) for faces in scene.faces]
+    sizes = np.array([len(faces) for faces in scene.faces], dtype=np.int64)
     faces = np.concatenate([np.empty((0, 3), dtype=np.int64), *scene.faces])
+    scene.faces.clear()  # a scene may take gigabytes: nothing is held twice for long
     asset = gltf.tree.get("asset", {})
     said = str(asset.get("copyright", "")) if isinstance(asset, dict) else ""
-    objects, materials = np.repeat(scene.objects, sizes), np.repeat(scene.materials, sizes)
+    vertices = np.concatenate([np.empty((0, 3)), *scene.vertices])
+    scene.vertices.clear()
+    with np.errstate(over="ignore"):  # transforms, and fractions, need not be in float32
+        single = bool((vertices.astype(np.float32) == vertices).all())
     return PolyMesh(
-        np.concatenate([np.empty((0, 3)), *scene.vertices]),
+        vertices,
         faces.ravel(),
         3 * np.arange(len(faces) + 1, dtype=np.int64),
         tuple(_attributes(scene)),
-        tuple(_parts(gltf, placed, objects, materials)),
+        tuple(_parts(gltf, placed, scene, sizes)),
         {"copyright": (said,)} if said else {},
         tuple(lost),
-        "float32",
+        "float32" if single else "float64",
     )
 
 
@@ -119,7 +124,7 @@ def _primitives(
             lost[_MODES[mode]] = None
             continue
         if mode not in (_TRIANGLES, _STRIP, _FAN):
-            raise MeshError(f"a primitive of mesh {mesh} has mode {mode!r}")
+            raise MeshError(f"a primitive of mesh {mesh} has mode {shown(mode)}")
         if "targets" in primitive:
             lost["morph targets"] = None
         accessors = primitive["attributes"]
@@ -219,22 +224,30 @@ def _attributes(scene: _Scene) -> Iterator[Attribute]:
         yield Attribute(name, "vertex", native, role, index, normalized)
 
 
-def _parts(gltf: Gltf, placed: list[Placed], objects: Ints, materials: Ints) -> Iterator[Parts]:
-    used, of_face = np.unique(objects, return_inverse=True)
-    kept = [placed[i] for i in used.astype(np.int64).tolist()]
+def _parts(gltf: Gltf, placed: list[Placed], scene: _Scene, sizes: Ints) -> Iterator[Parts]:
+    """Yield the objects, meshes and materials of the faces; `sizes` are the faces of primitives."""
+    used, of_face = _numbered(scene.objects, sizes)
+    kept = [placed[i] for i in used.tolist()]
     meshes = [str(gltf.item("meshes", one.mesh).get("name", "")) for one in kept]
     names = [one.name or mesh for one, mesh in zip(kept, meshes, strict=True)]
     transforms = np.array([one.matrix for one in kept]).reshape(-1, 4, 4)
     plain = bool((transforms == np.eye(4)).all())
     if len(kept) > 1 or any(names) or not plain:
         moves = None if plain else transforms
-        yield Parts("object", tuple(names), of_face.astype(np.int64), moves)
+        yield Parts("object", tuple(names), of_face, moves)
     if any(mesh and mesh != name for mesh, name in zip(meshes, names, strict=True)):
-        yield Parts("mesh", tuple(meshes), of_face.astype(np.int64))
-    used, of_face = np.unique(materials, return_inverse=True)
+        yield Parts("mesh", tuple(meshes), of_face)
+    used, of_face = _numbered(scene.materials, sizes)
     none = int(len(used) > 0 and used[0] == -1)
     if len(used) > none:
-        numbers = used[none:].astype(np.int64).tolist()
+        numbers = used[none:].tolist()
         names = [str(gltf.item("materials", i).get("name", "")) for i in numbers]
         called = [name or f"material_{i}" for i, name in zip(numbers, names, strict=True)]
-        yield Parts("material", tuple(called), of_face.astype(np.int64) - none)
+        yield Parts("material", tuple(called), of_face - none)
+
+
+def _numbered(values: list[int], sizes: Ints) -> tuple[Ints, Ints]:
+    """Return the distinct values of primitives that have faces, and the number of each face's."""
+    has_faces = sizes > 0
+    used, number = np.unique(np.array(values, dtype=np.int64)[has_faces], return_inverse=True)
+    return used, np.repeat(number.astype(np.int64), sizes[has_faces])

@@ -63,6 +63,12 @@ def check_types(tree: Mapping[str, Any]) -> None:
     _check(tree, _FILE, "")
 
 
+def shown(value: object) -> str:
+    """Return the JSON of a value, or its beginning, for a message."""
+    text = json.dumps(value)
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+
+
 def _check(value: object, schema: Schema, path: str) -> None:
     if isinstance(schema, str):
         _check_type(value, schema, path)
@@ -82,12 +88,7 @@ def _check(value: object, schema: Schema, path: str) -> None:
 
 def _check_type(value: object, name: str, path: str) -> None:
     if not isinstance(value, _TYPES[name]) or (isinstance(value, bool) and name == "a number"):
-        raise MeshError(f"{path} is {brief(json.dumps(value))}, not {name}")
-
-
-def brief(shown: str) -> str:
-    """Return a value as a message shows it: its beginning, if it is long."""
-    return shown if len(shown) <= _LONGEST else shown[: _LONGEST - 3] + "..."
+        raise MeshError(f"{path} is {shown(value)}, not {name}")
 
 
 def items(tree: Tree, name: str) -> list[Any]:

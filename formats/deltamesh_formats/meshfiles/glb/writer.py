@@ -2,29 +2,39 @@
 
 Each object is a node with a mesh, and so are the faces without an object. Positions are float32,
 relative to the node: the transform that a scene had is undone, and where float32 would lose much,
-as it does far from the origin, the node gets a translation.
+as it does far from the origin, the node is moved.
 """
 
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh_formats.array_types import Bools, Floats, Ints
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.meshfiles.file_format import Written
-from deltamesh_formats.meshfiles.float32 import bounding_diagonal, rounded_positions
+from deltamesh_formats.meshfiles.float32 import (
+    bounding_diagonal,
+    rounding_error,
+    rounding_losses,
+    single_positions,
+)
 from deltamesh_formats.meshfiles.glb import GLB, placement
 from deltamesh_formats.meshfiles.glb.chunks import BINARY_CHUNK, COMPONENTS, JSON_CHUNK, MAGIC
 from deltamesh_formats.meshfiles.glb.semantics import semantic_of
 from deltamesh_formats.meshfiles.glb.vertex_groups import Groups, grouped
+from deltamesh_formats.polymesh.descriptions import describe_attribute
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 
 _CODES: Final = {kind: code for code, kind in COMPONENTS.items()}
 _TYPES: Final = ("", "SCALAR", "VEC2", "VEC3", "VEC4")
 _VERTICES, _INDICES = 34962, 34963
+# As a fraction of the diagonal of a mesh: rounding up to it is that of float32 at the size of the
+# mesh, of which moving the node takes nothing.
+_UNSEEN: Final = 2.0**-22
 
 
 def write(mesh: PolyMesh) -> Written:
@@ -39,7 +49,7 @@ def write(mesh: PolyMesh) -> Written:
     for number, mine in zip(numbers.tolist(), np.split(order, starts[1:]), strict=True):
         writer.add_object(number, mine)
     lost = GLB.losses(mesh, [attribute for attribute, _, _ in kept])
-    return Written(writer.data(), (*lost, *dict.fromkeys(writer.lost)))
+    return Written(writer.data(), (*lost, *writer.losses()))
 
 
 _Kept = tuple[Attribute, str, NDArray[Any]]
@@ -51,7 +61,7 @@ def _kept(mesh: PolyMesh) -> list[_Kept]:
     Two of one name are kept when no vertex has both.
     """
     found: list[_Kept] = []
-    taken: dict[str, Bools] = {}
+    taken: dict[str, Ints] = {}
     for attribute in mesh.attributes:
         values = _single(attribute.values)
         if attribute.domain == "face" or attribute.width > 4 or values is None:
@@ -59,10 +69,11 @@ def _kept(mesh: PolyMesh) -> list[_Kept]:
         semantic = semantic_of(attribute)
         has = attribute.rows() >= 0
         if attribute.domain == "corner":
-            vertices, has = mesh.corners[has], np.zeros(len(mesh.vertices), dtype=bool)
-            has[vertices] = True
-        if not (taken.get(semantic, False) & has).any():
-            taken[semantic] = taken.get(semantic, False) | has
+            corners, has = mesh.corners[has], np.zeros(len(mesh.vertices), dtype=bool)
+            has[corners] = True
+        others = taken.get(semantic, np.empty(0, dtype=np.int64))
+        if not has[others].any():
+            taken[semantic] = np.append(others, np.flatnonzero(has))
             found.append((attribute, semantic, values))
     return found
 
@@ -85,9 +96,8 @@ class _Writer:
 
     def __init__(self, mesh: PolyMesh, groups: Groups, kept: list[_Kept]) -> None:
         self.mesh, self.groups, self.kept = mesh, groups, kept
-        self.diagonal = bounding_diagonal(mesh.vertices)
+        self.rounding, self.has_moved = 0.0, False
         self.mesh_of_object = _meshes_of_objects(mesh)
-        self.lost = [*groups.lost]
         self.buffer: list[bytes] = []
         self.size = 0
         self.views: list[dict[str, int]] = []
@@ -141,11 +151,16 @@ class _Writer:
                 condition = np.linalg.cond(matrix[:3, :3])
             if not condition < 1e12:
                 matrix = np.eye(4)  # it has no inverse: the vertices are where it put them
-        if placement.is_identity(matrix) and rounded_positions(points, self.diagonal, GLB.title)[1]:
-            matrix = np.eye(4)
+        local = placement.moved_back(points, matrix)
+        diagonal = bounding_diagonal(local)
+        if _error(local, points, matrix) > (self.mesh.margin or _UNSEEN * diagonal):
             # Coarse numbers, so that taking them off rounds little.
-            grid = 2.0 ** np.ceil(np.log2(self.diagonal)) if self.diagonal else 1.0
-            matrix[:3, 3] = np.round((points.min(axis=0) + points.max(axis=0)) / 2 / grid) * grid
+            grid = 2.0 ** np.ceil(np.log2(diagonal)) if 0 < diagonal < np.inf else 1.0
+            centre = np.round((local.min(axis=0) + local.max(axis=0)) / 2 / grid) * grid
+            self.has_moved |= bool(centre.any()) and not placement.is_identity(matrix)
+            shift = np.eye(4)
+            shift[:3, 3] = centre
+            matrix = matrix @ shift
         if placement.is_identity(matrix):
             return matrix, {}
         if placement.is_identity(matrix[:3, :3]):
@@ -156,18 +171,22 @@ class _Writer:
         """Add the vertices of a group; return its primitives, one for each material."""
         some = self._slice(group)
         points = placement.moved_back(self.mesh.vertices[self._vertices(group)], matrix)
-        local, rounded = rounded_positions(points, self.diagonal, GLB.title)
-        self.lost += rounded
+        local = single_positions(points, GLB.title)
+        here = self.mesh.vertices[self._vertices(group)]
+        self.rounding = max(
+            self.rounding, rounding_error(placement.moved(local.astype(np.float64), matrix), here)
+        )
         bounds = {"min": local.min(axis=0).tolist(), "max": local.max(axis=0).tolist()}
         attributes = {"POSITION": self._add(self._accessor(local, _VERTICES) | bounds)}
         back = np.linalg.inv(matrix).astype(np.float64)
-        for (attribute, semantic, values), rows in zip(self.kept, self.groups.rows, strict=True):
-            if (rows[some] >= 0).all():
-                table = placement.turned(attribute.name, values[rows[some]], back)
-                accessor = self._accessor(table, _VERTICES)
-                if attribute.normalized:
-                    accessor["normalized"] = True
-                attributes[semantic] = self._add(accessor)
+        for number, rows in self.groups.rows[group].items():
+            attribute, semantic, values = self.kept[number]
+            accessor = self._accessor(
+                placement.turned(attribute.name, values[rows], back), _VERTICES
+            )
+            if attribute.normalized:
+                accessor["normalized"] = True
+            attributes[semantic] = self._add(accessor)
         begin, end = np.searchsorted(self.sorted[:, 0], [group, group + 1]).tolist()
         cuts = begin + np.flatnonzero(np.diff(self.sorted[begin:end, 1], prepend=-2))
         primitives = []
@@ -206,6 +225,17 @@ class _Writer:
             "type": _TYPES[values.shape[1]],
         }
 
+    def losses(self) -> Iterator[str]:
+        """Yield descriptions of what the nodes and the tables do not hold."""
+        yield from self.groups.lost
+        largest = float(np.abs(self.mesh.vertices).max(initial=0))
+        yield from rounding_losses("positions", self.rounding, self.mesh.margin, largest)
+        for attribute, _, values in self.kept:
+            error = rounding_error(values, attribute.values)
+            yield from rounding_losses(describe_attribute(attribute), error, attribute.margin)
+        if self.has_moved:
+            yield "transforms, which are moved to where float32 holds the positions"
+
     def data(self) -> bytes:
         """Return the bytes of the file."""
         said = self.mesh.metadata.get("copyright", ())
@@ -227,6 +257,13 @@ class _Writer:
         chunks = [(JSON_CHUNK, text), (BINARY_CHUNK, b"".join(self.buffer))]
         body = b"".join(len(raw).to_bytes(4, "little") + kind + raw for kind, raw in chunks)
         return MAGIC + (2).to_bytes(4, "little") + (12 + len(body)).to_bytes(4, "little") + body
+
+
+def _error(local: Floats, points: Floats, matrix: Floats) -> float:
+    """Return how far points move at most when their local coordinates are rounded to float32."""
+    with np.errstate(all="ignore"):
+        single = local.astype(np.float32).astype(np.float64)
+        return rounding_error(placement.moved(single, matrix), points)
 
 
 def _meshes_of_objects(mesh: PolyMesh) -> Ints:

@@ -10,8 +10,7 @@ import numpy as np
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.meshfiles import text
 from deltamesh_formats.meshfiles.file_format import Written
-from deltamesh_formats.meshfiles.float32 import source_positions
-from deltamesh_formats.meshfiles.number_text import row_texts
+from deltamesh_formats.meshfiles.number_text import rounded, row_texts
 from deltamesh_formats.meshfiles.obj import OBJ
 from deltamesh_formats.meshfiles.obj.statements import OFF, PARTS
 from deltamesh_formats.polymesh.colours import as_fractions, is_rgb
@@ -32,7 +31,7 @@ def write(mesh: PolyMesh) -> Written:
     lines += [f"v {row}" for row in _vertex_rows(mesh, colour)]
     for keyword, table in (("vt", uv), ("vn", normal)):
         if table is not None:
-            lines += [f"{keyword} {row}" for row in row_texts(table.values)]
+            lines += [f"{keyword} {row}" for row in row_texts(rounded(table.values, table.margin))]
     lines += _faces(mesh, [_of_corners(mesh, table) for table in (uv, normal)], parts)
     kept = [attribute for attribute in (colour, uv, normal) if attribute is not None]
     data = "\n".join([*lines, ""]).encode(*text.ENCODING)
@@ -48,11 +47,12 @@ def _table(mesh: PolyMesh, role: str, widths: tuple[int, ...]) -> Attribute | No
 
 
 def _vertex_rows(mesh: PolyMesh, colour: Attribute | None) -> list[str]:
-    rows = row_texts(source_positions(mesh))
+    rows = row_texts(rounded(mesh.vertices, mesh.margin))
     if colour is None:
         return rows
     values = as_fractions(colour.values, normalized=colour.normalized)
-    colours = [*(f" {row}" for row in row_texts(values)), ""]  # -1, none, is the last
+    texts = row_texts(rounded(values, colour.margin))
+    colours = [*(f" {row}" for row in texts), ""]  # -1, none, is the last
     return [row + colours[i] for row, i in zip(rows, colour.rows().tolist(), strict=True)]
 
 

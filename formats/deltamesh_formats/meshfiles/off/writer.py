@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from deltamesh_formats.meshfiles import text
 from deltamesh_formats.meshfiles.file_format import Written
-from deltamesh_formats.meshfiles.float32 import source_positions
-from deltamesh_formats.meshfiles.number_text import row_texts
+from deltamesh_formats.meshfiles.number_text import rounded, row_texts
 from deltamesh_formats.meshfiles.off import OFF
 from deltamesh_formats.polymesh.colours import as_fractions, is_rgb
 from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh
@@ -23,10 +22,10 @@ def write(mesh: PolyMesh) -> Written:
     keyword = "".join(("ST" if uv else "", "C" if colour else "", "N" if normal else "", "OFF"))
     lines = [keyword, *(f"#{text.one_line(c)}" for c in mesh.metadata.get("comments", ()))]
     lines.append(f"{len(mesh.vertices)} {len(mesh.sizes)} 0")
-    rows = [row_texts(source_positions(mesh))]
-    rows += [row_texts(a.dense()) for a in (normal,) if a is not None]
-    rows += [row_texts(_shades(a, a.dense())) for a in (colour,) if a is not None]
-    rows += [row_texts(a.dense()) for a in (uv,) if a is not None]
+    rows = [row_texts(rounded(mesh.vertices, mesh.margin))]
+    rows += [row_texts(rounded(a.dense(), a.margin)) for a in (normal,) if a is not None]
+    rows += [row_texts(_shades(a, a.dense()), points=True) for a in (colour,) if a is not None]
+    rows += [row_texts(rounded(a.dense(), a.margin)) for a in (uv,) if a is not None]
     lines += map(" ".join, zip(*rows, strict=True))
     kept = [a for a in (normal, colour, uv, face_colour) if a is not None]
     body = "\n".join([*lines, _faces(mesh, face_colour)])
@@ -49,7 +48,7 @@ def _shades(attribute: Attribute, values: NDArray[Any]) -> NDArray[Any]:
     """Return bytes as they are, since OFF has these too, and other integers as fractions."""
     if values.dtype == np.uint8:
         return values
-    return as_fractions(values, normalized=attribute.normalized)
+    return rounded(as_fractions(values, normalized=attribute.normalized), attribute.margin)
 
 
 def _faces(mesh: PolyMesh, colour: Attribute | None) -> str:
@@ -58,7 +57,8 @@ def _faces(mesh: PolyMesh, colour: Attribute | None) -> str:
     heads = np.array([f"\n{size}" for size in mesh.sizes.tolist()], dtype=object)
     tails = np.full(len(mesh.sizes), "", dtype=object)
     if colour is not None:
-        rows = [*(f" {row}" for row in row_texts(_shades(colour, colour.values))), ""]
+        shades = row_texts(_shades(colour, colour.values), points=True)
+        rows = [*(f" {row}" for row in shades), ""]
         tails = np.array(rows, dtype=object)[colour.rows()]
     starts = mesh.offsets[:-1]
     templates[starts] = heads + templates[starts]

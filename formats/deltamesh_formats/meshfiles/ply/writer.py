@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from deltamesh_formats.meshfiles import text
 from deltamesh_formats.meshfiles.file_format import Written
-from deltamesh_formats.meshfiles.float32 import source_positions
+from deltamesh_formats.meshfiles.float32 import stored_positions
 from deltamesh_formats.meshfiles.ply import PLY
 from deltamesh_formats.meshfiles.ply.properties import (
     INDICES,
@@ -32,13 +32,13 @@ class _List(NamedTuple):
 
 
 def write(mesh: PolyMesh) -> Written:
-    """Write a PLY: attributes with their names and types, positions as the source had them."""
+    """Write a PLY: attributes with their names and types, and positions."""
     kept = []
     for attribute in mesh.attributes:
         values = _known_type(attribute.dense())
         if values is not None:
             kept.append((attribute, values))
-    position = source_positions(mesh)
+    position = stored_positions(mesh)
     vertex = [(name, position[:, i]) for i, name in enumerate(POSITION)]
     vertex += _scalars([pair for pair in kept if pair[0].domain == "vertex"], POSITION)
     lists = [_List(INDICES[0], _indices(mesh))] + [

@@ -12,16 +12,18 @@ from deltamesh_formats.array_types import Floats
 from deltamesh_formats.meshfiles import text
 from deltamesh_formats.meshfiles.file_format import Written
 from deltamesh_formats.meshfiles.float32 import (
-    bounding_diagonal,
-    rounded_positions,
-    source_positions,
+    rounding_error,
+    rounding_losses,
+    single_positions,
 )
-from deltamesh_formats.meshfiles.number_text import number_texts
+from deltamesh_formats.meshfiles.number_text import number_texts, rounded
 from deltamesh_formats.meshfiles.stl import STL
 from deltamesh_formats.meshfiles.stl.reader import ATTRIBUTE, FACET
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 
 _HEADER_SIZE: Final = 80
+# Of the normals in a text, which no program but a viewer needs: they follow from the positions.
+_NORMAL_MARGIN: Final = 1e-6
 _FACET: Final = (
     "  facet normal {} {} {}\n    outer loop\n"
     + 3 * "      vertex {} {} {}\n"
@@ -37,10 +39,10 @@ def write(mesh: PolyMesh) -> Written:
     if objects is not None:
         data = "".join(_solids(mesh, objects)).encode(*text.ENCODING)
         return Written(data, (*STL.losses(mesh, []), *extra))
-    diagonal = bounding_diagonal(mesh.vertices)
-    positions, rounded = rounded_positions(mesh.vertices, diagonal, STL.title)
+    positions = single_positions(mesh.vertices, STL.title)
+    extra += rounding_losses("positions", rounding_error(positions, mesh.vertices), mesh.margin)
     data, kept = _binary(mesh, positions)
-    return Written(data, (*STL.losses(mesh, kept), *extra, *rounded))
+    return Written(data, (*STL.losses(mesh, kept), *extra))
 
 
 def _named(mesh: PolyMesh) -> Parts | None:
@@ -80,9 +82,9 @@ def _binary(mesh: PolyMesh, positions: NDArray[np.float32]) -> tuple[bytes, list
 def _solids(mesh: PolyMesh, objects: Parts) -> Iterator[str]:
     """Yield the text of a solid for the faces without an object, and of one for each object."""
     cut = mesh.triangulation()
-    rows = number_texts(source_positions(mesh))
+    rows = number_texts(rounded(mesh.vertices, mesh.margin))
     points = np.array(rows, dtype=object).reshape(-1, 3)[cut.faces].reshape(-1, 9)
-    normals = number_texts(_normals(mesh.vertices[cut.faces]))
+    normals = number_texts(rounded(_normals(mesh.vertices[cut.faces]), _NORMAL_MARGIN))
     facets = np.concatenate([np.array(normals, dtype=object).reshape(-1, 3), points], axis=1)
     of_facet = objects.of_face[cut.polygon]
     facets = facets[np.argsort(of_facet, kind="stable")]

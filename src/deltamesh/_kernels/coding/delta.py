@@ -1,80 +1,30 @@
 """Quantized delta coordinates: their coding, and the diffusion of their quantization error.
 
-Vertices come in coding order; a neighbour j of i is known when j < i. Nothing is predicted:
-subtracting a mean of the neighbours made the numbers larger on every kind of mesh that was tried.
-The contexts are the magnitudes and signs around.
+Vertices come in coding order; a neighbour j of i is known when j < i. The contexts are the
+magnitudes and signs around. See `src/core/delta.c`.
 """
 
 from __future__ import annotations
 
-import numpy as np
-
 from deltamesh._kernels.coding.coder import Coder
-from deltamesh._kernels.coding.residual import (
-    ABSOLUTE,
-    HINT,
-    HINT_ALL,
-    KIND,
-    KNOWN,
-    LAST,
-    NEIGHBOURS,
-    SPENT,
-    SUM,
-    code_vector,
-)
-from deltamesh._kernels.jit import Int, inlined, kernel
+from deltamesh._kernels.core import call, floats, floats_out, ints, ints_out
 from deltamesh_formats.array_types import Floats, Ints
 
 
-@kernel
 def code_deltas(c: Coder, indptr: Ints, indices: Ints, values: Ints) -> None:
     """Code `values` (n, 3), filled in place when decoding; for the graph, see `adjacency`."""
-    known = np.zeros(KNOWN, np.int64)
-    for i in range(len(values)):
-        known[:] = 0
-        for at in range(indptr[i], indptr[i + 1]):
-            j = indices[at]
-            if j >= i:
-                break  # neighbours ascend
-            known[NEIGHBOURS] += 1
-            for axis in range(3):
-                known[SUM + axis] += values[j, axis]
-                size = abs(values[j, axis])
-                known[ABSOLUTE + axis] += size
-                known[HINT + axis] = max(known[HINT + axis], size)
-        for axis in range(3):
-            known[LAST + axis] = values[i - 1, axis] if i > 0 else 0
-        known[KIND] = min(known[NEIGHBOURS], 3)
-        known[HINT_ALL] = min(indptr[i + 1] - indptr[i], 15)
-        code_vector(c, values[i], known)
+    n, entries = len(values), len(indices)
+    graph = ints(indptr, n + 1), n, ints(indices, entries), entries
+    call("dm_code_deltas", c.pointer, *graph, ints_out(values, n, 3))
 
 
-@kernel
 def code_refinements(c: Coder, indptr: Ints, indices: Ints, deltas: Ints, values: Ints) -> None:
     """Code `values` (n, 1), filled in place when decoding, where the `deltas` (n, 3) are known."""
-    known = np.zeros(KNOWN, np.int64)
-    for i in range(len(values)):
-        known[:] = 0
-        around = np.int64(0)
-        for at in range(indptr[i], indptr[i + 1]):
-            j = indices[at]
-            around += abs(deltas[j, 0]) + abs(deltas[j, 1]) + abs(deltas[j, 2])
-            if j < i:
-                known[NEIGHBOURS] += 1
-                known[SUM] += values[j, 0]
-                size = abs(values[j, 0])
-                known[ABSOLUTE] += size
-                known[HINT] = max(known[HINT], size)
-        valence = indptr[i + 1] - indptr[i]
-        known[ABSOLUTE + 1] = known[NEIGHBOURS] * around // valence
-        known[SPENT] = 2 * (abs(deltas[i, 0]) + abs(deltas[i, 1]) + abs(deltas[i, 2]))
-        known[LAST] = values[i - 1, 0] if i > 0 else 0
-        known[KIND] = min(known[NEIGHBOURS], 3)
-        known[HINT_ALL] = min(valence, 15)
-        code_vector(c, values[i], known)
+    n, entries = len(values), len(indices)
+    graph = ints(indptr, n + 1), n, ints(indices, entries), entries
+    call("dm_code_refinements", c.pointer, *graph, ints(deltas, n, 3), ints_out(values, n, 1))
 
 
-@kernel
 def diffuse(
     indptr: Ints,
     indices: Ints,
@@ -93,28 +43,8 @@ def diffuse(
     (n, 3), which is used up: the share `normal` of its component along the normal, the share
     `tangential` of the rest.
     """
-    for i in range(len(out)):
-        step = steps[i]
-        a, n = delta[i], normals[i]  # the rounded part is taken off `a`: the error stays
-        if out.shape[1] == 3:
-            for axis in range(3):
-                out[i, axis] = _round(a[axis] / step, zone)
-                a[axis] -= out[i, axis] * step
-        else:
-            out[i, 0] = _round((a[0] * n[0] + a[1] * n[1] + a[2] * n[2]) / step, zone)
-            for axis in range(3):
-                a[axis] -= out[i, 0] * step * n[axis]
-        waiting = 0
-        for at in range(indptr[i], indptr[i + 1]):
-            waiting += indices[at] > i
-        along = a[0] * n[0] + a[1] * n[1] + a[2] * n[2]
-        for axis in range(3):
-            share = tangential * (a[axis] - along * n[axis]) + normal * along * n[axis]
-            for at in range(indptr[i], indptr[i + 1]):
-                if indices[at] > i:
-                    delta[indices[at], axis] += share / waiting
-
-
-@inlined
-def _round(steps: float, zone: float) -> Int:
-    return np.int64(np.rint(steps)) if abs(steps) > 0.5 + zone else np.int64(0)
+    n, entries, columns = len(out), len(indices), out.shape[1]
+    graph = ints(indptr, n + 1), n, ints(indices, entries), entries
+    vectors = floats_out(delta, n, 3), floats(normals, n, 3), floats(steps, n)
+    shares = float(zone), float(tangential), float(normal)
+    call("dm_diffuse", *graph, *vectors, *shares, columns, ints_out(out, n, columns))

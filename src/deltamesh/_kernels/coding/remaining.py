@@ -1,17 +1,16 @@
 """Sets whose elements are used up one by one: the rest in order of index, and in rings.
 
-Counts are in a tree of partial sums (Fenwick, "A new data structure for cumulative frequency
-tables", 1994), the next index that is left is found by path halving (Tarjan, van Leeuwen, 1984).
-A ring is a circular list of those elements of a group that are left, with an element to begin at.
+Within kernels, `src/core/remaining.h`; here they are for their tests.
 """
 
 from __future__ import annotations
 
+from ctypes import byref
 from typing import NamedTuple
 
 import numpy as np
 
-from deltamesh._kernels.jit import Int, inlined, kernel
+from deltamesh._kernels.core import LIBRARY, call, ints, ints_out, number
 from deltamesh_formats.array_types import Ints
 
 
@@ -46,94 +45,59 @@ class Rings(NamedTuple):
     start: Ints
 
 
-@kernel
-def all_of(n: Int) -> Remaining:
+def all_of(n: int) -> Remaining:
     """Return all indices below n."""
-    sums = np.zeros(n + 1, np.int64)
-    onwards = np.empty(n + 1, np.int64)
-    for i in range(n + 1):
-        sums[i], onwards[i] = i & -i, i
-    return Remaining(sums, onwards)
+    r = Remaining(*np.empty((2, n + 1), dtype=np.int64))
+    LIBRARY.dm_all_of(*_arguments(r))
+    return r
 
 
-@inlined
-def remove(r: Remaining, index: Int) -> None:
+def _arguments(r: Remaining) -> tuple[object, ...]:
+    size = len(r.sums)
+    n = number()
+    n.value = size - 1
+    return n, ints_out(r.sums, size), ints_out(r.onwards, size)
+
+
+def remove(r: Remaining, index: int) -> None:
     """Take away an index that is left."""
-    r.onwards[index] = index + 1
-    i = index + 1
-    while i < r.sums.size:
-        r.sums[i] -= 1
-        i += i & -i
+    call("dm_remove", *_arguments(r), index)
 
 
-@inlined
-def next_left(r: Remaining, index: Int) -> Int:
+def _found(name: str, r: Remaining, argument: int) -> int:
+    found = number()
+    call(name, *_arguments(r), argument, byref(found))
+    return found.value
+
+
+def next_left(r: Remaining, index: int) -> int:
     """Return the lowest index left that is not below `index`, else the lowest; there is one."""
-    onwards = r.onwards
-    n = onwards.size - 1
-    i = index
-    while onwards[i] != i:
-        onwards[i] = onwards[onwards[i]]
-        i = onwards[i]
-    if i == n:
-        i = 0
-        while onwards[i] != i:
-            onwards[i] = onwards[onwards[i]]
-            i = onwards[i]
-    return i
+    return _found("dm_next_left", r, index)
 
 
-@inlined
-def count_below(r: Remaining, index: Int) -> Int:
+def count_below(r: Remaining, index: int) -> int:
     """Return how many are left below `index`."""
-    total: Int = 0
-    i = index
-    while i > 0:
-        total += r.sums[i]
-        i -= i & -i
-    return total
+    return _found("dm_count_below", r, index)
 
 
-@inlined
-def select(r: Remaining, rank: Int) -> Int:
+def select(r: Remaining, rank: int) -> int:
     """Return the index below which `rank` are left, itself left; `rank` is below their number."""
-    step = 1
-    while 2 * step < r.sums.size:
-        step *= 2
-    at: Int = 0
-    rest = rank
-    while step > 0:
-        if at + step < r.sums.size and r.sums[at + step] <= rest:
-            at += step
-            rest -= r.sums[at]
-        step >>= 1
-    return at
+    return _found("dm_select", r, rank)
 
 
-@kernel
-def rings_of(groups: Ints, count: Int) -> Rings:
+def rings_of(groups: Ints, count: int) -> Rings:
     """Return the rings of elements in ascending order; element e belongs to `groups[e]`."""
-    after, before = np.empty(groups.size, np.int64), np.empty(groups.size, np.int64)
-    start = np.full(count, -1, np.int64)
-    for e in range(groups.size):
-        first = start[groups[e]]
-        if first < 0:
-            start[groups[e]] = e
-            after[e], before[e] = e, e
-        else:
-            last = before[first]
-            after[last], before[e] = e, last
-            after[e], before[first] = first, e
-    return Rings(after, before, start)
+    e = len(groups)
+    r = Rings(*(np.empty(size, dtype=np.int64) for size in (e, e, count)))
+    call("dm_rings_of", ints(groups, e), e, count, *_ring_arrays(r))
+    return r
 
 
-@inlined
-def leave_ring(r: Rings, group: Int, element: Int) -> None:
+def _ring_arrays(r: Rings) -> tuple[object, ...]:
+    e = len(r.after)
+    return ints_out(r.after, e), ints_out(r.before, e), ints_out(r.start, len(r.start))
+
+
+def leave_ring(r: Rings, group: int, element: int) -> None:
     """Take an element off its ring, which then begins after it."""
-    following = r.after[element]
-    if following == element:
-        r.start[group] = -1
-        return
-    previous = r.before[element]
-    r.after[previous], r.before[following] = following, previous
-    r.start[group] = following
+    call("dm_leave_ring", len(r.after), len(r.start), *_ring_arrays(r), group, element)

@@ -1,25 +1,22 @@
-"""Walk over two meshes at once."""
+"""Walk over two meshes at once; `src/core/correspondence.c`."""
 
 from __future__ import annotations
 
-from deltamesh._kernels.jit import kernel
+from ctypes import byref
+
+from deltamesh._kernels.core import OK, call, ints, ints_out, number
 from deltamesh_formats.array_types import Ints
 
 
-@kernel
 def assign(source: int, target: int, mapping: Ints, inverse: Ints, log: Ints, count: int) -> int:
     """Map source to target, one to one, and log a new pair; return the new count or -1."""
-    if mapping[source] == target:
-        return count
-    if mapping[source] >= 0 or inverse[target] >= 0:
-        return -1
-    mapping[source] = target
-    inverse[target] = source
-    log[count] = source
-    return count + 1
+    n, m, found = len(mapping), len(inverse), number()
+    found.value = count
+    arrays = ints_out(mapping, n), n, ints_out(inverse, m), m, ints_out(log, n)
+    status = call("dm_assign", source, target, *arrays, byref(found))
+    return found.value if status == OK else -1
 
 
-@kernel
 def propagate(
     corners: Ints,
     opposite: Ints,
@@ -48,45 +45,26 @@ def propagate(
     place, and back again when the patches differ (False). A face's half-edges are mapped together,
     only that of its first corner is kept: entry `3 f` at `half_edges[f]`.
     """
-    vertex_count, face_count, head = 0, 0, 0
-    # Opposites find the face of a half-edge that should be mapped; this pair starts the first face.
-    h, g = half_edge, other_half_edge
-    while True:
-        f, at = h // 3, h % 3
-        e = g // 3
-        start = 3 * e + (g % 3 + 3 - at) % 3  # what corresponds to half-edge 3 f
-        ok = True
-        if half_edges[f] != start:
-            ok = half_edges[f] < 0 and inverse_half_edges[e] < 0
-            if ok:
-                half_edges[f] = start
-                inverse_half_edges[e] = f
-                face_log[face_count] = f
-                face_count += 1
-            for i in range(3):
-                if ok:
-                    a, b = corners[3 * f + i], other_corners[3 * e + (start + i) % 3]
-                    ok = colours[a] == other_colours[b]
-                    if ok:
-                        new = assign(a, b, vertices, inverse_vertices, vertex_log, vertex_count)
-                        ok = new >= 0
-                        vertex_count = max(new, vertex_count)
-        # On to the next half-edge of the logged faces that has an opposite.
-        h = -1
-        while ok and h < 0 and head < 3 * face_count:
-            f, at = face_log[head // 3], head % 3
-            start = half_edges[f]
-            h = opposite[3 * f + at]
-            g = other_opposite[start // 3 * 3 + (start + at) % 3]
-            ok = (h < 0) == (g < 0)
-            head += 1
-        if not ok:
-            for i in range(vertex_count):
-                inverse_vertices[vertices[vertex_log[i]]] = -1
-                vertices[vertex_log[i]] = -1
-            for i in range(face_count):
-                inverse_half_edges[half_edges[face_log[i]] // 3] = -1
-                half_edges[face_log[i]] = -1
-            return False
-        if h < 0:
-            return True
+    m, n, others, k = len(half_edges), len(colours), len(inverse_half_edges), len(other_colours)
+    status = call(
+        "dm_propagate",
+        ints(corners, 3 * m),
+        ints(opposite, 3 * m),
+        m,
+        ints(colours, n),
+        n,
+        ints(other_corners, 3 * others),
+        ints(other_opposite, 3 * others),
+        others,
+        ints(other_colours, k),
+        k,
+        half_edge,
+        other_half_edge,
+        ints_out(vertices, n),
+        ints_out(inverse_vertices, k),
+        ints_out(half_edges, m),
+        ints_out(inverse_half_edges, others),
+        ints_out(vertex_log, n),
+        ints_out(face_log, m),
+    )
+    return status == OK

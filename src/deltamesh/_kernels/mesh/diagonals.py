@@ -1,14 +1,13 @@
-"""Diagonals of quads, chosen walking over the surface."""
+"""Diagonals of quads, chosen walking over the surface; `src/core/diagonals.c`."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from deltamesh._kernels.jit import kernel
+from deltamesh._kernels.core import bools_out, call, ints, ints_out, scratch
 from deltamesh_formats.array_types import Ints
 
 
-@kernel
 def choose(start: Ints, near: Ints, unlike: Ints, cut: Ints) -> None:
     """Choose one of two diagonals for each quad, breadth first, by a vote of its neighbours.
 
@@ -16,24 +15,8 @@ def choose(start: Ints, near: Ints, unlike: Ints, cut: Ints) -> None:
     unlike : int64 (e,), 1 if the diagonals of both should differ, else 0.
     cut : int64 (q,), 0 or 1 where it is given, else -1: filled in.
     """
-    votes = np.zeros((len(cut), 2), np.int64)
-    queued = np.zeros(len(cut), np.bool_)
-    queue = np.empty(len(cut), np.int64)
-    head, tail = 0, 0
-    for seed in range(len(cut)):
-        if not queued[seed]:
-            queued[seed] = True
-            queue[tail] = seed
-            tail += 1
-        while head < tail:
-            q = queue[head]
-            head += 1
-            if cut[q] < 0:
-                cut[q] = 1 if votes[q, 1] > votes[q, 0] else 0
-            for at in range(start[q], start[q + 1]):
-                r = near[at]
-                votes[r, cut[q] ^ unlike[at]] += 1
-                if not queued[r]:
-                    queued[r] = True
-                    queue[tail] = r
-                    tail += 1
+    quads, entries = len(cut), len(near)
+    queued = np.empty(quads, dtype=bool)
+    rows = ints(start, quads + 1), quads, ints(near, entries), ints(unlike, entries), entries
+    memory = scratch(quads, 2), bools_out(queued, quads), scratch(quads)
+    call("dm_choose_diagonals", *rows, ints_out(cut, quads), *memory)

@@ -1,0 +1,156 @@
+"""Build of the compiled core.
+
+`python src/core/build.py` writes a shared library beside the modules that load it; an installation
+does the same (`hatch_build.py`). The compiler is the one that CC names, else the system's, else the
+one of the package ziglang, which also compiles for other systems and for WebAssembly.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import importlib.util
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+SOURCES = Path(__file__).parent
+FOLDER = SOURCES.parent / "deltamesh" / "_kernels"
+
+# No contraction: a fused multiply-add rounds once where the others round twice.
+FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden")
+STRICT = ("-Wall", "-Wextra", "-Wconversion", "-Werror")
+# Faults end the process: what goes on after one proves nothing.
+SANITIZED = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+
+# Targets of ziglang, and the tags of the wheels that have a library for them.
+TARGETS = {
+    "x86_64-linux-gnu.2.17": "manylinux_2_17_x86_64",
+    "aarch64-linux-gnu.2.17": "manylinux_2_17_aarch64",
+    "x86_64-linux-musl": "musllinux_1_1_x86_64",
+    "aarch64-linux-musl": "musllinux_1_1_aarch64",
+    "x86_64-macos.11.0": "macosx_11_0_x86_64",
+    "aarch64-macos.11.0": "macosx_11_0_arm64",
+    "x86_64-windows-gnu": "win_amd64",
+}
+# A module of WebAssembly without a beginning of its own, whose user asks it for memory.
+WASM = ("-target", "wasm32-wasi", "-mexec-model=reactor", "-s")
+WASM_EXPORTS = ("-Wl,--export-dynamic", "-Wl,--export=malloc", "-Wl,--export=free")
+
+
+class BuildError(Exception):
+    """Failure of a build, with the reason."""
+
+
+def compiler() -> list[str] | None:
+    """Return the command of the system's C compiler, None where there is none."""
+    if named := os.environ.get("CC"):
+        return shlex.split(named)
+    found = next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None)
+    return [found] if found else None
+
+
+def zig() -> list[str]:
+    """Return the command of the compiler of the package ziglang.
+
+    Raises
+    ------
+    BuildError
+        If it is not installed.
+    """
+    if importlib.util.find_spec("ziglang"):
+        return [sys.executable, "-m", "ziglang", "cc"]
+    raise BuildError(
+        "deltamesh needs a C compiler to be installed from source, and found none: no CC in the "
+        "environment, no cc, gcc or clang on PATH, no package ziglang"
+    )
+
+
+def digest() -> str:
+    """Return a short digest of the sources, which the library carries."""
+    found = hashlib.blake2b(digest_size=8)
+    for path in sorted(SOURCES.glob("*.[ch]")):
+        found.update(path.read_bytes().replace(b"\r\n", b"\n"))
+    return found.hexdigest()
+
+
+def library_of(target: str = "") -> Path:
+    """Return the path of the library for a target or, by default, for this machine."""
+    if target:
+        suffix = "dylib" if "macos" in target else "dll" if "windows" in target else "so"
+    else:
+        suffix = {"win32": "dll", "darwin": "dylib"}.get(sys.platform, "so")
+    return FOLDER / f"_core.{suffix}"
+
+
+def build(target: str = "", flags: Sequence[str] = ()) -> Path:
+    """Compile the core; return the path of the library.
+
+    Parameters
+    ----------
+    target : str
+        One of `TARGETS`, for which ziglang compiles. Default: this machine.
+    flags : sequence of str
+        For the compiler, beside the usual ones.
+
+    Raises
+    ------
+    BuildError
+        If there is no compiler, or if it fails.
+    """
+    library = library_of(target)
+    command = [*zig(), "-target", target, "-s"] if target else compiler() or zig()
+    if library.suffix != ".dll":
+        command += ["-fPIC"]
+    _compile([*command, "-shared", *flags], library, ["-lm"])
+    return library
+
+
+def build_wasm(module: Path) -> Path:
+    """Compile the core as WebAssembly, with ziglang; return the path of the module.
+
+    Raises
+    ------
+    BuildError
+    """
+    _compile([*zig(), *WASM], module, WASM_EXPORTS)
+    return module
+
+
+def _compile(command: Sequence[str], target: Path, linked: Sequence[str]) -> None:
+    """Compile the core into a file that is there when it is complete."""
+    unfinished = target.with_name(f"{target.name}.{os.getpid()}")
+    sources = map(str, sorted(SOURCES.glob("*.c")))
+    named = (f'-DDM_SOURCES="{digest()}"', *sources, "-o", str(unfinished))
+    done = subprocess.run(
+        [*command, *FLAGS, *named, *linked], capture_output=True, text=True, errors="replace"
+    )
+    if done.returncode:
+        unfinished.unlink(missing_ok=True)
+        raise BuildError(f"{shlex.join(command)} failed:\n{done.stderr}")
+    unfinished.replace(target)
+
+
+def main() -> None:
+    """Build the core of this checkout."""
+    parser = argparse.ArgumentParser(description="Build the compiled core of this checkout.")
+    parser.add_argument("--strict", action="store_true", help="take warnings for errors")
+    parser.add_argument(
+        "--sanitize", action="store_true", help="check accesses and arithmetic while it runs"
+    )
+    parser.add_argument("--target", choices=TARGETS, default="", help="compile for it, by ziglang")
+    parser.add_argument("--wasm", type=Path, metavar="FILE", help="write WebAssembly, by ziglang")
+    arguments = parser.parse_args()
+    flags = STRICT * arguments.strict + SANITIZED * arguments.sanitize
+    try:
+        print(build_wasm(arguments.wasm) if arguments.wasm else build(arguments.target, flags))
+    except BuildError as error:
+        sys.exit(str(error))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,172 @@
+"""Memory of the solver on meshes that are no surfaces: it is foreseen, refused, and avoided."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import children
+import meshes
+import numpy as np
+import pytest
+from commandline import cli
+from graphs import FREE_SOLVERS
+
+import deltamesh
+from deltamesh import _limits
+from deltamesh._limits import memory_needed
+from deltamesh._methods import METHODS
+from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.errors import LimitError, MeshError
+
+RNG = np.random.default_rng(99)
+
+
+def distinct(F):
+    F = np.sort(F, axis=1)
+    F = F[(F[:, 0] < F[:, 1]) & (F[:, 1] < F[:, 2])]
+    return np.random.default_rng(0).random((F.max() + 1, 3)), F
+
+
+def triples(n, per_vertex):
+    return distinct(RNG.integers(0, n, (per_vertex * n, 3)))
+
+
+def block(k):
+    """A cube of k^3 points whose small cubes have a triangle on each of three sides."""
+    at = np.arange(k**3).reshape(k, k, k)
+    a, x, y, z = (
+        p.ravel() for p in (at[1:, 1:, 1:], at[:-1, 1:, 1:], at[1:, :-1, 1:], at[1:, 1:, :-1])
+    )
+    return distinct(
+        np.concatenate([np.stack(f, axis=1) for f in ((a, x, y), (a, y, z), (a, z, x))])
+    )
+
+
+def bridged_torus(rows, columns, bridges):
+    """A torus with triangles between random vertices."""
+    V, F = meshes.torus(rows, columns)
+    more = RNG.integers(0, len(V), (bridges, 3))
+    return V, np.concatenate((F, distinct(more)[1]))
+
+
+WILD = {
+    "triples": triples(2000, 2),
+    "dense triples": triples(1000, 8),
+    "block": block(22),
+    "bridged torus": bridged_torus(60, 50, 2000),
+}
+# Even for twice what is declared.
+WILDEST = {
+    "triples": triples(15_000, 2),
+    "dense triples": triples(8000, 8),
+    "bridged torus": bridged_torus(150, 100, 15_000),
+}
+TAME = {
+    "sphere": meshes.icosphere(5),
+    "torus": meshes.torus(120, 60),
+    "one triangle": (np.eye(3), np.array([[0, 1, 2]])),
+    "many pieces": (
+        np.random.default_rng(1).random((9000, 3)),
+        np.arange(9000).reshape(-1, 3),
+    ),
+}
+
+
+@pytest.fixture
+def careless(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the encoder write files whose decoders need any memory."""
+    monkeypatch.setattr(_limits, "MOST_DECLARED", 1000)
+
+
+def wild_file(name: str) -> bytes:
+    return deltamesh.encode(
+        *WILD[name], method="highpass", bits=4, anchors=1, drop_isolated=True, solver="scipy"
+    )
+
+
+@pytest.mark.parametrize("solver", FREE_SOLVERS)
+@pytest.mark.parametrize("name", WILD)
+def test_a_decoder_keeps_to_what_is_declared(name: str, solver: str, careless: None) -> None:
+    data = wild_file(name)
+    needed = memory_needed(read_container(data))
+    with pytest.raises(LimitError, match="solving for the positions takes more than the limit"):
+        deltamesh.decode(data, memory=needed, solver=solver)
+    mesh = deltamesh.decode(data, memory=needed + (2 << 30), solver=solver)
+    assert mesh.vertices.shape[1] == 3
+
+
+@pytest.mark.parametrize("solver", FREE_SOLVERS)
+@pytest.mark.parametrize("name", TAME)
+@pytest.mark.parametrize("method", ["refined", "highpass"])
+def test_surfaces_take_no_more_than_is_declared(name: str, method: str, solver: str) -> None:
+    data = deltamesh.encode(*TAME[name], method=method, solver=solver)
+    assert read_container(data).parameters.method == method
+    deltamesh.decode(data, memory=memory_needed(read_container(data)), solver=solver)
+
+
+@pytest.mark.parametrize("name", WILDEST)
+@pytest.mark.parametrize("method", ["refined", "highpass"])
+def test_an_encoder_refuses_what_decoders_would(name: str, method: str) -> None:
+    with pytest.raises(MeshError, match=r"limit of \d+ MiB; try method cartesian"):
+        deltamesh.encode(*WILDEST[name], method=method, drop_isolated=True)
+
+
+@pytest.mark.parametrize("name", WILDEST)
+@pytest.mark.parametrize("options", [{}, {"bits": 9, "coarse": 4}], ids=str)
+def test_auto_is_cartesian_then(name: str, options: dict[str, float]) -> None:
+    data = deltamesh.encode(*WILDEST[name], drop_isolated=True, **options)
+    assert read_container(data).parameters.method == "cartesian"
+    deltamesh.decode(data, memory=memory_needed(read_container(data)))
+
+
+def test_without_bits_nothing_but_anchors_is_there_to_fall_back_on() -> None:
+    with pytest.raises(MeshError, match="try method cartesian"):
+        deltamesh.encode(*WILDEST["triples"], bits=0, drop_isolated=True)
+
+
+def test_the_command_line(
+    tmp_path: Path, careless: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, target = tmp_path / "wild.dmesh", tmp_path / "wild.ply"
+    file.write_bytes(wild_file("triples"))
+    memory = memory_needed(read_container(file.read_bytes()))
+    assert cli(f"decode --memory {memory}", str(file), str(target)) == 3
+    assert "--max-vertices and --memory raise the limits" in capsys.readouterr().err
+    assert not target.exists()
+
+
+def test_refusing_is_cheap() -> None:
+    """A process with little memory beyond what is declared refuses, in a few seconds."""
+    pytest.importorskip("resource")
+    n = 20_000
+    code = f"""
+import resource, time
+import numpy as np
+from deltamesh._geometry import solve
+from deltamesh._graph.laplacian import laplacian
+from deltamesh_formats.errors import LimitError
+import scipy.sparse as sparse
+F = np.random.default_rng(1).integers(0, {n}, ({2 * n}, 3))
+i, j = np.concatenate([F[:, [0, 1]], F[:, [1, 2]], F[:, [2, 0]]]).T
+A = sparse.csr_array((np.ones(len(i)), (i, j)), shape=({n}, {n}))
+A = (A + A.T + sparse.eye_array({n})).tocsr()
+L = laplacian(A.indptr.astype(np.int64), A.indices.astype(np.int64))
+def refused(memory):
+    try:
+        solve.LeastSquares(L, np.arange({n}), SOLVER, 1, memory)
+    except LimitError:
+        return True
+assert refused(1 << 20)  # all is compiled and imported
+before, start = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.process_time()
+assert refused({METHODS["highpass"].memory_per_vertex * n})
+assert refused({2 * METHODS["highpass"].memory_per_vertex * n})
+assert refused({1 << 30})
+after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+assert after - before < 400 << 10, (before, after)
+assert time.process_time() - start < 20, time.process_time() - start
+"""
+    for solver in FREE_SOLVERS:
+        command = [sys.executable, "-c", f"SOLVER = {solver!r}\n{code}"]
+        done = children.run(command, text=True)
+        assert done.returncode == 0, done.stderr
