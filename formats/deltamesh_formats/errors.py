@@ -19,6 +19,10 @@ class MeshError(DeltameshError, ValueError):
     """The mesh, or its file, cannot be encoded; the message names the first element at fault."""
 
 
+class NoSurfaceError(MeshError):
+    """The mesh has no faces: it is a cloud of points, or a set of lines."""
+
+
 class FormatError(DeltameshError, ValueError):
     """The bytes are not a valid `.dmesh` file.
 
@@ -79,6 +83,7 @@ class OptionError(DeltameshError, ValueError):
 for _error in (
     DeltameshError,
     MeshError,
+    NoSurfaceError,
     FormatError,
     LimitError,
     TargetError,

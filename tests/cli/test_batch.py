@@ -175,6 +175,33 @@ def test_existing_outputs_are_left_unless_asked(
     assert Path("scans/a.ply.dmesh").read_bytes() == encoded("scans/a.ply")
 
 
+def test_points_and_lines_are_skipped_and_said(
+    scans: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    points = "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n"
+    Path("scans/points.off").write_text(points)
+    Path("scans/lines.obj").write_text("v 0 0 0\nv 1 0 0\nl 1 2\n")
+    assert cli("batch -r scans --manifest run.jsonl") == 0
+    shown = capsys.readouterr()
+    cloud = "3 vertices but no faces: a point cloud, which LAZ, Draco and pcodec compress"
+    assert f"deltamesh: scans/points.off: skipped: it holds {cloud}\n" in shown.err
+    assert "deltamesh: scans/lines.obj: skipped: it holds 2 vertices but no faces" in shown.err
+    assert [line.split()[1] for line in shown.out.splitlines() if "skipped" in line] == ["2"]
+    assert sources("run.jsonl", "skipped") == ["scans/lines.obj", "scans/points.off"]
+    (skipped, _) = records("run.jsonl", "skipped")
+    assert "exit_code" not in skipped
+    assert sources("run.jsonl") == NAMES
+    # What is skipped is looked at again: it may be another file now.
+    Path("scans/points.off").write_bytes(Path("scans/d.off").read_bytes())
+    assert cli("batch -r scans --manifest run.jsonl --resume --json") == 0
+    summary = json.loads(capsys.readouterr().out.splitlines()[-1])["summary"]
+    assert summary["files"] == {"done": 1, "done before": 4, "skipped": 1, "failed": 0}
+    # Alone, it is a failure as any other.
+    Path("points.off").write_text(points)
+    assert cli("encode points.off") == 1
+    assert cloud in capsys.readouterr().err
+
+
 def test_a_dry_run_writes_nothing(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
     Path("scans/a.ply.dmesh").touch()
     before = contents(".")

@@ -79,7 +79,7 @@ def test_types_of_the_public_names_are_known(tmp_path):
 def test_errors_are_named_as_users_know_them():
     own = [one for one in vars(errors).values() if isinstance(one, type)]
     tree = [one for one in own if issubclass(one, DeltameshError)]
-    assert len(tree) == 7
+    assert len(tree) == 8
     for error in tree:
         assert error.__module__ == "deltamesh"
         assert getattr(deltamesh, error.__name__) is error

@@ -120,8 +120,11 @@ def _line(record: Record) -> str:
 
 
 def report_record(record: Record, *, as_json: bool) -> None:
-    """Report a failure on standard error and, with `as_json`, any record on standard output."""
-    if record["status"] == FAILED:
+    """Report a failure on standard error and, with `as_json`, any record on standard output.
+
+    A file without a surface is skipped, with a message, too.
+    """
+    if "message" in record:
         click.echo(record.get("traceback", ""), nl=False, err=True)
         click.echo(f"deltamesh: {record['message']}", err=True)
     if as_json:

@@ -13,14 +13,16 @@ from typing import Any, Final
 from deltamesh._options import CHOICES
 from deltamesh._progress import silent
 from deltamesh._version import __version__
-from deltamesh.batch import DONE, FAILED, Record, Task, file_state
+from deltamesh.batch import DONE, FAILED, SKIPPED, Record, Task, file_state
 from deltamesh_cli import files, options
 from deltamesh_cli.decoding import decode_to_file
 from deltamesh_cli.encoding import encode_file
 from deltamesh_cli.failures import Failure, attempt, failure_object
 from deltamesh_cli.meshes import parse_container
+from deltamesh_cli.output import display_name
 from deltamesh_cli.summary import errors_object
 from deltamesh_formats.container.container import Container
+from deltamesh_formats.errors import NoSurfaceError
 
 _TETRAHEDRON: Final = b"""OFF
 4 4 0
@@ -85,7 +87,10 @@ def work(job: Job, task: Task) -> Record:
         with attempt(task.target, "cannot read"):
             target_state = file_state(task.target, "target")
     except Failure as failure:
-        return failure_record(job, task, failure, time.perf_counter() - start)
+        seconds = time.perf_counter() - start
+        if isinstance(failure.error, NoSurfaceError):
+            return _skipped_record(job, task, failure, seconds)
+        return failure_record(job, task, failure, seconds)
     return {
         "status": DONE,
         "source": task.source,
@@ -115,6 +120,20 @@ def failure_record(job: Job, task: Task, failure: Failure, seconds: float | None
         "exit_code": described["exit_code"],
         "message": str(failure),
         **({} if trace is None else {"traceback": trace}),
+        "seconds": seconds,
+        "options": job.options(),
+        "version": __version__,
+    }
+
+
+def _skipped_record(job: Job, task: Task, failure: Failure, seconds: float) -> Record:
+    """Return the record of a file that holds points or lines, which is no fault of it."""
+    return {
+        "status": SKIPPED,
+        "source": task.source,
+        "target": task.target,
+        "source_bytes": task.size,
+        "message": f"{display_name(task.source)}: skipped: {failure.reason}",
         "seconds": seconds,
         "options": job.options(),
         "version": __version__,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from deltamesh_formats.polymesh.kinds import Kind
-    from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
+    from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh
 
 
 class Written(NamedTuple):
@@ -43,6 +43,8 @@ class FileFormat:
         Whether texture coordinates begin at the top left of the picture, not at its bottom left.
     polygons, transforms : bool
         Whether a file holds faces of more than three corners, and the transforms of objects.
+    gaps : tuple of {"vertex", "corner", "face"}
+        Domains whose elements may be without a row of an attribute that others have.
     parts : tuple of {"object", "mesh", "group", "material", "smoothing"}
         Kinds of parts that a file holds.
     metadata : tuple of str
@@ -63,6 +65,7 @@ class FileFormat:
     has_top_left_textures: bool = False
     polygons: bool = False
     transforms: bool = False
+    gaps: tuple[Domain, ...] = ()
     parts: tuple[Kind, ...] = ()
     metadata: tuple[str, ...] = ()
     read: Callable[[bytes], PolyMesh]
@@ -70,9 +73,9 @@ class FileFormat:
 
     def losses(self, mesh: PolyMesh, kept: Collection[Attribute]) -> tuple[str, ...]:
         """Return descriptions of what a file does not hold that has these attributes of a mesh."""
-        from deltamesh_formats.polymesh.descriptions import losses_of
+        from deltamesh_formats.polymesh.descriptions import filled_gaps, losses_of
 
-        return losses_of(
+        losses = losses_of(
             mesh,
             attributes=kept,
             parts=self.parts,
@@ -80,3 +83,5 @@ class FileFormat:
             polygons=self.polygons,
             transforms=self.transforms,
         )
+        gaps = filled_gaps(a for a in kept if a.domain not in self.gaps)
+        return *losses, *dict.fromkeys(gaps)

@@ -75,7 +75,7 @@ def read_mesh(source: PathOrFile, file_format: str | None = None) -> PolyMesh:
     except (OSError, MemoryError):
         raise
     except MeshError as error:
-        raise MeshError(f"{name}: {error}") from None
+        raise type(error)(f"{name}: {error}") from None
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
         raise MeshError(f"{name}: not readable as {known.title} ({reason})") from error

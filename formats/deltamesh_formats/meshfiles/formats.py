@@ -9,6 +9,7 @@ from deltamesh_formats.meshfiles.file_format import FileFormat
 from deltamesh_formats.meshfiles.glb import GLB
 from deltamesh_formats.meshfiles.obj import OBJ
 from deltamesh_formats.meshfiles.off import OFF
+from deltamesh_formats.meshfiles.plain_text import UTF8_MARK
 from deltamesh_formats.meshfiles.ply import PLY
 from deltamesh_formats.meshfiles.stl import STL
 
@@ -35,4 +36,5 @@ def format_of_beginning(data: bytes) -> FileFormat | None:
 
     A file may begin so and be damaged, or of another format after all: this is for messages.
     """
-    return next((one for one in FORMATS.values() if data.startswith(one.beginnings)), None)
+    head = data.removeprefix(UTF8_MARK)
+    return next((one for one in FORMATS.values() if head.startswith(one.beginnings)), None)

@@ -21,8 +21,14 @@ from deltamesh_formats.errors import MeshError
 Bytes = NDArray[np.uint8]
 
 _NUMBER: Final = re.compile(
-    rb"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|nan|inf(?:inity)?)", re.IGNORECASE
+    rb"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|nan(?:\(\w*\))?|inf(?:inity)?)", re.IGNORECASE
 )
+# What the C library of Microsoft printed, up to 2013, behind "1." for numbers that are not finite;
+# "#J" and so on are "#INF" and "#IND" whose letters it rounded to fewer places.
+MSVC_LETTERS: Final = rb"#(?:(INF)|IND|[QS]NAN|IO|J|QO|QNB)0*(?!\S)"
+_MSVC_NUMBER: Final = re.compile(rb"(?<!\S)([+-]?)1\." + MSVC_LETTERS)
+# Fortran prints an exponent of double precision as D.
+_FORTRAN_EXPONENT: Final = re.compile(rb"(?<=[\d.])[dD](?=[+-]?\d)")
 _INTEGER: Final = re.compile(rb"[+-]?\d+")
 # Names may be in any encoding: bytes that are not UTF-8 come back when they are written.
 ENCODING: Final = ("utf-8", "surrogateescape")
@@ -85,11 +91,6 @@ def keywords(buffer: Bytes, starts: Ints, ends: Ints, tokens: Ints) -> NDArray[n
         has = lengths > i
         found[has] |= buffer[starts[has] + i].astype(np.uint64) << np.uint64(8 * i)
     return found
-
-
-def with_line_feeds(data: bytes) -> bytes:
-    """Return a text whose lines end in line feeds; those of old Macintosh files do not."""
-    return data.replace(b"\r", b"\n") if b"\r" in data and b"\n" not in data else data
 
 
 def blanked(pattern: re.Pattern[bytes], data: bytes) -> bytes:
@@ -167,22 +168,32 @@ def read_numbers(text: Bytes, lines: Lines, tokens: Ints, dtype: type = float) -
     """
     if not len(tokens):
         return np.empty(0, dtype=dtype)
-    found = _parsed(text, dtype)
+    raw = text.tobytes()
+    found = _parsed(raw, dtype)
+    if found is None and dtype is float:
+        found = _parsed(_respelled(raw), dtype)
     if found is None or len(found) != len(tokens):
         form, what = (_NUMBER, "number") if dtype is float else (_INTEGER, "whole number")
         for i in tokens.tolist():
-            if not form.fullmatch(token := lines.token(i)):
+            if not form.fullmatch(_respelled(token := lines.token(i))):
                 raise lines.error(i, f"{quoted(token)} is not a {what}")
         raise MeshError("its text has numbers without a separator between them")
     return found
 
 
-def _parsed(text: Bytes, dtype: type = float) -> NDArray[Any] | None:
+def _respelled(text: bytes) -> bytes:
+    """Return a text with the usual spelling of numbers of Microsoft's C library and of Fortran."""
+    if b"#" in text:
+        text = _MSVC_NUMBER.sub(lambda x: x[1] + (b"inf" if x[2] else b"nan"), text)
+    return _FORTRAN_EXPONENT.sub(b"e", text)
+
+
+def _parsed(text: bytes, dtype: type = float) -> NDArray[Any] | None:
     """Return all numbers of a text that is not blank, or None when it has other tokens too."""
     with warnings.catch_warnings():
         warnings.simplefilter("error", DeprecationWarning)  # numpy 2.0 to 2.2 only warn
         try:
-            return np.fromstring(text.tobytes(), dtype=dtype, sep=" ")
+            return np.fromstring(text, dtype=dtype, sep=" ")
         except (ValueError, DeprecationWarning):
             return None
 

@@ -161,8 +161,8 @@ def to_arrays(
 ) -> dict[str, NDArray[Any]]:
     """Return the attributes of a domain by their names, (rows,) or (rows, width).
 
-    Rows of an index are in place; an element without one has NaN, or 0. Of attributes that share
-    a name the second is called "name_2", and so on.
+    Rows of an index are in place; an element without one has `Attribute.filler`. Of attributes
+    that share a name the second is called "name_2", and so on.
 
     Parameters
     ----------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from typing import Final
 
 import numpy as np
@@ -74,6 +74,15 @@ def unreferenced_rows(mesh: PolyMesh) -> Iterator[str]:
         if not used.all():
             whose = "vertex" if attribute.domain == "vertex" else "face"
             yield f"{describe_attribute(attribute)} that no {whose} refers to"
+
+
+def filled_gaps(attributes: Iterable[Attribute]) -> Iterator[str]:
+    """Yield descriptions of gaps that are filled where each element has to have a row."""
+    for attribute in attributes:
+        if attribute.index is not None and (attribute.index < 0).any():
+            filler = "white" if attribute.role == "colour" else f"{attribute.filler:g}"
+            filler = filler.replace("nan", "NaN")
+            yield f"gaps in {describe_attribute(attribute)} (filled with {filler})"
 
 
 def describe_attribute(attribute: Attribute) -> str:

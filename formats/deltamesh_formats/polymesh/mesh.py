@@ -65,12 +65,22 @@ class Attribute:
             return self.index
         return np.arange(len(self.values), dtype=np.int64)
 
+    @property
+    def filler(self) -> float:
+        """The number that stands for no number: white for colours, else NaN, or 0 of integers."""
+        kind = self.values.dtype.kind
+        if self.role != "colour" or kind not in "iuf":
+            return np.nan if kind == "f" else 0
+        if kind == "f":
+            return 1.0
+        largest = int(np.iinfo(self.values.dtype).max)
+        return largest if self.normalized else min(255, largest)
+
     def dense(self) -> NDArray[Any]:
-        """Return a row for each element, (count, width); one that has none gets NaN, or 0."""
+        """Return a row for each element, (count, width); one that has none gets `filler`."""
         if self.index is None:
             return self.values
-        nothing = np.nan if self.values.dtype.kind == "f" else 0
-        found = np.full((len(self.index), self.width), nothing, dtype=self.values.dtype)
+        found = np.full((len(self.index), self.width), self.filler, dtype=self.values.dtype)
         has = self.index >= 0
         found[has] = self.values[self.index[has]]
         return found

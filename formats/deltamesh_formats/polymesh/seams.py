@@ -18,14 +18,14 @@ from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 def at_vertices(mesh: PolyMesh, attribute: Attribute) -> NDArray[Any] | None:
     """Return an attribute of corners as one of vertices, (n, width); None if it has seams.
 
-    An isolated vertex has NaN, or 0. Numbers are compared bit by bit.
+    An isolated vertex has `Attribute.filler`. Numbers are compared bit by bit.
     """
     values = attribute.dense()
     first = _first_corners(mesh)
     bits = _bits(values)
     if (bits != bits[first[mesh.corners]]).any():
         return None
-    return Attribute(attribute.name, "vertex", values, index=first).dense()
+    return replace(attribute, domain="vertex", values=values, index=first).dense()
 
 
 def split_at_seams(mesh: PolyMesh, attribute: Attribute) -> PolyMesh:

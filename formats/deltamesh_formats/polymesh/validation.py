@@ -8,14 +8,21 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh_formats.array_types import Floats
-from deltamesh_formats.errors import MeshError
+from deltamesh_formats.errors import MeshError, NoSurfaceError
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, keep_faces
+
+# Descriptions that readers give of points, lines, and surfaces that are not polygons.
+_POINTS: Final = ("points",)
+_LINES: Final = ("lines", "elements edge")
+_FREE_FORM: Final = "free-form geometry"
+# Indices of a face that a message prints.
+_FEW: Final = 8
 
 
 def checked(mesh: PolyMesh, largest: float = math.inf) -> PolyMesh:
@@ -33,22 +40,45 @@ def checked(mesh: PolyMesh, largest: float = math.inf) -> PolyMesh:
     ------
     MeshError
         For an array of another shape or type than `PolyMesh` says, a position that is not finite or
-        too large, an index out of range, or a mesh without faces; the message names the array,
+        too large, an index out of range, or a mesh without vertices; the message names the array,
         attribute or part, or the first element at fault.
+    NoSurfaceError
+        For points or lines without a face.
     """
     _check_shapes(mesh)
-    if not len(mesh.vertices):
+    sizes = mesh.sizes
+    whole = sizes >= 3
+    has_points = any(word in mesh.lost for word in (*_POINTS, *_LINES))
+    if not (len(mesh.vertices) or has_points):
         raise MeshError(f"it holds no mesh: no vertices and no faces{_also(mesh)}")
+    named = mesh
+    if not whole.all():
+        few = f"{np.count_nonzero(~whole)} faces of fewer than three corners"
+        named = replace(mesh, lost=(*mesh.lost, few))
+    if not whole.any():  # before the positions: those of clouds need not be finite
+        raise _no_surface(named, edges=int(np.count_nonzero(sizes == 2)))
     _check_positions(mesh.vertices, largest)
     _check_indices(mesh)
-    whole = mesh.sizes >= 3
-    if not whole.all():
-        lost = f"{np.count_nonzero(~whole)} faces of fewer than three corners"
-        mesh = replace(keep_faces(mesh, whole), lost=(*mesh.lost, lost))
-    if len(mesh.offsets) == 1:
-        n = len(mesh.vertices)
-        raise MeshError(f"it holds {n} vertices but no faces: a point cloud{_also(mesh)}")
-    return mesh
+    return keep_faces(named, whole)
+
+
+def _no_surface(mesh: PolyMesh, edges: int) -> MeshError:
+    """Return an error about a mesh without faces, which names programs that compress its kind.
+
+    Parameters
+    ----------
+    mesh : PolyMesh
+    edges : int
+        Count of the faces of two corners that it had.
+    """
+    n = len(mesh.vertices)
+    has = f"it holds {n} vertices but no faces" if n else "it holds no faces"
+    if _FREE_FORM in mesh.lost:
+        return MeshError(f"{has}: free-form geometry{_also(mesh)}")
+    if edges or any(word in mesh.lost for word in _LINES):
+        return NoSurfaceError(f"{has}: a set of lines{_also(mesh)}, which pcodec compresses")
+    tools = "which LAZ, Draco and pcodec compress"
+    return NoSurfaceError(f"{has}: a point cloud{_also(mesh)}, {tools}")
 
 
 def _check_positions(V: Floats, largest: float) -> None:
@@ -68,7 +98,11 @@ def _check_indices(mesh: PolyMesh) -> None:
     if bad.any():
         face = int(np.searchsorted(mesh.offsets, np.argmax(bad), side="right")) - 1
         indices = mesh.corners[mesh.offsets[face] : mesh.offsets[face + 1]].tolist()
-        raise MeshError(f"face {face} has vertex indices {indices}, outside 0..{n - 1}")
+        if len(indices) <= _FEW:
+            raise MeshError(f"face {face} has vertex indices {indices}, outside 0..{n - 1}")
+        index, size = int(mesh.corners[np.argmax(bad)]), len(indices)
+        message = f"face {face}, of {size} corners, has the vertex index {index}"
+        raise MeshError(f"{message}, outside 0..{n - 1}")
 
 
 def _also(mesh: PolyMesh) -> str:

@@ -219,12 +219,27 @@ def _difference(
     ]
     if not fitting:
         return Difference(attribute, None)
-    other = min(fitting, key=lambda x: (x.domain != attribute.domain, x.values.dtype.kind))
-    one, two = rows_of(a, attribute)[corners], rows_of(b, other)[others]
-    if ((one < 0) & (two >= 0) | (one >= 0) & (two < 0)).any():
+    one = rows_of(a, attribute)[corners]
+    rows = [rows_of(b, x)[others] for x in fitting]
+    # A file may have several of one name: the one of the same elements, then of the same type.
+    gaps = [int(np.count_nonzero((one < 0) != (two < 0))) for two in rows]
+    best = min(range(len(fitting)), key=lambda i: (gaps[i], *_unlikeness(attribute, fitting[i])))
+    if gaps[best]:
         return Difference(attribute, None)
+    other, two = fitting[best], rows[best]
     one, two = one[one >= 0], two[two >= 0]
     return Difference(attribute, _largest(attribute.values[one], other.values[two], attribute.role))
+
+
+def _unlikeness(attribute: Attribute, other: Attribute) -> tuple[bool, ...]:
+    """Return what tells an attribute from another of its name, that which matters most first."""
+    one, two = attribute.values.dtype, other.values.dtype
+    return (
+        attribute.domain != other.domain,
+        one.kind != two.kind,
+        one != two,
+        attribute.normalized != other.normalized,
+    )
 
 
 def rows_of(mesh: PolyMesh, attribute: Attribute) -> Ints:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.arrays import attribute_of
-from deltamesh_formats.polymesh.descriptions import describe_attribute
+from deltamesh_formats.polymesh.descriptions import describe_attribute, filled_gaps
 from deltamesh_formats.polymesh.kinds import Kind
 from deltamesh_formats.polymesh.mesh import Attribute, Domain, Parts, PolyMesh
 from deltamesh_formats.polymesh.names import distinct_names
@@ -37,9 +37,9 @@ def dense_arrays(mesh: PolyMesh, domain: Domain, without: Iterable[Attribute] = 
 def point_arrays(mesh: PolyMesh) -> tuple[Arrays, list[str]]:
     """Return names and rows of the attributes of vertices, and of those of corners without seams.
 
-    The others are described in the second result.
+    The others are described in the second result, and gaps in colours that are filled.
     """
-    points, lost = dense_arrays(mesh, "vertex"), []
+    points, lost = dense_arrays(mesh, "vertex"), gaps_in_colours(mesh)
     for attribute in mesh.attributes:
         if attribute.domain == "corner":
             values = at_vertices(mesh, attribute)
@@ -48,6 +48,11 @@ def point_arrays(mesh: PolyMesh) -> tuple[Arrays, list[str]]:
             else:
                 points.append((attribute.name, values))
     return points, lost
+
+
+def gaps_in_colours(mesh: PolyMesh) -> list[str]:
+    """Return descriptions of gaps in colours, which arrays have in white."""
+    return list(filled_gaps(a for a in mesh.attributes if a.role == "colour"))
 
 
 def attributes_of(

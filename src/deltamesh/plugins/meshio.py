@@ -49,7 +49,7 @@ def to_meshio(mesh: PolyMesh) -> meshio.Mesh:
     Warns
     -----
     UserWarning
-        Of attributes of corners that have seams.
+        Of attributes of corners that have seams, and of gaps in colours.
     """
     mesh = with_origin(mesh, top_left=False)
     points, lost = point_arrays(mesh)

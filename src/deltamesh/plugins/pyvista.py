@@ -56,7 +56,7 @@ def to_pyvista(mesh: PolyMesh) -> pyvista.PolyData:
     Warns
     -----
     UserWarning
-        Of attributes of corners that have seams.
+        Of attributes of corners that have seams, and of gaps in colours.
     """
     mesh = with_origin(mesh, top_left=False)
     points, lost = point_arrays(mesh)

@@ -28,6 +28,7 @@ from deltamesh.plugins._fields import (
     attributes_of,
     by_name,
     dense_arrays,
+    gaps_in_colours,
     keeping_order,
     names_key,
     taken_parts,
@@ -58,6 +59,11 @@ def to_trimesh(mesh: PolyMesh, *, split_seams: bool = False) -> trimesh.Trimesh:
     split_seams : bool
         Repeat vertices where texture coordinates have seams, as trimesh does for OBJ, so that they
         are those of vertices and a texture is shown. Without it they are "corner_uv".
+
+    Warns
+    -----
+    UserWarning
+        Of gaps in colours, which are shown white.
     """
     # It takes the range of the normals that it is given, which may be any numbers.
     with np.errstate(over="ignore", invalid="ignore"):
@@ -132,6 +138,7 @@ def register() -> None:
 
 def _arguments(mesh: PolyMesh, split_seams: bool) -> dict[str, Any]:
     mesh = with_origin(mesh, top_left=False)
+    warn_of_losses(gaps_in_colours(mesh), "a Trimesh")
     uv = mesh.attribute("uv", "corner")
     if split_seams and uv is not None:
         mesh = split_at_seams(mesh, uv)

@@ -21,7 +21,6 @@ from deltamesh_formats.meshfiles.glb.chunks import (
     JSON_CHUNK,
     MAGIC,
     Gltf,
-    items,
     read_chunks,
     reals,
     whole,
@@ -34,7 +33,7 @@ from deltamesh_formats.meshfiles.glb.placement import (
     turned,
 )
 from deltamesh_formats.meshfiles.glb.scene import placed_meshes, scene_losses
-from deltamesh_formats.meshfiles.glb.schema import check_types
+from deltamesh_formats.meshfiles.glb.schema import check_types, items
 from deltamesh_formats.meshfiles.glb.semantics import name_of, semantic_of
 from deltamesh_formats.meshfiles.glb.vertex_groups import grouped
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh

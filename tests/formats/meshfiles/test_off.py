@@ -20,7 +20,7 @@ OFF = "OFF\n4 2 5\n0 0 0\n1 0 0\n0 1 0\n0.5 0.25 8\n3 0 1 2\n3 2 1 3\n"
     "text",
     [
         OFF,
-        OFF.replace("OFF\n", "OFF # a comment: OFF\n\n"),
+        OFF.replace("OFF\n", "OFF\n# a comment: OFF\n\n"),
         OFF.replace("OFF\n", "OFF "),
         OFF.replace("4 2 5", "4 2"),
         OFF.replace("\n", " \r\n"),
@@ -28,7 +28,7 @@ OFF = "OFF\n4 2 5\n0 0 0\n1 0 0\n0 1 0\n0.5 0.25 8\n3 0 1 2\n3 2 1 3\n"
         OFF.replace(" ", "\n"),
         OFF.replace("\n", " "),
         OFF.replace("3 0 1 2\n", "3 0\n1\n2 "),
-        "\n" + OFF.replace("\n", "# 7\n\n"),
+        "\n" + OFF.replace("\n", "\n\n"),
     ],
 )
 def test_forms_of_text(text):

@@ -255,7 +255,10 @@ BINARY = simple("binary_little_endian", [[0, 1, 2]])
             "line 4: not a line of a PLY header: 'property quad x'",
         ),
         (TEXT.replace(b"float x", b"float q"), "no properties x, y and z"),
-        (TEXT.replace(b"float x", b"list uchar float x"), "x, y and z|cut short|not a count"),
+        (
+            TEXT.replace(b"float x", b"list uchar float x"),
+            "line 11: vertex 1 has 3 numbers, not 4 as the header says",
+        ),
         (TEXT.replace(b"list uchar", b"list float"), "line 8: not a line of a PLY header"),
         (TEXT.replace(b"int vertex_indices", b"float vertex_indices"), "no list vertex_indices"),
         (TEXT.replace(b"vertex_indices", b"corners"), "no list vertex_indices"),

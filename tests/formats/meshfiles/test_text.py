@@ -83,11 +83,6 @@ def test_blanks_leave_every_byte_in_its_place() -> None:
     assert lines.buffer.tobytes() == data
 
 
-def test_old_line_ends_become_line_feeds() -> None:
-    assert text.with_line_feeds(b"a\rb\r") == b"a\nb\n"
-    assert text.with_line_feeds(b"a\r\nb\r") == b"a\r\nb\r"
-
-
 @given(st.binary(max_size=30))
 def test_names_in_any_encoding_come_back(raw: bytes) -> None:
     assert text.as_text(raw).encode(*text.ENCODING) == raw

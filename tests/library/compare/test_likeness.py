@@ -121,6 +121,31 @@ def test_elements_without_a_value_differ_from_those_that_have_one() -> None:
     assert differences(partly, partly)[0].largest == 0.0
 
 
+def test_attributes_of_one_name_are_paired_by_their_elements_and_types() -> None:
+    mesh = cube()
+    first, second = np.where(np.arange(8) < 4, np.arange(8), -1), np.arange(8) - 4
+    second[:4] = -1
+    table = np.arange(16).reshape(4, 4)
+
+    def colour(kind: str, index: np.ndarray | None, values: np.ndarray = table) -> Attribute:
+        return Attribute("colour", "vertex", values.astype(kind), "colour", index, True)
+
+    # Two types at different elements, whatever their order; types at the same elements; both.
+    for some in (
+        (colour("u1", first), colour("u2", second)),
+        (colour("u2", first), colour("u1", second)),
+        (colour("u1", first), colour("u2", first, table + 256)),
+        (colour("u1", first), colour("f4", first, table / 7), colour("u2", second)),
+    ):
+        own = replace(mesh, attributes=some)
+        for other in (own, replace(own, attributes=some[::-1])):
+            assert [one.largest for one in differences(own, other)] == [0.0] * len(some)
+    one, two = (replace(mesh, attributes=(colour("u1", index),)) for index in (first, second))
+    assert differences(one, two)[0].largest is None
+    wide = replace(mesh, attributes=(colour("u2", first, table + 3), colour("u1", second)))
+    assert differences(one, wide)[0].largest == 3.0
+
+
 def test_other_polygons_are_no_likeness() -> None:
     mesh = cube()
     turned = replace(mesh, corners=np.r_[mesh.corners[3::-1], mesh.corners[4:]])

@@ -12,9 +12,11 @@ from deltamesh.plugins._fields import (
     attributes_of,
     by_name,
     dense_arrays,
+    gaps_in_colours,
     keeping_order,
     names_key,
     parts_of,
+    point_arrays,
     warn_of_losses,
 )
 from deltamesh_formats.polymesh.mesh import Attribute, from_triangles
@@ -78,3 +80,15 @@ def test_losses_are_warned_of_once() -> None:
     warn_of_losses([], "a mesh")  # a warning would be an error here
     with pytest.warns(UserWarning, match=r"^not kept in a mesh: curves, lines$"):
         warn_of_losses(["curves", "lines", "curves"], "a mesh")
+
+
+def test_gaps_in_colours_are_white_and_said() -> None:
+    index = np.array([0, -1, 0])
+    colour = Attribute("colour", "vertex", np.array([[7, 8, 9]], dtype="u1"), "colour", index, True)
+    mesh = replace(MESH, attributes=(replace(HEAT, index=index), colour))
+    said = ["gaps in colours (filled with white)"]
+    assert gaps_in_colours(mesh) == said
+    arrays, lost = point_arrays(mesh)
+    assert lost == said
+    assert dict(arrays)["colour"].tolist() == [[7, 8, 9], [255, 255, 255], [7, 8, 9]]
+    assert gaps_in_colours(MESH) == []

@@ -14,7 +14,7 @@ import wholes
 from hypothesis import given
 
 import deltamesh
-from deltamesh_formats.polymesh.mesh import Parts
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, from_triangles
 
 trimesh = pytest.importorskip("trimesh")
 
@@ -209,3 +209,17 @@ def test_attributes_survive_a_file(tmp_path: Path) -> None:
     made.export(tmp_path / "x.dmesh", method="lossless")
     again = from_trimesh(trimesh.load_mesh(tmp_path / "x.dmesh"))
     assert wholes.plain(again) == wholes.plain(from_trimesh(made))
+
+
+def test_gaps_in_colours_are_shown_white() -> None:
+    mesh = from_triangles(np.eye(3), np.array([[0, 1, 2]]))
+    index = np.array([-1, 0, -1])
+    for values, normalized in (
+        (np.array([[0.0, 0.2, 1.0]]), False),
+        (np.array([[0, 51, 255, 255]], dtype=np.uint8), True),
+    ):
+        colour = Attribute("colour", "vertex", values, "colour", index, normalized)
+        with pytest.warns(UserWarning, match="in a Trimesh: gaps in colours .filled with white"):
+            made = to_trimesh(replace(mesh, attributes=(colour,)))
+        white = [255, 255, 255, 255]
+        assert made.visual.vertex_colors.tolist() == [white, [0, 51, 255, 255], white]

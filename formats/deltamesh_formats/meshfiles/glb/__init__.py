@@ -30,6 +30,7 @@ GLB: Final = FileFormat(
     bytes_per_vertex=24,  # three float32, six 16-bit indices
     has_top_left_textures=True,
     transforms=True,
+    gaps=("vertex", "corner"),
     parts=("object", "mesh", "material"),
     metadata=("copyright",),
     read=_read,

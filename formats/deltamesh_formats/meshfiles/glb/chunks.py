@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles.glb.schema import check_types, shown
+from deltamesh_formats.meshfiles.glb.extensions import COMPRESSED, check_required
+from deltamesh_formats.meshfiles.glb.schema import Tree, check_types, items, shown
 
 MAGIC: Final = b"glTF"
 JSON_CHUNK: Final = b"JSON"
@@ -32,14 +33,16 @@ COMPONENTS: Final[Mapping[int, str]] = {
     5125: "u4",
     5126: "f4",
 }
-WIDTHS: Final[Mapping[str, int]] = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
-_COMPRESSED: Final = (
-    "KHR_draco_mesh_compression",
-    "EXT_meshopt_compression",
-    "KHR_meshopt_compression",
-)
-
-Tree = Mapping[str, Any]
+# Columns of the elements of each type, and rows; each column of a matrix begins at a multiple of 4.
+_SHAPES: Final[Mapping[str, tuple[int, int]]] = {
+    "SCALAR": (1, 1),
+    "VEC2": (1, 2),
+    "VEC3": (1, 3),
+    "VEC4": (1, 4),
+    "MAT2": (2, 2),
+    "MAT3": (3, 3),
+    "MAT4": (4, 4),
+}
 
 
 @dataclass(frozen=True)
@@ -73,63 +76,64 @@ class Gltf:
             raise MeshError(f"accessor {index} has no data: it may be compressed")
         count, start = whole(accessor, "count"), whole(accessor, "byteOffset", 0)
         kind = _component(accessor)
-        shape = accessor.get("type", "")
-        if shape not in WIDTHS:
-            raise MeshError(f"accessor {index} has the unknown type {shown(shape)}")
-        width = WIDTHS[shape]
+        shape = _SHAPES.get(accessor.get("type", ""))
+        if shape is None:
+            raise MeshError(f"accessor {index} has the unknown type {shown(accessor.get('type'))}")
+        width = shape[0] * shape[1]
         if "bufferView" in accessor:
-            values = self._view(accessor["bufferView"], start, count, width, kind)
+            values = self._view(accessor["bufferView"], start, count, shape, kind)
         else:
             if count > sum(map(len, self.buffers)):
                 raise MeshError(f"accessor {index} has {count} elements but hardly any data")
             values = np.zeros((count, width), dtype=kind)
         if "sparse" in accessor:
-            self._replace(values, accessor["sparse"], kind)
+            self._replace(values, accessor["sparse"], shape, kind)
         return values
 
     def _view(
-        self, index: object, start: int, count: int, width: int, kind: np.dtype[Any]
+        self, index: object, start: int, count: int, shape: tuple[int, int], kind: np.dtype[Any]
     ) -> NDArray[Any]:
-        """Return a copy of numbers in a buffer view."""
+        """Return a copy of numbers in a buffer view, (count, columns * rows)."""
         view = self.item("bufferViews", index)
-        if any(name in view.get("extensions", {}) for name in _COMPRESSED):
+        if any(name in view.get("extensions", {}) for name in COMPRESSED):
             raise MeshError(f"buffer view {index} is compressed, which is not read")
         number = whole(view, "buffer")
         if number >= len(self.buffers):
             raise MeshError(f"it refers to buffer {number}, of {len(self.buffers)}")
         begin, length = whole(view, "byteOffset", 0), whole(view, "byteLength")
-        stride = whole(view, "byteStride", 0) or width * kind.itemsize
-        if stride < width * kind.itemsize:
+        columns, rows = shape
+        column = rows * kind.itemsize
+        if columns > 1:
+            column += -column % 4
+        size = columns * column
+        stride = whole(view, "byteStride", 0) or size
+        if stride < size:
             raise MeshError(f"the elements of buffer view {index} overlap")
-        needed = start + (count - 1) * stride + width * kind.itemsize if count else 0
+        needed = start + (count - 1) * stride + size if count else 0
         if needed > length or begin + length > len(self.buffers[number]):
             message = f"buffer view {index} would end at byte {begin + max(needed, length)}"
             raise MeshError(f"{message} of a buffer of {len(self.buffers[number])}")
         if not count:
-            return np.empty((0, width), dtype=kind)
-        strides = (stride, kind.itemsize)
-        data = self.buffers[number]
-        return np.ndarray((count, width), kind, data, begin + start, strides).astype(kind)
+            return np.empty((0, columns * rows), dtype=kind)
+        data, strides = self.buffers[number], (stride, column, kind.itemsize)
+        found = np.ndarray((count, columns, rows), kind, data, begin + start, strides)
+        return found.astype(kind, order="C").reshape(count, columns * rows)
 
-    def _replace(self, values: NDArray[Any], sparse: Tree, kind: np.dtype[Any]) -> None:
+    def _replace(
+        self, values: NDArray[Any], sparse: Tree, shape: tuple[int, int], kind: np.dtype[Any]
+    ) -> None:
         """Replace the elements that a sparse accessor lists."""
         for name in ("indices", "values"):
             if "bufferView" not in sparse.get(name, {}):
                 raise MeshError(f"a sparse accessor has no {name} in a buffer view")
         count, at, new = whole(sparse, "count"), sparse["indices"], sparse["values"]
         start = whole(at, "byteOffset", 0)
-        indices = self._view(at["bufferView"], start, count, 1, _component(at)).ravel()
+        indices = self._view(at["bufferView"], start, count, (1, 1), _component(at)).ravel()
         start = whole(new, "byteOffset", 0)
-        numbers = self._view(new["bufferView"], start, count, values.shape[1], kind)
+        numbers = self._view(new["bufferView"], start, count, shape, kind)
         if count and int(indices.max()) >= len(values):
             raise MeshError(f"a sparse accessor replaces element {indices.max()} of {len(values)}")
         values[indices.astype(np.int64)] = numbers
-
-
-def items(tree: Tree, name: str) -> list[Any]:
-    """Return an array in an object whose type is checked, empty if it is not there."""
-    found: list[Any] = tree.get(name, [])
-    return found
 
 
 def whole(tree: Tree, name: str, default: int | None = None) -> int:
@@ -198,9 +202,7 @@ def read_chunks(data: bytes) -> Gltf:
     if not isinstance(tree, dict):
         raise MeshError("its JSON is not an object")
     check_types(tree)
-    for name in _COMPRESSED:
-        if name in items(tree, "extensionsRequired"):
-            raise MeshError(f"it needs the glTF extension {name}, which is not read")
+    check_required(tree)
     return Gltf(tree, _buffers(tree, chunks.get(BINARY_CHUNK, b"")))
 
 

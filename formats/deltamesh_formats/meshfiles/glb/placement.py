@@ -46,10 +46,10 @@ def turned(name: str, values: NDArray[Any], matrix: Floats) -> NDArray[Any]:
     """Return normals or tangents under a transform, other attributes as they are.
 
     Normals are multiplied by the transpose of the inverse, tangents (three of their four numbers)
-    by the matrix; both keep their lengths.
+    by the matrix; both keep their lengths. Those of signed integers are rounded.
     """
     linear = matrix[:3, :3]
-    if name not in ("normal", "tangent") or values.dtype.kind != "f" or is_identity(linear):
+    if name not in ("normal", "tangent") or values.dtype.kind not in "fi" or is_identity(linear):
         return values
     try:
         rule = np.linalg.inv(linear) if name == "normal" else linear.T
@@ -60,8 +60,11 @@ def turned(name: str, values: NDArray[Any], matrix: Floats) -> NDArray[Any]:
     with np.errstate(all="ignore"):
         length = np.linalg.norm(before, axis=1, keepdims=True)
         after *= length / np.linalg.norm(after, axis=1, keepdims=True)
-    found = values.copy()
+    found = values.astype(np.float64)
     found[:, :3] = np.where(np.isfinite(after), after, before)
     if name == "tangent" and is_mirror(matrix):
         found[:, 3:] *= -1  # the handedness
-    return found
+    if values.dtype.kind == "i":
+        largest = np.iinfo(values.dtype).max
+        found = np.clip(np.round(found), -largest, largest)
+    return found.astype(values.dtype)

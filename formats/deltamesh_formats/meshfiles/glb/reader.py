@@ -1,8 +1,8 @@
 """Reader of GLB: every placed mesh of the scene is an object, with its name and its transform.
 
 It keeps all attributes of vertices, and names of nodes, meshes and materials. Strips and fans
-become triangles. Points, lines, textures, the look of materials, animations, skins and so on are
-named as lost. Compressed files are refused.
+become triangles. Points, lines, textures, the look of materials, animations, skins, extensions and
+so on are named as lost. Files that need an extension that is not read are refused.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles.glb import placement
-from deltamesh_formats.meshfiles.glb.chunks import Gltf, Tree, items, read_chunks
+from deltamesh_formats.meshfiles.glb.chunks import Gltf, read_chunks
 from deltamesh_formats.meshfiles.glb.scene import Placed, placed_meshes, scene_losses
-from deltamesh_formats.meshfiles.glb.schema import shown
+from deltamesh_formats.meshfiles.glb.schema import Tree, items, shown
 from deltamesh_formats.meshfiles.glb.semantics import name_of
 from deltamesh_formats.meshfiles.triangle_strips import triangles_of_strips
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh

@@ -9,7 +9,9 @@ import numpy as np
 
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles.glb.chunks import Gltf, Tree, items, reals
+from deltamesh_formats.meshfiles.glb.chunks import Gltf, reals
+from deltamesh_formats.meshfiles.glb.extensions import extension_losses
+from deltamesh_formats.meshfiles.glb.schema import Tree, items
 
 
 class Placed(NamedTuple):
@@ -52,7 +54,6 @@ def placed_meshes(gltf: Gltf) -> list[Placed]:
 
 def scene_losses(gltf: Gltf) -> Iterator[str]:
     """Yield descriptions of what a file has beside meshes, nodes and names of materials."""
-    tree = gltf.tree
     for name in ("animations", "skins", "cameras"):
         if gltf.items(name):
             yield name
@@ -62,11 +63,7 @@ def scene_losses(gltf: Gltf) -> Iterator[str]:
         yield "the look of materials"
     if len(gltf.items("scenes")) > 1:
         yield "other scenes"
-    extensions = tree.get("extensions", {})
-    if isinstance(extensions, dict) and "KHR_lights_punctual" in extensions:
-        yield "lights"
-    if "EXT_mesh_gpu_instancing" in items(tree, "extensionsUsed"):
-        yield "GPU instances"
+    yield from extension_losses(gltf.tree)
     if any("extras" in one for one in _with_extras(gltf)):
         yield "custom properties (extras)"
 

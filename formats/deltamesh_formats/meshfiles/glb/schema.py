@@ -16,6 +16,8 @@ from deltamesh_formats.errors import MeshError
 # fields, if they are there, are of these schemas. `_EACH` stands for all fields that an object has.
 Schema: TypeAlias = "str | list[Schema] | dict[str, Schema]"
 
+Tree: TypeAlias = Mapping[str, Any]
+
 _TYPES: Final[Mapping[str, tuple[type, ...]]] = {
     "an object": (dict,),
     "an array": (list,),
@@ -87,3 +89,9 @@ def _check(value: object, schema: Schema, path: str) -> None:
 def _check_type(value: object, name: str, path: str) -> None:
     if not isinstance(value, _TYPES[name]) or (isinstance(value, bool) and name == "a number"):
         raise MeshError(f"{path} is {shown(value)}, not {name}")
+
+
+def items(tree: Tree, name: str) -> list[Any]:
+    """Return an array in an object whose type is checked, empty if it is not there."""
+    found: list[Any] = tree.get(name, [])
+    return found

@@ -29,6 +29,7 @@ OBJ: Final = FileFormat(
     is_text=True,
     bytes_per_vertex=50,  # short decimal numbers
     polygons=True,
+    gaps=("vertex", "corner"),
     parts=("object", "group", "material", "smoothing"),
     metadata=("comments", "mtllib"),
     read=_read,

@@ -3,12 +3,12 @@
 It keeps positions with colours after them (a common extension), texture coordinates and normals
 with their own indices, polygons, objects, groups, smoothing groups, and names of materials and of
 their libraries. Normals or texture coordinates become attributes of the vertices where there is
-one for each vertex, in their order.
+one for each vertex, in their order. Their indices are left out, and named, where they are 0 or the
+file has no such table: the faces are sound.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
@@ -16,15 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh_formats.array_types import Bools, Floats, Ints
-from deltamesh_formats.meshfiles import text
+from deltamesh_formats.meshfiles import plain_text, text
+from deltamesh_formats.meshfiles.obj.comments import comments_of, polypaint, statements
 from deltamesh_formats.meshfiles.obj.statements import KEPT, OFF, OTHERS, PARTS
 from deltamesh_formats.meshfiles.text import Lines
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, Role
-
-_CONTINUATION: Final = re.compile(rb"\\\r?\n")
-# "#" begins a comment after white space; names such as "part#1" are whole.
-_COMMENT: Final = re.compile(rb"(?m)(?:^|(?<=[ \t\r]))#[^\n]*")
-_HEADER: Final = re.compile(rb"(?:[ \t\r]*(?:#[^\n]*)?\n)*")
 
 # Fields of a corner, v/vt/vn, in their order.
 _FIELDS: Final = ("vertex", "texture coordinate", "normal")
@@ -38,9 +34,8 @@ def read(data: bytes) -> PolyMesh:
     MeshError
         For a statement that is not valid; the line is named.
     """
-    data = text.with_line_feeds(data)
-    # Comments first: a path at the end of one continues nothing.
-    lines = text.split_lines(text.blanked(_CONTINUATION, text.blanked(_COMMENT, data)))
+    data = plain_text.plain(data)
+    lines = text.split_lines(statements(data))
     words = lines.keywords()
     where = {key: words == text.keyword(key) for key in KEPT}
     where[b"f"] = where[b"f"] | where.pop(b"fo")
@@ -51,23 +46,31 @@ def read(data: bytes) -> PolyMesh:
     }
     faces = _faces(lines, where, [len(vertices), *(len(table) for table in tables.values())])
     attributes, unused = _attributes(tables, faces, len(vertices))
-    lost = [*(["weights of vertices"] if weighted else []), *unused, *_others(lines, words)]
+    painted, unfit = polypaint(data, len(vertices), len(colours))
+    comments, has_more = comments_of(data)
+    lost = ["weights of vertices"] if weighted else []
+    lost += [*faces.missing, *unused, *unfit, *_others(lines, words)]
+    lost += ["comments below the first statement"] if has_more else []
     return PolyMesh(
         vertices,
         faces.indices[0],
         faces.offsets,
-        (*colours, *attributes),
+        (*colours, *painted, *attributes),
         tuple(_parts(lines, data, where)),
-        _metadata(lines, data, where[b"mtllib"]),
+        _metadata(lines, data, where[b"mtllib"], comments),
         tuple(lost),
     )
 
 
 class _Faces(NamedTuple):
-    """Faces: an array of indices for each field of a corner, from 0, -1 for none; offsets."""
+    """Faces: an array of indices for each field of a corner, from 0, -1 for none; offsets.
+
+    `missing` describes indices of what the file does not have.
+    """
 
     indices: list[Ints]
     offsets: Ints
+    missing: list[str]
 
 
 def _rows(lines: Lines, chosen: Bools) -> tuple[Floats, Ints, Ints]:
@@ -130,10 +133,15 @@ def _faces(lines: Lines, where: Mapping[bytes, Bools], sizes: list[int]) -> _Fac
     face_lines = np.flatnonzero(chosen)
     counts = lines.counts[face_lines] - 1
     line_of_corner = np.repeat(face_lines, counts)
-    indices = []
+    indices, missing = [], []
     for field, key in enumerate((b"v", b"vt", b"vn")):
         mine = fields == field
         found, of = given[mine], corner[mine]
+        if field and len(found):
+            is_there = (found != 0) & (sizes[field] > 0)
+            if not is_there.all():
+                missing.append(f"indices of {_FIELDS[field]}s that the file does not have")
+                found, of = found[is_there], of[is_there]
         above = np.searchsorted(np.flatnonzero(where[key]), line_of_corner[of])
         absolute = np.where(found > 0, found - 1, above + found)
         bad = (found == 0) | (absolute < 0) | (absolute >= sizes[field])
@@ -145,7 +153,7 @@ def _faces(lines: Lines, where: Mapping[bytes, Bools], sizes: list[int]) -> _Fac
         rows = np.full(len(line_of_corner), -1, dtype=np.int64)
         rows[of] = absolute
         indices.append(rows)
-    return _Faces(indices, np.concatenate(([0], np.cumsum(counts))).astype(np.int64))
+    return _Faces(indices, np.concatenate(([0], np.cumsum(counts))).astype(np.int64), missing)
 
 
 def _bad_index(what: str, index: int, count: int) -> str:
@@ -212,10 +220,9 @@ def _rest(lines: Lines, data: bytes, line: int) -> str:
     return text.as_text(data[start : end if end >= 0 else None].strip())
 
 
-def _metadata(lines: Lines, data: bytes, libraries: Bools) -> dict[str, tuple[str, ...]]:
-    head = _HEADER.match(data)
-    above = [line.strip() for line in (head[0] if head else b"").split(b"\n")]
-    comments = tuple(text.as_text(line[1:]) for line in above if line)
+def _metadata(
+    lines: Lines, data: bytes, libraries: Bools, comments: tuple[str, ...]
+) -> dict[str, tuple[str, ...]]:
     names = tuple(_rest(lines, data, int(line)) for line in np.flatnonzero(libraries))
     return {key: found for key, found in (("comments", comments), ("mtllib", names)) if found}
 

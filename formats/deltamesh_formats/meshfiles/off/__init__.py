@@ -30,6 +30,7 @@ OFF: Final = FileFormat(
     is_text=True,
     bytes_per_vertex=50,  # short decimal numbers
     polygons=True,
+    gaps=("face",),
     metadata=("comments",),
     read=_read,
     write=_write,

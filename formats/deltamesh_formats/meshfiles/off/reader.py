@@ -16,13 +16,15 @@ from numpy.typing import NDArray
 
 from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles import text
+from deltamesh_formats.meshfiles import plain_text, text
 from deltamesh_formats.meshfiles.off.binary import read_binary
 from deltamesh_formats.meshfiles.text import Lines
 from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh, Role
 
-_COMMENT: Final = re.compile(rb"#[^\n]*")
-_KEYWORD: Final = re.compile(rb"\s*((?:ST|C|N)*)(4?n?)OFF(?=\s|\Z)")
+# "#" begins a comment, but for the one in "1.#IND", which is a number.
+_COMMENT: Final = re.compile(rb"#(?!(?<=1\.#)" + text.MSVC_LETTERS.removeprefix(b"#") + rb")[^\n]*")
+# Counts may follow without a blank, as in the data set ModelNet40.
+_KEYWORD: Final = re.compile(rb"(?:\s|#[^\r\n]*+)*+(((?:ST|C|N)*+)(4?n?)OFF)(?=[\s\d#]|\Z)")
 _BINARY: Final = re.compile(rb"[ \t]*BINARY[ \t]*\r?\n")
 _COUNT: Final = re.compile(rb"\d{1,18}")
 
@@ -53,21 +55,24 @@ def read(data: bytes) -> PolyMesh:
     MeshError
         For a file that is not valid, with the line at fault where there is one.
     """
-    data = text.with_line_feeds(data)
-    plain = text.blanked(_COMMENT, data)
-    keyword = _KEYWORD.match(plain)
+    data = plain_text.utf8(data)
+    keyword = _KEYWORD.match(data)
     if keyword is None:
         raise MeshError("it does not begin with 'OFF' (or COFF, NOFF, STOFF)")
-    if keyword[2]:
+    if keyword[3]:
         raise MeshError("its vertices do not have three coordinates (4OFF, nOFF)")
-    letters = keyword[1].replace(b"ST", b"T")
+    letters = keyword[2].replace(b"ST", b"T")
     columns = _Columns(b"N" in letters, b"C" in letters, b"T" in letters)
     binary = _BINARY.match(data, keyword.end())
     if binary:
         return read_binary(data[binary.end() :], columns.widths(4))
-    lines = text.split_lines(plain)
+    data = plain_text.plain(data)
+    begin, end = keyword.span(1)
+    numbers = data[:begin] + b" " * (end - begin) + data[end:]
+    found_comments = [found.start() for found in _COMMENT.finditer(numbers)]
+    lines = text.split_lines(text.blanked(_COMMENT, numbers) if found_comments else numbers)
     n, m, at = _counts(lines)
-    first = int(lines.token_starts[at]) if at < len(lines.token_starts) else len(plain)
+    first = int(lines.token_starts[at]) if at < len(lines.token_starts) else len(data)
     tokens = np.arange(at, len(lines.token_starts))
     values = text.read_numbers(lines.buffer[first:], lines, tokens)
     body = _Body(lines, values, at)
@@ -81,19 +86,21 @@ def read(data: bytes) -> PolyMesh:
         if line.lstrip().startswith(b"#")
     )
     vertices, corners, offsets, attributes, lost = found
+    if len(found_comments) > len(comments):
+        lost += ("comments among the numbers",)
     metadata = {"comments": comments} if comments else {}
     return PolyMesh(vertices, corners, offsets, attributes, metadata=metadata, lost=lost)
 
 
 def _counts(lines: Lines) -> tuple[int, int, int]:
     """Return the counts of vertices and faces, and the first token after the counts."""
-    found = [lines.token(i) for i in range(1, min(4, len(lines.token_starts)))]
-    line = int(np.searchsorted(lines.first, 2, side="right"))
-    if len(found) == 3 and lines.first[line - 1] < 2 and lines.first[line] == 3:
+    found = [lines.token(i) for i in range(min(3, len(lines.token_starts)))]
+    line = int(np.searchsorted(lines.first, 1, side="right"))
+    if len(found) == 3 and lines.first[line - 1] == 0 and lines.first[line] == 2:
         found.pop()  # a line of two counts: that of edges, which nobody uses, is left out
     if len(found) < 2 or not all(_COUNT.fullmatch(count) for count in found):
         raise MeshError("it has no counts of vertices, faces and edges: is it cut short?")
-    return int(found[0]), int(found[1]), 1 + len(found)
+    return int(found[0]), int(found[1]), len(found)
 
 
 @dataclass(frozen=True)
@@ -106,7 +113,7 @@ class _Body:
 
     def whole(self, at: Ints) -> Bools:
         """Return which of the numbers at some positions are written as whole ones, bool."""
-        marks = np.isin(self.lines.buffer, np.frombuffer(b".eEnN", dtype=np.uint8))
+        marks = np.isin(self.lines.buffer, np.frombuffer(b".eEdDnN", dtype=np.uint8))
         before = np.concatenate(([0], np.cumsum(marks)))
         tokens = self.at + at
         fraction = before[self.lines.token_ends[tokens]] > before[self.lines.token_starts[tokens]]

@@ -94,7 +94,7 @@ class Ascii:
                 return block.astype(kind)
         if kind[1] == "8":
             tokens = (at[:, None] + np.arange(block.shape[1])).ravel().tolist()
-            exact = [int(self.lines.token(i)) for i in tokens]
+            exact = [self._integer(i) for i in tokens]
             return np.array(exact, dtype=kind).reshape(block.shape)
         limits = np.iinfo(kind)
         bad = ~((block >= limits.min) & (block <= limits.max) & (np.floor(block) == block))
@@ -105,6 +105,13 @@ class Ascii:
             what = text.quoted(self.lines.token(token))
             raise self.error(token, f"{what} is not a whole number of {name}")
         return block.astype(kind)
+
+    def _integer(self, token: int) -> int:
+        try:
+            return int(self.lines.token(token))
+        except ValueError:
+            what = text.quoted(self.lines.token(token))
+            raise self.error(token, f"{what} is not a whole number") from None
 
     def error(self, at: int, message: str) -> MeshError:
         """Return an error about a cell, which names the line."""

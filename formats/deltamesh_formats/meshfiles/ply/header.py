@@ -10,7 +10,9 @@ from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import text
 from deltamesh_formats.meshfiles.ply.properties import FORMATS, TYPES
 
-_BEGINNING: Final = re.compile(rb"ply[ \t]*(\r\n|\n|\r)")
+_BEGINNING: Final = re.compile(rb"ply[ \t]*[\r\n]")
+_END: Final = re.compile(rb"(?<=[\r\n])[ \t]*end_header[ \t]*(\r\n|\n|\r|\Z)")
+_LINE_END: Final = re.compile(rb"\r\n|\n|\r")
 # A count with more digits is beyond any file.
 _COUNT: Final = re.compile(r"\d{1,18}")
 
@@ -69,14 +71,12 @@ def read_header(data: bytes) -> Header:
     MeshError
         For a header that is not valid; the line is named.
     """
-    beginning = _BEGINNING.match(data)
-    if beginning is None:
+    if not _BEGINNING.match(data):
         raise MeshError("it does not begin with 'ply' on a line of its own")
-    # The first line tells how lines end: a binary body may begin with the byte of a line feed.
-    end_of_line = beginning[1]
-    end = re.compile(rb"(?<=[\r\n])[ \t]*end_header[ \t]*(?:" + end_of_line + rb"|\Z)").search(data)
+    end = _END.search(data)
     if end is None:
         raise MeshError("its header has no end: is it cut short?")
+    line_ends = set(_LINE_END.findall(data, 0, end.start()))
     header = Header("", [], [], [], end.end())
     order = None
     for i, line in enumerate(data[: end.start()].splitlines()):
@@ -90,16 +90,51 @@ def read_header(data: bytes) -> Header:
             elif key == "element":
                 header.elements.append(_element(rest))
             elif key == "property":
-                header.elements[-1].properties.append(_property(rest))
+                _add_property(header.elements[-1], _property(rest), i + 1)
             else:
                 _remark(header, line, key)
+        except MeshError:
+            raise
         except (LookupError, ValueError):
             raise MeshError(
                 f"line {i + 1}: not a line of a PLY header: {text.quoted(line)}"
             ) from None
     if order is None:
         raise MeshError("its header has no format: ascii, binary_little_endian, binary_big_endian")
-    return Header(order, header.elements, header.comments, header.obj_info, header.body)
+    body = end.end() if order == "" else _first_byte(end, line_ends)
+    return Header(order, header.elements, header.comments, header.obj_info, body)
+
+
+def _first_byte(end: re.Match[bytes], line_ends: set[bytes]) -> int:
+    """Return where a binary body begins: its first byte may be that of a line feed, too.
+
+    Parameters
+    ----------
+    end : match of `_END`
+    line_ends : set of bytes
+        The ends of the lines above.
+
+    Raises
+    ------
+    MeshError
+        If it is not clear whether a line feed behind a carriage return ends the header.
+    """
+    if end[1] != b"\r\n" or b"\r" not in line_ends:
+        return end.end()
+    if line_ends == {b"\r"}:
+        return end.end() - 1
+    raise MeshError(
+        "its header has lines that end in a carriage return, and others: it is not clear"
+        " whether the line feed below 'end_header' is in the header or in the body"
+    )
+
+
+def _add_property(element: Element, prop: Property, line: int) -> None:
+    """Add a property; of two that share a name, nobody can say which one is right."""
+    if any(prop.name == other.name for other in element.properties):
+        name = text.quoted(prop.name.encode(*text.ENCODING))
+        raise MeshError(f"line {line}: {element.name} has the property {name} twice")
+    element.properties.append(prop)
 
 
 def _element(words: list[str]) -> Element:

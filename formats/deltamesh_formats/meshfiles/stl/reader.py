@@ -3,7 +3,7 @@
 An STL repeats the position of each corner. Vertices at one position become one, in the order in
 which they first appear. Normals are dropped, since they follow from the positions; those that do
 not are named as lost. The two bytes of each binary facet, in which some programs put colours,
-become the attribute "attribute_bytes".
+become the attribute "attribute_bytes". Bytes after the last facet are named as lost.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles import text
+from deltamesh_formats.meshfiles import plain_text, text
+from deltamesh_formats.meshfiles.stl.variants import uniform
 from deltamesh_formats.meshfiles.text import Lines
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 from deltamesh_formats.polymesh.permutations import inverse
@@ -28,7 +29,9 @@ ATTRIBUTE: Final = "attribute_bytes"
 # area of a facet, over its squared sides, up to which it has no normal.
 _ALIKE: Final = 0.9
 _SLIVER: Final = 1e-3
-_SOLID: Final = re.compile(rb"^[ \t]*(end)?solid\b([^\n]*)$", re.MULTILINE | re.IGNORECASE)
+_TEXT: Final = re.compile(rb"^[ \t]*(?:(?:end[ \t]*)?solid|facet\b)", re.MULTILINE | re.IGNORECASE)
+# The name follows "solid"; some programs put no blank before it.
+_SOLID: Final = re.compile(rb"^[ \t]*(end[ \t]*)?solid([^\n]*)$", re.MULTILINE | re.IGNORECASE)
 # Tokens of a facet; "#" stands for a number.
 _FACET: Final = (
     b"facet normal # # # outer loop" + 3 * b" vertex # # #" + b" endloop endfacet"
@@ -48,14 +51,32 @@ def read(data: bytes) -> PolyMesh:
     expected = _HEADER + FACET.itemsize * facets
     if len(data) >= _HEADER and len(data) == expected:
         return _read_binary(data)
-    lower = data.lower()
-    if lower.lstrip().startswith(b"solid") and (b"facet" in lower or b"endsolid" in lower):
-        return _read_ascii(text.with_line_feeds(data))
+    as_text = _text(data)
+    if as_text is not None:
+        return _read_ascii(as_text)
+    more, rest = divmod(max(len(data) - _HEADER, 0), FACET.itemsize)
+    if not facets and more and not rest:
+        # A program wrote its header before it knew the count, and never replaced it.
+        return _read_binary(data, "the count of facets in the header, 0")
+    if 0 < facets < more and not rest:
+        raise MeshError(f"its header counts {facets} facets, but it has the length of {more}")
+    if facets and len(data) > expected:
+        lost = f"{len(data) - expected} bytes after the last facet"
+        return _read_binary(data[:expected], lost)
     message = f"neither an ASCII STL nor a binary one, whose header of {facets} facets would mean"
     raise MeshError(f"{message} {expected} bytes: it has {len(data)}")
 
 
-def _read_binary(data: bytes) -> PolyMesh:
+def _text(data: bytes) -> bytes | None:
+    """Return the text of an ASCII STL, None for other bytes."""
+    try:
+        found = plain_text.plain(data)
+    except MeshError:
+        return None
+    return None if b"\0" in found or not _TEXT.search(found) else found
+
+
+def _read_binary(data: bytes, *lost: str) -> PolyMesh:
     facets = np.frombuffer(data, dtype=FACET, offset=_HEADER)
     attributes: tuple[Attribute, ...] = ()
     if facets["attribute"].any():
@@ -69,18 +90,20 @@ def _read_binary(data: bytes) -> PolyMesh:
         3 * np.arange(len(facets) + 1, dtype=np.int64),
         attributes,
         metadata={"header": (header,)} if header else {},
-        lost=_other_normals(facets["normal"], facets["vertices"]),
+        lost=(*lost, *_other_normals(facets["normal"], facets["vertices"])),
         precision="float32",
     )
 
 
 def _read_ascii(data: bytes) -> PolyMesh:
-    solids = list(_SOLID.finditer(data))
-    lines = text.split_lines(text.blanked(_SOLID, data))
-    facets = _check_facets(lines)
-    last = int(lines.token_ends[-1]) if len(lines.token_ends) else 0
-    if not (solids[-1][1] and solids[-1].start() > last):
-        raise MeshError("its last solid has no end: is it cut short?")
+    lost: tuple[str, ...] = ()
+    try:
+        solids, lines, facets = _facets(data)
+    except MeshError:
+        data, lost = uniform(data)
+        solids, lines, facets = _facets(data)
+    if facets and solids and not solids[-1][1]:
+        lost += ("the end of the last solid: it may be cut short",)
     tokens = np.flatnonzero(~np.tile(_KEYWORDS, facets))
     buffer = lines.buffer.copy()
     text.blank_tokens(buffer, lines, np.flatnonzero(np.tile(_KEYWORDS, facets)))
@@ -95,8 +118,14 @@ def _read_ascii(data: bytes) -> PolyMesh:
         corners,
         3 * np.arange(facets + 1, dtype=np.int64),
         parts=_objects(names, of_face),
-        lost=_other_normals(values[:, :3], values[:, 3:].reshape(-1, 3, 3)),
+        lost=(*lost, *_other_normals(values[:, :3], values[:, 3:].reshape(-1, 3, 3))),
     )
+
+
+def _facets(data: bytes) -> tuple[list[re.Match[bytes]], Lines, int]:
+    """Return the lines that begin or end solids, the other ones, and the number of facets."""
+    lines = text.split_lines(text.blanked(_SOLID, data))
+    return list(_SOLID.finditer(data)), lines, _check_facets(lines)
 
 
 def _other_normals(normals: NDArray[Any], triangles: NDArray[Any]) -> tuple[str, ...]:
@@ -116,12 +145,16 @@ def _other_normals(normals: NDArray[Any], triangles: NDArray[Any]) -> tuple[str,
 
 
 def _objects(names: list[str], of_face: Ints) -> tuple[Parts, ...]:
-    """Return the solids that have facets as objects, unless there is but one without a name."""
+    """Return the solids that have facets as objects, unless there is but one without a name.
+
+    Facets above the first solid, -1, are in none.
+    """
     used, of_face = np.unique(of_face, return_inverse=True)
-    kept = tuple(names[i] for i in used.tolist())
-    if kept in ((), ("",)):
+    none = int(len(used) > 0 and used[0] == -1)
+    kept = tuple(names[i] for i in used[none:].tolist())
+    if not kept or (kept == ("",) and not none):
         return ()
-    return (Parts("object", kept, of_face.astype(np.int64)),)
+    return (Parts("object", kept, of_face.astype(np.int64) - none),)
 
 
 def _check_facets(lines: Lines) -> int:
