@@ -167,7 +167,7 @@ def fit_steps(
 ) -> tuple[Trial | None, Steps]:
     """Return the smallest trial within the bounds that was found, and about the largest steps.
 
-    There is no trial, perhaps, where none can win. The last one that was not good goes to `missed`.
+    There is no trial, perhaps, where none can win. The best that was not good goes to `missed`.
 
     Raises
     ------
@@ -180,6 +180,7 @@ def fit_steps(
     )
     known = _Known(bad, good, bad_excess, good_excess, np.zeros(c, dtype=np.int64))
     found: Trial | None = None
+    last = steps
     for tries in range(1, MOST_TRIES + 1):
         try:
             trial = attempt(components.settings(settings, steps))
@@ -187,12 +188,18 @@ def fit_steps(
             if found is None:
                 raise
             break
-        except MeshError:  # 2^30 steps are not enough for a component
-            break
+        except MeshError:  # 2^30 steps are not enough for a component: half as far, then
+            level = last.level + (steps.level - last.level) // 2
+            if (level == last.level).all():
+                break
+            steps = Steps(steps.base, level)
+            continue
         excess = _excess(trial, bounds, components)
         known.learn(steps.level, excess)
         if (excess > 1).any():
-            missed[:] = [trial]
+            least = bounds.excess(missed[0].measured) if missed else math.inf
+            if excess.max() < least:
+                missed[:] = [trial]
         elif found is None or trial.size < found.size:
             found = trial
         enough = tries >= TRIES[effort] and np.isfinite(known.good).all()
