@@ -39,12 +39,12 @@ if sys.version_info >= (3, 14):
     from compression import zstd
     from compression.zstd import CompressionParameter, ZstdError
 
-    def frame(data: bytes, level: int = LEVEL) -> bytes:
-        """Return a frame of these bytes that has their number, and neither checksum nor id."""
-        options = {
+    def frame(data: bytes, level: int = LEVEL, *, checksum: bool = False) -> bytes:
+        """Return a frame of these bytes that has their number, and their checksum if asked to."""
+        options: dict[int, int] = {
             CompressionParameter.compression_level: level,
             CompressionParameter.content_size_flag: 1,
-            CompressionParameter.checksum_flag: 0,
+            CompressionParameter.checksum_flag: int(checksum),
             CompressionParameter.dict_id_flag: 0,
         }
         return zstd.compress(data, options=options)
@@ -66,10 +66,10 @@ else:
     import zstandard
     from zstandard import ZstdError
 
-    def frame(data: bytes, level: int = LEVEL) -> bytes:
-        """Return a frame of these bytes that has their number, and neither checksum nor id."""
+    def frame(data: bytes, level: int = LEVEL, *, checksum: bool = False) -> bytes:
+        """Return a frame of these bytes that has their number, and their checksum if asked to."""
         compressor = zstandard.ZstdCompressor(
-            level, write_content_size=True, write_checksum=False, write_dict_id=False
+            level, write_content_size=True, write_checksum=checksum, write_dict_id=False
         )
         return bytes(compressor.compress(data))
 
