@@ -16,9 +16,10 @@ import numpy as np
 
 import deltamesh
 from deltamesh._compare.welding import welded, without_isolated
-from deltamesh.bench._peers import draco_file, zstd_bytes
+from deltamesh.bench._peers import ZSTD_LEVEL, draco_file
 from deltamesh_cli.output import table
 from deltamesh_formats.errors import MeshError
+from deltamesh_formats.zstd_frames import frame
 
 _EXAMPLES = """\
 python benchmarks/lossless.py
@@ -33,7 +34,7 @@ _FEW = 100
 @click.command(epilog=corpus.epilog(_EXAMPLES))
 @corpus.selection
 def command(names: tuple[str, ...], quick: bool) -> None:
-    """Compare lossless file sizes; needs DracoPy and zstandard, of the extra `bench`.
+    """Compare lossless file sizes; needs DracoPy, of the extra `bench`.
 
     Without --mesh or --quick, every manifold of the folder. Ratios are our bytes over theirs; their
     means are those of the meshes of more than 100 vertices. Exits with 1 where one of those is
@@ -70,7 +71,7 @@ def measured(file: Path) -> tuple[str, ...] | None:
     with np.errstate(over="ignore"):
         single = bool((V.astype(np.float32) == V).all())
     raw = (V.astype(np.float32) if single else V).tobytes() + F.astype(np.int32).tobytes()
-    others = len(zstd_bytes(raw)), len(lzma.compress(raw)), len(draco_file(mesh, 0))
+    others = len(frame(raw, ZSTD_LEVEL)), len(lzma.compress(raw)), len(draco_file(mesh, 0))
     rate = f"{8 * len(ours) / len(V):.2f}"
     ratios = (f"{len(ours) / other:.3f}" for other in others)
     kind = "float32" if single else "float64"

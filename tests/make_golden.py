@@ -46,6 +46,7 @@ from deltamesh._streams import exact as exact_streams
 from deltamesh._streams.columns import encode_three
 from deltamesh._streams.conversions import ADD, MULTIPLY, Operation
 from deltamesh._streams.number_formats import RAW_ONLY
+from deltamesh_formats import zstd_frames
 from deltamesh_formats.container.attribute_table import entries_of
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_varint
@@ -671,7 +672,7 @@ def refused_polymeshes():
         "parts-cut": forging.forged(p, PART=parts[:-1]),
         "parts-and-more": forging.forged(p, PART=parts + b"\0"),
         "parts-noise": forging.forged(p, PART=parts[:80] + bytes(range(150, 250))),
-        "parts-form": forging.forged(t, PART=b"\2" + one[1:]),
+        "parts-form": forging.forged(t, PART=b"\3" + one[1:]),
         "parts-of-nothing": forging.forged(t, PART=plain_block(b"\0\0\0")),
         "parts-text-cut": forging.forged(t, PART=plain_block(text[:-1]) + two),
         "parts-text-and-more": forging.forged(t, PART=plain_block(text + b"\0") + two),
@@ -699,7 +700,52 @@ def refused_polymeshes():
         "parts-no-deflate": forging.forged(t, PART=b"\1\x09\2\xff\xff"),
         "parts-of-another": forging.forged(t, PART=plain_block(text) + two),
     }
-    return polygons | told
+    return polygons | told | refused_frames(t)
+
+
+def refused_frames(data):
+    """Of zstandard frames around the text of parts."""
+    text = b"\0\0\1\x80\x08" + 1024 * b"b"
+    n = len(text)
+    good = zstd_frames.frame(text)
+    # Descriptor 60: a single segment, and a size of two bytes, of which 256 is left off.
+    assert good[:7] == zstd_frames.MAGIC + b"\x60" + struct.pack("<H", n - 256)
+    magic, blocks = good[:4], good[7:]
+    size = struct.pack("<I", n)
+    checksum = b"\x31\xa2\x18\x9b"  # the low half of XXH64 of the text
+    frames = {
+        "no-frame": b"\xff" + good[1:],
+        "frame-skippable": b"\x50\x2a\x4d\x18\0\0\0\0" + good,
+        "frame-and-more": good + b"\0",
+        "frame-and-skippable": good + b"\x50\x2a\x4d\x18\0\0\0\0",
+        "frame-twice": good + zstd_frames.frame(b""),
+        "frame-cut": good[:-1],
+        "frame-cut-in-header": good[:6],
+        "frame-of-magic": magic,
+        "frame-without-size": magic + b"\0\x68" + blocks,
+        "frame-of-window": magic + b"\x80\x69" + size + blocks,
+        "frame-of-another-size": magic + b"\x60" + struct.pack("<H", n - 257) + blocks,
+        "frame-of-more-than-size": magic + b"\xa0" + struct.pack("<I", n + 1) + blocks,
+        "frame-with-checksum": magic + b"\x64" + good[5:] + checksum,
+        "frame-with-dictionary": magic + b"\x61\0" + good[5:],
+        "frame-reserved": magic + b"\x68" + good[5:],
+        "frame-unused": magic + b"\x70" + good[5:],
+        "frame-noise": good[:7] + bytes(range(150, 150 + len(blocks))),
+    }
+    made = {
+        f"parts-{name}": forging.forged(data, PART=zstd_block(n, one))
+        for name, one in frames.items()
+    }
+    # The frames are right: the blocks say other sizes, or are no smaller than what they hold.
+    made["parts-frame-in-smaller-block"] = forging.forged(data, PART=zstd_block(n - 1, good))
+    made["parts-frame-in-larger-block"] = forging.forged(data, PART=zstd_block(n + 1, good))
+    raw = zstd_frames.frame(b"\0\0\1\1a")
+    made["parts-frame-not-smaller"] = forging.forged(data, PART=zstd_block(5, raw))
+    return made
+
+
+def zstd_block(size, frame):
+    return b"\2" + write_varint(size) + write_varint(len(frame)) + frame
 
 
 def plain_block(data):

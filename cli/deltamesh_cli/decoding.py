@@ -9,6 +9,7 @@ from deltamesh._progress import Progress
 from deltamesh_cli import files
 from deltamesh_cli.meshes import decode_container, write_mesh_file
 from deltamesh_formats.meshfiles.formats import FORMATS, format_of_extension
+from deltamesh_formats.wrappers import without_wrapper
 
 if TYPE_CHECKING:
     from deltamesh_formats.container.container import Container
@@ -32,14 +33,15 @@ def output_name_and_format(
     stored : str
         The format that was encoded, as the file stores it; "" if it stores none.
     """
-    name = source[: -len(files.SUFFIX)] if target is None else target
+    name = (files.without_suffix(source) or source) if target is None else target
     named = format_of_extension(files.extension(name))
     original = stored if stored in FORMATS else _FALLBACK_FORMAT
     file_format = output_format or (original if named is None else named.name)
     if target is not None or (named is not None and named.name == file_format):
         return name, file_format
-    stem = name if named is None else os.path.splitext(name)[0]
-    return f"{stem}.{FORMATS[file_format].extensions[0]}", file_format
+    stem, wrapper = without_wrapper(name)
+    stem = stem if named is None else os.path.splitext(stem)[0]
+    return f"{stem}.{FORMATS[file_format].extensions[0]}{wrapper}", file_format
 
 
 def decode_to_file(

@@ -27,7 +27,7 @@ class EncodedFile:
     Attributes
     ----------
     source_size : int
-        Bytes of the input.
+        Bytes of the input, with the compression around it.
     container : Container
         The sections of the output.
     lost : tuple of str
@@ -77,14 +77,15 @@ def encode_file(
     Failure
         If the input cannot be read or encoded, or the output cannot be written.
     """
-    original = files.read_input(source)
+    raw = files.read_raw(source)
+    original = files.unwrapped_input(source, raw)
     mesh = parse_mesh(source, original, input_format, progress)
     with attempt(source, "cannot encode"):
         encoded = interruptible(lambda: _encode(mesh, progress, parameters))
     files.write_output(target, encoded.data, force=force)
     lost = texts_of(encoded.container).lost
     draft = encoded.draft
-    return EncodedFile(len(original), encoded.container, lost, draft.report, draft.cost)
+    return EncodedFile(len(raw), encoded.container, lost, draft.report, draft.cost)
 
 
 def _encode(mesh: PolyMesh, progress: Progress, parameters: dict[str, Any]) -> Encoded:

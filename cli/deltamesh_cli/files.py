@@ -2,6 +2,9 @@
 
 An existing file is overwritten only with `-f`, and the input never. A file with the final name is
 always complete, because `deltamesh_formats.atomic` writes it. "-" stands for a pipe.
+
+Around any of them there may be gzip or zstandard: inputs show it by their first bytes, outputs get
+it by their names.
 """
 
 from __future__ import annotations
@@ -10,7 +13,8 @@ import errno
 import os
 import stat
 import sys
-from typing import Final
+from collections.abc import Mapping
+from typing import Any, Final
 
 import click
 
@@ -18,6 +22,8 @@ from deltamesh_cli.failures import Failure, attempt
 from deltamesh_cli.output import display_name
 from deltamesh_cli.signals import stopping_cleanly
 from deltamesh_formats.atomic import found_at, write_file
+from deltamesh_formats.errors import LimitError
+from deltamesh_formats.wrappers import DEFAULT_LIMIT, unwrapped, without_wrapper, wrapped
 
 STDIO: Final = "-"
 _STDOUT: Final = "/dev/stdout"
@@ -25,8 +31,20 @@ SUFFIX: Final = ".dmesh"
 
 
 def extension(name: str) -> str:
-    """Return the extension of a file name in lower case and without the dot, or ""."""
-    return os.path.splitext(name)[1].lower().removeprefix(".")
+    """Return the extension of a file name in lower case and without the dot, or "".
+
+    Of a name that ends in ".gz" or ".zst", that is the one before.
+    """
+    return os.path.splitext(without_wrapper(name)[0])[1].lower().removeprefix(".")
+
+
+def without_suffix(name: str) -> str | None:
+    """Return the name of a `.dmesh` file without that suffix, or None if it does not end so.
+
+    A ".gz" or ".zst" after it is left out, too.
+    """
+    stem, suffix = os.path.splitext(without_wrapper(name)[0])
+    return stem if suffix.lower() == SUFFIX else None
 
 
 def chosen_output(positional: str | None, option: str | None) -> str | None:
@@ -59,7 +77,35 @@ def check_input(name: str) -> None:
             raise OSError(errno.ENOTTY, "it is a terminal, not a file or a pipe")
 
 
-def read_input(name: str) -> bytes:
+def read_input(name: str, limits: Mapping[str, Any] | None = None) -> bytes:
+    """Return what is in a file, or comes from standard input, without compression around it.
+
+    Parameters
+    ----------
+    name : str
+    limits : mapping, optional
+        The options of a command that has --memory, which also limits what is decompressed.
+
+    Raises
+    ------
+    Failure
+        If it cannot be read, its compression is damaged, or it is larger than allowed.
+    """
+    return unwrapped_input(name, read_raw(name), limits)
+
+
+def unwrapped_input(name: str, data: bytes, limits: Mapping[str, Any] | None = None) -> bytes:
+    """Return what is in the bytes of a file; parameters and failures are those of `read_input`."""
+    memory = None if limits is None else limits.get("memory")
+    with attempt(name, "cannot read"):
+        try:
+            return unwrapped(data, DEFAULT_LIMIT if memory is None else memory)
+        except LimitError as error:
+            hint = "decompress it first" if limits is None else "--memory raises the limit"
+            raise Failure(name, "cannot read", error, hint) from error
+
+
+def read_raw(name: str) -> bytes:
     """Return all bytes of a file, or of standard input.
 
     Raises
@@ -132,7 +178,7 @@ def write_output(target: str, data: bytes, *, force: bool) -> None:
     Parameters
     ----------
     target : str
-        Name of the output.
+        Name of the output; if it ends in ".gz" or ".zst", the file is compressed.
     data : bytes
     force : bool
         Whether an existing file may be overwritten, even one that appeared during the work. A file
@@ -149,9 +195,10 @@ def write_output(target: str, data: bytes, *, force: bool) -> None:
             sys.stdout.buffer.write(data)
             sys.stdout.buffer.flush()
         return
+    data = wrapped(target, data)
     with attempt(target, "cannot write"), stopping_cleanly():
         try:
             write_file(target, data, overwrite=force)
         except FileExistsError:
-            if read_input(target) != data:
+            if read_raw(target) != data:
                 raise _exists_already(target) from None

@@ -151,11 +151,12 @@ def load_mesh(
     from deltamesh._mesh import LARGEST
     from deltamesh_formats.polymesh.validation import checked
 
-    data = files.read_input(name)
+    raw = files.read_raw(name)
+    data = files.unwrapped_input(name, raw, parameters)
     if data[: len(MAGIC)] == MAGIC:
         container = parse_container(name, data, "cannot decode")
         mesh = decode_container(name, container, progress, **parameters)
-        return LoadedMesh(mesh, len(data), container)
+        return LoadedMesh(mesh, len(raw), container)
     mesh = parse_mesh(name, data, file_format, progress)
     with attempt(name, "cannot read"):
-        return LoadedMesh(checked(mesh, LARGEST), len(data), None)
+        return LoadedMesh(checked(mesh, LARGEST), len(raw), None)

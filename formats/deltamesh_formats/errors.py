@@ -24,7 +24,7 @@ class NoSurfaceError(MeshError):
 
 
 class FormatError(DeltameshError, ValueError):
-    """The bytes are not a valid `.dmesh` file.
+    """The bytes are not a valid `.dmesh` file, or the compression around a file is damaged.
 
     Parameters
     ----------

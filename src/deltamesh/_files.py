@@ -16,6 +16,7 @@ from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import OptionError
 from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.wrappers import without_wrapper, wrapped
 
 
 def info(source: Source) -> Container:
@@ -27,10 +28,11 @@ def info(source: Source) -> Container:
     Parameters
     ----------
     source : path, binary file object or bytes-like
+        Around a file there may be gzip or zstandard.
 
     Raises
     ------
-    FormatError
+    FormatError, LimitError
     """
     return read_container(read_source(source))
 
@@ -58,7 +60,10 @@ def verify(
     """
     from deltamesh._codec import decode
 
-    container = source if isinstance(source, Container) else info(source)
+    if isinstance(source, Container):
+        container = source
+    else:
+        container = read_container(read_source(source, memory))
     decode(
         container,
         solver=solver,
@@ -86,7 +91,8 @@ def load(
     Parameters
     ----------
     source : path or binary file object
-        A file object is read from where it is to its end, and need not be seekable.
+        A file object is read from where it is to its end, and need not be seekable. Around the
+        file there may be gzip or zstandard; what it decompresses to is within `memory`, too.
     solver, threads, max_vertices, memory, progress
         As in `deltamesh.decode`, which does the same with bytes.
 
@@ -99,7 +105,7 @@ def load(
     from deltamesh._codec import decode
 
     return decode(
-        read_file(source),
+        read_file(source, memory),
         solver=solver,
         threads=threads,
         max_vertices=max_vertices,
@@ -118,6 +124,8 @@ def save(target: PathOrFile, mesh: PolyMesh, **options: Unpack[EncodeOptions]) -
     Parameters
     ----------
     target : path or binary file object
+        A path that ends in ".gz" or ".zst" gets a compressed file; a file object gets
+        the bytes as they are.
     mesh : PolyMesh
         `deltamesh.from_arrays` makes one, `deltamesh.read_mesh` reads one.
     **options
@@ -133,14 +141,17 @@ def save(target: PathOrFile, mesh: PolyMesh, **options: Unpack[EncodeOptions]) -
         _check_extension(target)
     if isinstance(target, io.TextIOBase):
         raise TypeError(f"a file to write to has to be open in binary mode: {target!r}")
-    write_file(target, encode(mesh, **options))
+    data = encode(mesh, **options)
+    if isinstance(target, (str, os.PathLike)):
+        data = wrapped(os.fspath(target), data)
+    write_file(target, data)
 
 
 def _check_extension(target: str | os.PathLike[str]) -> None:
     """Refuse to write a `.dmesh` under the name of a mesh file."""
     from deltamesh_formats.meshfiles.formats import format_of_extension
 
-    other = format_of_extension(Path(target).suffix)
+    other = format_of_extension(Path(without_wrapper(os.fspath(target))[0]).suffix)
     if other is not None:
         name = os.fspath(target)
         raise OptionError(f"{name}: save writes .dmesh, write_mesh writes {other.title}")

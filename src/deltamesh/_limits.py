@@ -17,10 +17,11 @@ from deltamesh_formats.container.layout import (
 )
 from deltamesh_formats.container.texts import text_size, texts_of
 from deltamesh_formats.errors import FormatError, LimitError
+from deltamesh_formats.wrappers import DEFAULT_LIMIT
 
 # The vertices that a 32-bit index can name, were there memory for them.
 DEFAULT_MAX_VERTICES = 1 << 32
-DEFAULT_MEMORY = 16 << 30
+DEFAULT_MEMORY = DEFAULT_LIMIT
 
 # Bytes beside those of the method, measured as these are: half-edges and fronts.
 PER_FACE = 320

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TypeAlias, cast
 
 from deltamesh_formats.atomic import PathOrFile
+from deltamesh_formats.wrappers import DEFAULT_LIMIT, unwrapped
 
 Bytes: TypeAlias = bytes | bytearray | memoryview
 Source: TypeAlias = PathOrFile | Bytes
@@ -27,44 +28,52 @@ def bytes_of(data: Bytes) -> memoryview:
         raise TypeError(f"bytes are needed, not {what}: load takes a path or a file") from None
 
 
-def read_file(source: PathOrFile) -> bytes:
-    """Return the bytes of a file.
+def read_file(source: PathOrFile, limit: int = DEFAULT_LIMIT) -> bytes:
+    """Return the bytes in a file, without gzip or zstandard around them.
 
     Parameters
     ----------
     source : path or binary file object
         A file object is read from where it is to its end, and need not be seekable.
+    limit : int
+        Bytes that it may decompress to.
 
     Raises
     ------
     OSError
         When the file cannot be opened or read.
+    FormatError
+        For damaged compression.
+    LimitError
+        For more than the limit.
     TypeError
         For anything else, and for a file open in text mode.
     """
     if isinstance(source, (str, os.PathLike)):
-        return Path(source).read_bytes()
+        return unwrapped(Path(source).read_bytes(), limit)
     if not hasattr(source, "read"):
         what = type(source).__name__
         raise TypeError(f"a path or a binary file is needed, not {what}: decode takes bytes")
     data = source.read()
     if not isinstance(data, bytes):
         raise TypeError(f"a file to read from has to be open in binary mode: {source!r}")
-    return data
+    return unwrapped(data, limit)
 
 
-def read_source(source: Source) -> bytes | memoryview:
-    """Return the bytes of a path, a binary file object or a bytes-like object.
+def read_source(source: Source, limit: int = DEFAULT_LIMIT) -> bytes | memoryview:
+    """Return the bytes in a file, as `read_file` does, or those of a bytes-like object.
 
     Raises
     ------
+    FormatError, LimitError
+        As in `read_file`.
     OSError
         When the file cannot be opened or read.
     TypeError
         For anything else.
     """
     if isinstance(source, (str, os.PathLike)) or hasattr(source, "read"):
-        return read_file(cast(PathOrFile, source))
+        return read_file(cast(PathOrFile, source), limit)
     try:
         return bytes_of(source)
     except TypeError:

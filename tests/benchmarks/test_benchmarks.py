@@ -222,7 +222,7 @@ def test_means_are_geometric_and_tell_what_is_missing() -> None:
 
 
 def test_curves_are_a_table_and_a_picture(tmp_path: Path) -> None:
-    for package in ("DracoPy", "zstandard", "matplotlib"):
+    for package in ("DracoPy", "matplotlib"):
         pytest.importorskip(package)
     families = ("cartesian bits=6", "cartesian bits=8", "draco bits=8", "zstd")
     line = ["--quick", "-j", "1", "--output", str(tmp_path)]

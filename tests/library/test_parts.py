@@ -162,7 +162,7 @@ ZEROS = b"\0" * 600
 WHOLE = {
     "nothing": (plain(b"\0\0\0"), "no parts, metadata or losses in the text"),
     "no payload": (b"", "truncated"),
-    "form": (b"\2" + write_varint(7) + ONE_GROUP + b"\0\0", "unknown form 2 of a block"),
+    "form": (b"\3" + write_varint(7) + ONE_GROUP + b"\0\0", "unknown form 3 of a block"),
     "short": (plain(ONE_GROUP[:-1]), "in the text, truncated"),
     "long": (plain(ONE_GROUP + b"\0"), "1 bytes follow the end of the text"),
     "kind": (plain(b"\1\5\0\0\0"), "in the text, unknown kind of parts 5"),
@@ -176,7 +176,7 @@ WHOLE = {
     "size too small": (deflated(b"\0\1\1a" + ZEROS, 500), "another size than 500 bytes"),
     "size too large": (deflated(b"\0\1\1a" + ZEROS, 700), "another size than 700 bytes"),
     "after deflate": (deflated(b"\0\1\1a" + ZEROS, 604, b"\0"), "another size than 604 bytes"),
-    "not shorter": (deflated(b"\0\0\1\1a", 5), "a block of 5 bytes deflated to"),
+    "not shorter": (deflated(b"\0\0\1\1a", 5), "a block of 5 bytes packed into"),
     "no deflate": (b"\1\x09\2\xff\xff", "invalid deflate stream"),
     "no labels": (plain(ONE_GROUP), "truncated"),
     "trailing": (plain(ONE_GROUP) + b"\0\0\0", "after the last parts"),

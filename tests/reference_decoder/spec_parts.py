@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 import struct
+import sys
 import zlib
+
+if sys.version_info >= (3, 14):
+    from compression import zstd
+else:
+    import zstandard
 
 from spec_coder import Bytes, Stream, check
 from spec_labels import labels
@@ -14,20 +20,51 @@ IDENTITY = struct.pack("<16d", *(i % 5 == 0 for i in range(16)))
 
 def block(table, most):
     (form,), size = table.unpack("B"), table.varint()
-    check(form <= 1 and size <= most, "form or size of a block")
+    check(form <= 2 and size <= most, "form or size of a block")
     if form == 0:
         return table.unpack(f"{min(size, len(table.data))}s")[0]
     length = table.varint()
-    check(length < size, "a deflated block that is not shorter")
+    check(length < size, "a packed block that is not shorter")
     (packed,) = table.unpack(f"{min(length, len(table.data))}s")
+    unpacked = (inflated if form == 1 else unframed)(packed, size)
+    check(len(unpacked) == size, "size of a packed block")
+    return unpacked
+
+
+def inflated(packed, size):
     inflater = zlib.decompressobj(-15)
     try:
         unpacked = inflater.decompress(packed, size + 1)
     except zlib.error as error:
         check(False, str(error))
     check(inflater.eof and not inflater.unused_data, "end of a deflate stream")
-    check(len(unpacked) == size, "size of a deflated block")
     return unpacked
+
+
+def unframed(packed, size):
+    """Header of the frame by RFC 8878, section 3.1.1.1; its blocks by a library of Zstandard."""
+    table = Bytes(packed)
+    magic, descriptor = table.unpack("IB")
+    check(magic == 0xFD2FB528 and descriptor & 31 == 0, "a frame of another kind")
+    flag, single = descriptor >> 6, descriptor >> 5 & 1
+    if not single:
+        (window,) = table.unpack("B")
+        check(window <= 0x68, "window of a frame")
+    check(flag or single, "a frame without a size")
+    (held,) = table.unpack("BHIQ"[flag])
+    check(held + 256 * (flag == 1) == size, "size of a frame")
+    if sys.version_info >= (3, 14):
+        one = zstd.ZstdDecompressor()
+        try:
+            unpacked = one.decompress(packed, size + 1)
+        except zstd.ZstdError as error:
+            check(False, str(error))
+        check(one.eof and not one.unused_data, "end of a frame")
+        return unpacked
+    try:
+        return zstandard.ZstdDecompressor().decompress(packed, allow_extra_data=False)
+    except zstandard.ZstdError as error:
+        check(False, str(error))
 
 
 def string(table):

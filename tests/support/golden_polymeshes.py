@@ -73,6 +73,8 @@ def polymeshes():
     parts = with_parts(quads(5, 5))
     names = tuple(f"a part of a name that comes again {i}" for i in range(6))
     group = Parts("group", names, 6 * np.arange(20) // 20)
+    counted = tuple(f"Object_{i:03}" for i in range(20))
+    zstd = Parts("group", counted, np.arange(20))
     only = Parts("object", ("an object",), np.zeros(20, int))
     return [
         ("cartesian-quads", grid, {}),
@@ -95,6 +97,7 @@ def polymeshes():
         ("refined-parts", replace(parts, metadata={}, lost=()), {}),
         ("cartesian-parts-one", replace(quads(5, 6), parts=(only,)), {}),
         ("cartesian-parts-deflated", replace(quads(5, 6), parts=(group,)), {}),
+        ("cartesian-parts-zstd", replace(quads(5, 6), parts=(zstd,)), {}),
         ("cartesian-words", replace(quads(3, 3), metadata=WORDS, lost=("\x7f", "Ω")), {}),
     ]
 
@@ -142,7 +145,7 @@ def assert_right(name, mesh, encoded):
     assert ("POLY" in payloads) == (max(mesh.sizes) > 3)
     assert ("PART" in payloads) == bool(mesh.parts or mesh.metadata or mesh.lost)
     if "PART" in payloads:
-        assert payloads["PART"][0] == ("deflated" in name)
+        assert payloads["PART"][0] == ("deflated" in name) + 2 * ("zstd" in name)
         for part in mesh.parts:
             moves = [] if part.transforms is None else part.transforms
             moved = [m.view(np.uint8) for m in moves if m.tobytes() != np.eye(4).tobytes()]

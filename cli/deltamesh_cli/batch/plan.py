@@ -30,9 +30,14 @@ from deltamesh_cli.decoding import output_name_and_format
 from deltamesh_cli.failures import Failure, attempt
 from deltamesh_formats.errors import DeltameshError, FormatError
 from deltamesh_formats.meshfiles.formats import EXTENSIONS
+from deltamesh_formats.wrappers import beginning, unwrapped, without_wrapper
 
 # At least as many bytes as the header of a `.dmesh` file can have.
 _HEADER: Final = 64
+# Bytes of a compressed file in which those of the header come: more than a block of zstandard.
+_BEGINNING: Final = 1 << 18
+# A mesh file that is compressed decompresses to at most so many times its size, or nearly.
+_MOST_COMPRESSED: Final = 8
 
 # A task, or the record of a file that failed before the work began.
 PlannedFile: TypeAlias = Task | Record
@@ -135,14 +140,15 @@ def _plan_file(job: Job, destinations: Destinations, source: str) -> PlannedFile
                 return Task(source, target, size, _decoding_memory(source))
     except Failure as failure:
         return failure_record(job, Task(source, "", size), failure)
-    need = memory_for_mesh_file(size, job.file_format or files.extension(source))
+    grown = size * (_MOST_COMPRESSED if without_wrapper(source)[1] else 1)
+    need = memory_for_mesh_file(grown, job.file_format or files.extension(source))
     return Task(source, path + files.SUFFIX, size, need)
 
 
 def _decoded_name(job: Job, source: str, path: str) -> str:
     """Return the name of a mesh file; the content determines its format if `path` does not."""
-    stem, suffix = os.path.splitext(path)
-    if suffix.lower() != files.SUFFIX:
+    stem = files.without_suffix(path)
+    if stem is None:
         raise OSError(errno.EINVAL, f"its name does not end in {files.SUFFIX}")
     known = job.file_format or files.extension(stem) in EXTENSIONS
     stored = "" if known else _stored_format(source)
@@ -154,9 +160,9 @@ def _decoding_memory(source: str) -> int:
     from deltamesh_formats.container.reader import read_counts
 
     with open(source, "rb") as stream:
-        header = stream.read(_HEADER)
+        data = stream.read(_BEGINNING)
     try:
-        return memory_for_counts(*read_counts(header))
+        return memory_for_counts(*read_counts(beginning(data, _HEADER)))
     except FormatError:  # the decoder will report the damage
         return memory_for_counts(0, 0)
 
@@ -166,7 +172,7 @@ def _stored_format(source: str) -> str:
 
     try:
         with open(source, "rb") as stream:
-            meta = read_container(stream.read()).meta
+            meta = read_container(unwrapped(stream.read())).meta
     except DeltameshError:
         return ""
     return "" if meta is None else meta.source

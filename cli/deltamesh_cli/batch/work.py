@@ -150,7 +150,7 @@ def _encode(job: Job, task: Task) -> tuple[Container, tuple[str, ...]]:
 
 def _decode(job: Job, task: Task) -> tuple[Container, tuple[str, ...]]:
     source, target = task.source, task.target
-    container = parse_container(source, files.read_input(source), job.problem)
+    container = parse_container(source, files.read_input(source, job.parameters), job.problem)
     file_format = job.file_format or files.extension(target)
     _, lost = decode_to_file(
         target, file_format, source, container, silent, job.parameters, force=task.overwrite

@@ -63,15 +63,18 @@ def command(
     positions were rounded, if that is more.
 
     IN is never modified. If OUT exists, it is overwritten only with -f. "-" stands for standard
-    input or output. A mesh from standard input goes to standard output unless OUT is given.
+    input or output. A mesh from standard input goes to standard output unless OUT is given. IN may
+    be compressed with gzip or zstandard, also on standard input; OUT is compressed if its name ends
+    in .gz or .zst.
 
     A damaged file is refused. A file that would exceed --max-vertices or --memory is refused before
-    any memory is allocated. In both cases, no OUT is written.
+    any memory is allocated, and one that decompresses to more than --memory as soon as it does. No
+    OUT is written then.
     """
     target = files.chosen_output(target, output)
     if target is None and source == files.STDIO:
         target = files.STDIO
-    if target is None and not source.lower().endswith(files.SUFFIX):
+    if target is None and files.without_suffix(source) is None:
         name = display_name(source)
         raise click.UsageError(f"{name} does not end in {files.SUFFIX}: OUT is needed.")
     known = format_of_extension(files.extension(target or ""))
@@ -81,7 +84,7 @@ def command(
     files.check_stdout_has_one_use(target, as_json)
 
     def decode(source: str) -> None:
-        container = parse_container(source, files.read_input(source), "cannot decode")
+        container = parse_container(source, files.read_input(source, parameters), "cannot decode")
         stored = container.meta.source if container.meta is not None else ""
         name, file_format = output_name_and_format(source, target, output_format, stored)
         is_text = FORMATS[file_format].is_text

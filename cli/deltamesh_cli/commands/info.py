@@ -34,8 +34,9 @@ def command(sources: tuple[str, ...], as_json: bool) -> None:
     Only the first names of a long list are shown. --json prints one object per file, which has all
     names, and lengths in the unit of the mesh as well.
 
-    The checksums of all sections are verified, but only deltamesh test decodes the files. A file
-    that cannot be read is reported, and the others are described.
+    Files may be compressed with gzip or zstandard. Sizes are those without this compression. The
+    checksums of all sections are verified, but only deltamesh test decodes the files. A file that
+    cannot be read is reported, and the others are described.
     """
 
     def info(source: str) -> None:

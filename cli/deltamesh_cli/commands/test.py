@@ -37,14 +37,14 @@ def command(
 ) -> None:
     """Check that .dmesh files are intact.
 
-    Each file is decoded completely, including its attributes, names and order, and nothing is
-    written. The checksums of every section and of the decoded integers have to match, and decoding
-    has to yield a mesh. A damaged file does not keep the others from being checked; the exit code
-    is the worst one.
+    Each file, which may be compressed with gzip or zstandard, is decoded completely, including its
+    attributes, names and order, and nothing is written. The checksums of every section and of the
+    decoded integers have to match, and decoding has to yield a mesh. A damaged file does not keep
+    the others from being checked; the exit code is the worst one.
     """
 
     def test(source: str) -> None:
-        data = files.read_input(source)
+        data = files.read_input(source, parameters)
         with (
             displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress,
             attempt(source, "damaged or refused"),

@@ -321,6 +321,7 @@ MAX_LIMB_BITS: Final = 29
 # Encodings of a block.
 BLOCK_PLAIN: Final = 0
 BLOCK_DEFLATED: Final = 1
+BLOCK_ZSTD: Final = 2
 # A byte for each division: bits 0 to 2, its kind.
 KINDS: Final[Mapping[Kind, int]] = {
     "object": 0,

@@ -1,25 +1,28 @@
-"""Blocks of bytes, deflated where that makes them smaller; SPEC.md 5.15."""
+"""Blocks of bytes, deflated or in a zstandard frame where that is smallest; SPEC.md 5.15."""
 
 from __future__ import annotations
 
 import zlib
+from collections.abc import Callable, Mapping
 from typing import Final
 
-from deltamesh_formats.container.layout import BLOCK_DEFLATED, BLOCK_PLAIN
+from deltamesh_formats.container.layout import BLOCK_DEFLATED, BLOCK_PLAIN, BLOCK_ZSTD
 from deltamesh_formats.container.reader import Buffer, read_varint, take
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
+from deltamesh_formats.zstd_frames import ZstdError, frame, framed
 
 _WINDOW_BITS: Final = -15  # no header and no checksum: a section has its own
 
 
 def packed(data: bytes) -> bytes:
-    """Return a block that holds these bytes."""
-    compressor = zlib.compressobj(9, zlib.DEFLATED, _WINDOW_BITS, 9)
-    small = compressor.compress(data) + compressor.flush()
-    if len(small) < len(data):
-        return bytes([BLOCK_DEFLATED]) + write_varint(len(data)) + write_varint(len(small)) + small
-    return bytes([BLOCK_PLAIN]) + write_varint(len(data)) + data
+    """Return a block that holds these bytes, in the form that takes the fewest."""
+    size, blocks = write_varint(len(data)), [(BLOCK_PLAIN, b"", data)]
+    for form, small in ((BLOCK_DEFLATED, _deflated(data)), (BLOCK_ZSTD, frame(data))):
+        if len(small) < len(data):
+            blocks.append((form, write_varint(len(small)), small))
+    form, length, body = min(blocks, key=lambda block: len(block[1]) + len(block[2]))
+    return bytes([form]) + size + length + body
 
 
 def unpacked_size(view: Buffer, position: int) -> int:
@@ -42,7 +45,7 @@ def unpacked(view: Buffer, position: int, most: int) -> tuple[bytes, int]:
     FormatError
     """
     form = take(view, position, 1)[0]
-    if form not in (BLOCK_PLAIN, BLOCK_DEFLATED):
+    if form != BLOCK_PLAIN and form not in _UNPACKERS:
         raise FormatError(f"unknown form {form} of a block", position)
     size, at = read_varint(view, position + 1)
     if size > most:
@@ -51,8 +54,13 @@ def unpacked(view: Buffer, position: int, most: int) -> tuple[bytes, int]:
         return bytes(take(view, at, size)), at + size
     length, at = read_varint(view, at)
     if length >= size:
-        raise FormatError(f"a block of {size} bytes deflated to {length}", position)
-    return _inflated(take(view, at, length), size, at), at + length
+        raise FormatError(f"a block of {size} bytes packed into {length}", position)
+    return _UNPACKERS[form](take(view, at, length), size, at), at + length
+
+
+def _deflated(data: bytes) -> bytes:
+    compressor = zlib.compressobj(9, zlib.DEFLATED, _WINDOW_BITS, 9)
+    return compressor.compress(data) + compressor.flush()
 
 
 def _inflated(data: Buffer, size: int, position: int) -> bytes:
@@ -67,3 +75,18 @@ def _inflated(data: Buffer, size: int, position: int) -> bytes:
     if len(result) != size or more or not inflater.eof or inflater.unused_data:
         raise FormatError(f"a deflate stream of another size than {size} bytes", position)
     return result
+
+
+def _framed(data: Buffer, size: int, position: int) -> bytes:
+    """Return what a frame of so many bytes, and nothing after it, stands for."""
+    try:
+        return framed(bytes(data), size)
+    except ZstdError as error:
+        text = f"invalid zstandard frame for a block of {size} bytes: {error}"
+        raise FormatError(text, position) from None
+
+
+_UNPACKERS: Final[Mapping[int, Callable[[Buffer, int, int], bytes]]] = {
+    BLOCK_DEFLATED: _inflated,
+    BLOCK_ZSTD: _framed,
+}

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from deltamesh_formats.atomic import PathOrFile, write_file
-from deltamesh_formats.errors import MeshError, OptionError
+from deltamesh_formats.errors import FormatError, LimitError, MeshError, OptionError
 from deltamesh_formats.meshfiles.file_format import FileFormat, Written
 from deltamesh_formats.meshfiles.float32 import rounding_error
 from deltamesh_formats.meshfiles.formats import FORMATS, MAX_DIGITS, format_of_extension
@@ -21,6 +21,7 @@ from deltamesh_formats.meshfiles.number_text import with_places
 from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.polymesh.texture_origin import marked_top_left, with_origin
 from deltamesh_formats.polymesh.validation import checked
+from deltamesh_formats.wrappers import unwrapped, without_wrapper, wrapped
 
 __all__ = ["mesh_bytes", "mesh_format", "read_mesh", "write_mesh", "written"]
 
@@ -28,13 +29,15 @@ __all__ = ["mesh_bytes", "mesh_format", "read_mesh", "write_mesh", "written"]
 def mesh_format(target: PathOrFile, file_format: str | None = None) -> FileFormat:
     """Return the format that is asked for or, without one, that of the file name's extension.
 
+    That is the one before ".gz" or ".zst", if the name ends so.
+
     Raises
     ------
     MeshError
         When it is not in the table of the formats.
     """
     name = _name(target)
-    asked = (file_format or Path(name).suffix).removeprefix(".").lower()
+    asked = (file_format or Path(without_wrapper(name)[0]).suffix).removeprefix(".").lower()
     found = format_of_extension(asked)
     if found is not None:
         return found
@@ -45,11 +48,12 @@ def mesh_format(target: PathOrFile, file_format: str | None = None) -> FileForma
 
 
 def read_mesh(source: PathOrFile, file_format: str | None = None) -> PolyMesh:
-    """Read a mesh file.
+    """Read a mesh file, with gzip or zstandard around it or not.
 
     Parameters
     ----------
     source : path or binary file object
+        What is compressed is known by its first bytes, and decompresses to 16 GiB at most.
     file_format : str, optional
         Name of the format, such as "ply"; by default the one of the file name's extension.
 
@@ -63,17 +67,23 @@ def read_mesh(source: PathOrFile, file_format: str | None = None) -> PolyMesh:
     Raises
     ------
     MeshError
-        For an unknown format, a file that is not one of that format, and one without faces.
+        For an unknown format, a file that is not one of that format, one without faces, and damaged
+        compression.
+    LimitError
+        For a file that decompresses to more.
     OSError
         When the file cannot be opened or read.
     """
     name, known = _name(source), mesh_format(source, file_format)
     data = Path(source).read_bytes() if isinstance(source, (str, os.PathLike)) else source.read()
     try:
+        data = unwrapped(data)
         with np.errstate(all="ignore"):  # what overflows is refused as not finite
             mesh = checked(replace(known.read(data), format=known.name))
-    except (OSError, MemoryError):
+    except (OSError, MemoryError, LimitError):
         raise
+    except FormatError as error:
+        raise MeshError(f"{name}: {error}") from None
     except MeshError as error:
         raise type(error)(f"{name}: {error}") from None
     except Exception as error:
@@ -143,6 +153,8 @@ def write_mesh(
     Parameters
     ----------
     target : path or binary file object
+        A path that ends in ".gz" or ".zst" gets a compressed file; a file object gets
+        the bytes as they are.
     mesh : PolyMesh
         `deltamesh.from_arrays` makes one of plain arrays.
     file_format : str, optional
@@ -167,7 +179,8 @@ def write_mesh(
         When the file cannot be written.
     """
     made = written(mesh, mesh_format(target, file_format).name, digits)
-    write_file(target, made.data)
+    is_path = isinstance(target, (str, os.PathLike))
+    write_file(target, wrapped(_name(target), made.data) if is_path else made.data)
     return made.lost
 
 

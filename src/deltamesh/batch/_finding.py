@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 from deltamesh_formats.errors import OptionError
+from deltamesh_formats.wrappers import without_wrapper
 
 _MAGIC = frozenset("*?[")
 
@@ -19,8 +20,8 @@ class Selection:
     Attributes
     ----------
     extensions : tuple of str
-        Of the files that are taken from a folder, in lower case and without the dot. Files that
-        are named are taken whatever their extension.
+        Of the files that are taken from a folder, in lower case and without the dot; `.gz` or
+        `.zst` may follow it. Files that are named are taken whatever their extension.
     include, exclude : tuple of str
         Patterns of the shell. One with a slash is compared with the whole path as it was given, one
         without with the last part of it. A file has to match one of `include`, if there are any,
@@ -135,7 +136,7 @@ def _is_file(entry: os.DirEntry[str]) -> bool:
 
 
 def _extension(path: str) -> str:
-    return os.path.splitext(path)[1].lower().removeprefix(".")
+    return os.path.splitext(without_wrapper(path)[0])[1].lower().removeprefix(".")
 
 
 def _taken(path: str, selection: Selection) -> bool:

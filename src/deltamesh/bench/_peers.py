@@ -19,6 +19,7 @@ from deltamesh._mesh import TriangleMesh
 from deltamesh.bench._peer_names import DRACO, MESHOPT, ZSTD
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError, OptionError
+from deltamesh_formats.zstd_frames import decompressor, frame
 
 # Options with which each is at its smallest.
 DRACO_LEVEL: Final = 10
@@ -143,10 +144,10 @@ def meshopt(mesh: TriangleMesh, bits: int) -> Coded:
         meshoptimizer.encode_vertex_buffer_level(rows, MESHOPT_LEVEL, MESHOPT_VERSION),
         meshoptimizer.encode_index_buffer(indices),
     )
-    data, encoding = zstd_bytes(b"".join(streams)), time.perf_counter() - start
+    data, encoding = frame(b"".join(streams), ZSTD_LEVEL), time.perf_counter() - start
 
     start = time.perf_counter()
-    plain, cut = zstd_plain(data), len(streams[0])
+    plain, cut = unframed(data), len(streams[0])
     grid = meshoptimizer.decode_vertex_buffer(plain[:cut], n, rows.itemsize * 4).view(np.uint16)
     faces = meshoptimizer.decode_index_buffer(plain[cut:], corners, 4)
     decoding = time.perf_counter() - start
@@ -161,26 +162,17 @@ def zstd(mesh: TriangleMesh) -> Coded:
     """Code float32 positions and int32 faces, as they are, with zstd (RFC 8878)."""
     start = time.perf_counter()
     arrays = mesh.vertices.astype("<f4"), mesh.faces.astype("<i4")
-    data = zstd_bytes(b"".join(array.tobytes() for array in arrays))
+    data = frame(b"".join(array.tobytes() for array in arrays), ZSTD_LEVEL)
     middle = time.perf_counter()
-    plain = zstd_plain(data)
+    plain = unframed(data)
     end = time.perf_counter()
     decoded = np.frombuffer(plain, "<f4", arrays[0].size).reshape(-1, 3).astype(np.float64)
     return Coded(len(data), mesh, TriangleMesh(decoded, mesh.faces), middle - start, end - middle)
 
 
-def zstd_bytes(data: bytes) -> bytes:
-    """Compress with zstd at the level of all comparisons."""
-    import zstandard
-
-    return bytes(zstandard.ZstdCompressor(ZSTD_LEVEL).compress(data))
-
-
-def zstd_plain(data: bytes) -> bytes:
-    """Decompress what `zstd_bytes` has made."""
-    import zstandard
-
-    return bytes(zstandard.ZstdDecompressor().decompress(data))
+def unframed(data: bytes) -> bytes:
+    """Return what a frame of this module holds, in however large a window."""
+    return decompressor().decompress(data)
 
 
 @dataclass(frozen=True)
@@ -203,8 +195,8 @@ class Peer:
 
 PEERS: Final[Mapping[str, Peer]] = {
     DRACO: Peer(draco, ("DracoPy",), DRACO_MAX_BITS),
-    MESHOPT: Peer(meshopt, ("meshopt", "zstandard"), MESHOPT_MAX_BITS),
-    ZSTD: Peer(zstd, ("zstandard",), 0),
+    MESHOPT: Peer(meshopt, ("meshopt",), MESHOPT_MAX_BITS),
+    ZSTD: Peer(zstd, (), 0),
 }
 
 

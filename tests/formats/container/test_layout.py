@@ -151,6 +151,8 @@ def test_spec_says_what_fields_share_a_byte():
         "a byte, its form; a varint, how many bytes it holds; in form 0, these. In form 1," in text
     )
     assert (layout.BLOCK_PLAIN, layout.BLOCK_DEFLATED) == (0, 1)
+    assert "In form 2, a varint as in form 1; then so many bytes, one Zstandard frame" in text
+    assert layout.BLOCK_ZSTD == 2
     assert "`wedges` says: 0, wedges of the attribute's own; 1, the faces," in text
     assert "k + 2, the wedges of attribute k" in text
     assert (layout.OWN_WEDGES, layout.POLYGON_OWNERS, layout.WEDGES_OF) == (0, 1, 2)
