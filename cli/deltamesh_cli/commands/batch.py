@@ -194,9 +194,10 @@ def command(
     """Encode or decode many files.
 
     A FILE is a mesh file or, with -d, a .dmesh file, and may be compressed, as scan.ply.gz or
-    scan.ply.zst. With -r, a FOLDER stands for all such files in it. A quoted pattern such as 'scans/**/*.ply' is matched by this program. Files are sorted by
-    name, and each is processed once. Each output has the same bytes as that of deltamesh encode or
-    decode, regardless of the number and the kind of workers.
+    scan.ply.zst. With -r, a FOLDER stands for all such files in it. A quoted pattern such as
+    'scans/**/*.ply' is matched by this program. Files are sorted by name, and each is processed
+    once. Each output has the same bytes as that of deltamesh encode or decode, regardless of the
+    number and the kind of workers.
 
     A file that fails is reported, and the others are processed. Outputs are written beside the
     inputs unless a folder is given, and existing ones are overwritten only with -f. After an

@@ -150,9 +150,10 @@ def command(
     """Measure file sizes, errors and times of meshes.
 
     Each mesh is encoded, decoded and compared, all in memory. A FILE is {formats}, and may be
-    compressed, as scan.ply.zst; a FOLDER stands for the mesh files in it. The options that say how to encode are those of deltamesh encode. The
-    method, the rates and the bounds may be lists or be repeated, and every method is measured with
-    every rate and bound. A file that fails is reported, and the others are measured.
+    compressed, as scan.ply.zst; a FOLDER stands for the mesh files in it. The options that say how
+    to encode are those of deltamesh encode. The method, the rates and the bounds may be lists or be
+    repeated, and every method is measured with every rate and bound. A file that fails is reported,
+    and the others are measured.
 
     --save stores the measurements as rows of a table, and --check compares new measurements with
     such a table. The exit code is 4 if sizes or errors have grown by more than the tolerances, if a

@@ -55,8 +55,9 @@ def command(
 ) -> None:
     """Measure how far mesh B is from mesh A.
 
-    Each is a mesh file or a .dmesh file, and may be compressed with gzip or zstandard. Attributes and parts are compared face by face as well.
-    Parts are reported even if only B has them, attributes only if A has them.
+    Each is a mesh file or a .dmesh file, and may be compressed with gzip or zstandard. Attributes
+    and parts are compared face by face as well. Parts are reported even if only B has them,
+    attributes only if A has them.
 
     The order of vertices and faces does not matter, nor do repeated positions and isolated
     vertices: each position and each face counts once. If the vertices still do not correspond
