@@ -25,7 +25,7 @@ from deltamesh_formats.meshfiles.glb.chunks import (
     reals,
     whole,
 )
-from deltamesh_formats.meshfiles.glb.placement import (
+from deltamesh_formats.meshfiles.placement import (
     is_identity,
     is_mirror,
     moved,
