@@ -56,7 +56,8 @@ def read_collada(data: bytes) -> PolyMesh:
     try:
         scene = trimesh.load_scene(io.BytesIO(data), file_type="dae", process=False)
     except Exception as error:
-        raise MeshError(f"trimesh cannot read it: {error or type(error).__name__}") from None
+        reason = str(error).rpartition("Error: ")[2] or type(error).__name__
+        raise MeshError(f"trimesh cannot read it: {reason}") from None
     placed = [(*scene.graph[node], node) for node in scene.graph.nodes_geometry]
     meshes = [_placed(scene.geometry[name], matrix) for matrix, name, _ in placed]
     if not meshes:

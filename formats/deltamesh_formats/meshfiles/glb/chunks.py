@@ -149,6 +149,8 @@ class Gltf:
             if len(data) < size:
                 raise MeshError(f"buffer view {index} would end at byte {begin + size}")
             count, stride = whole(packed, "count"), whole(packed, "byteStride")
+            if count * stride != length:
+                raise MeshError(f"buffer view {index} is not {count} rows of {stride} bytes")
             mode, filter_ = packed.get("mode"), packed.get("filter", "NONE")
             self.unpacked[index] = meshopt_bytes(data, count, stride, mode, filter_)
         return self.unpacked[index], 0, length

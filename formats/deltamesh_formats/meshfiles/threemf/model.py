@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
@@ -40,8 +41,8 @@ class Object:
     name: str
     pid: str
     pindex: str
-    coordinates: list[float] = field(default_factory=list)
-    corners: list[int] = field(default_factory=list)
+    coordinates: array[float] = field(default_factory=lambda: array("d"))
+    corners: array[int] = field(default_factory=lambda: array("q"))
     properties: list[tuple[str, int, int, int] | None] = field(default_factory=list)
     components: list[Placement] = field(default_factory=list)
 
@@ -120,11 +121,12 @@ class _Elements:
             self.model.lost[f"{name[:40]} elements"] = None
 
     def _vertex(self, fields: dict[str, str]) -> None:
-        self.object.coordinates += (float(fields["x"]), float(fields["y"]), float(fields["z"]))
+        point = (float(fields["x"]), float(fields["y"]), float(fields["z"]))
+        self.object.coordinates.extend(point)
 
     def _triangle(self, fields: dict[str, str]) -> None:
         one = self.object
-        one.corners += (int(fields["v1"]), int(fields["v2"]), int(fields["v3"]))
+        one.corners.extend((int(fields["v1"]), int(fields["v2"]), int(fields["v3"])))
         pid, first = fields.get("pid", one.pid), fields.get("p1", one.pindex)
         if not pid or not first:
             one.properties.append(None)
@@ -136,7 +138,7 @@ class _Elements:
         self.object = Object(
             fields.get("name", ""), fields.get("pid", ""), fields.get("pindex", "")
         )
-        if self.model.objects.setdefault((self.path, fields["id"]), self.object) != self.object:
+        if self.model.objects.setdefault((self.path, fields["id"]), self.object) is not self.object:
             raise MeshError(f"two objects have the id {fields['id'][:40]}")
         if "partnumber" in fields:
             self.model.lost["part numbers"] = None

@@ -17,8 +17,9 @@ from deltamesh_formats.meshfiles import placement
 from deltamesh_formats.meshfiles.threemf.model import Key, Model, Object, Placement, read_model
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, from_triangles
 
-# Components may name an object any number of times: this many numbers are placed at most.
+# Components may name an object any number of times: so many numbers and objects are placed at most.
 _MOST: Final = 1 << 28
+_MOST_PLACES: Final = 1 << 17
 _DEEPEST: Final = 100
 
 
@@ -73,14 +74,15 @@ def _placed(model: Model) -> Iterator[Placement]:
     """Yield the objects with triangles, placed; of a file that builds none, all."""
     build = model.build or [Placement(key, np.eye(4)) for key in model.objects]
     stack = [(one, 0) for one in reversed(build)]
-    numbers = 0
+    places = numbers = 0
     while stack:
         (key, matrix), depth = stack.pop()
         if key not in model.objects:
             raise MeshError(f"there is no object {key[1][:40]!r}")
         one = model.objects[key]
-        numbers += 1 + len(one.coordinates) + len(one.corners)
-        if depth > _DEEPEST or numbers > _MOST:
+        places += 1
+        numbers += len(one.coordinates) + len(one.corners)
+        if depth > _DEEPEST or places > _MOST_PLACES or numbers > _MOST:
             raise MeshError("its components repeat themselves, or are too many")
         if one.corners or one.coordinates:
             yield Placement(key, matrix)
