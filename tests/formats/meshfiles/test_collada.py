@@ -57,7 +57,9 @@ def test_meshes_are_placed_and_share_vertices() -> None:
     assert names[0].startswith("roof")
     assert names[0] == names[1] != names[2] == names[3]
     assert mesh.parts_of("object").transforms[1, :3, 3].tolist() == [0, 0, 5]
-    assert mesh.metadata == {"units": ("0.01 meter",)}
+    assert mesh.metadata == {"units": ("centimeter",)}
+    odd = FILE.replace("0.01", "0.3").format(primitive=TRIANGLES)
+    assert read(odd, "dae").metadata == {"units": ("0.3 meter",)}
 
 
 @pytest.mark.usefixtures("packages")

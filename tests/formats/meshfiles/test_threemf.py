@@ -68,8 +68,8 @@ def test_objects_are_placed() -> None:
     resources = f'{ball}{both}</object><object id="9">{MESH.format(PLAIN)}</object>'
     data = file(resources, f'<item objectid="2" {MOVE}/><item objectid="1" {MIRROR}/>')
     mesh = read(data, "3mf")
-    np.testing.assert_array_equal(mesh.vertices[:4], np.array(POINTS) + [10, 12, 14])
-    np.testing.assert_array_equal(mesh.vertices[4:], np.array(POINTS) * [-1, 1, 1])
+    np.testing.assert_array_equal(mesh.vertices[:4], np.add(POINTS, [10, 12, 14]))
+    np.testing.assert_array_equal(mesh.vertices[4:], np.multiply(POINTS, [-1, 1, 1]))
     assert polygons(mesh) == [[0, 1, 2], [0, 1, 3], [6, 5, 4], [7, 5, 4]]
     assert named(mesh, "object") == ["ball & x"] * 4
     objects = mesh.parts_of("object")

@@ -38,6 +38,14 @@ _LEFT_OUT: Final = {
     b"profile_COMMON": "the look of materials",
 }
 _TRIANGLES: Final = re.compile(rb"<vcount>[\s3]*</vcount>")
+_UNITS: Final = {
+    1.0: "meter",
+    0.01: "centimeter",
+    0.001: "millimeter",
+    1e-6: "micron",
+    0.0254: "inch",
+    0.3048: "foot",
+}
 _UNIT: Final = re.compile(r"(?:([0-9.e+-]+) \* )?meters")
 
 
@@ -120,11 +128,12 @@ def _materials(meshes: list[Any]) -> Iterator[Parts]:
 
 
 def _units(scene: Any) -> dict[str, tuple[str, ...]]:
-    """Return the unit, "meter" or "0.01 meter", if the file says one."""
+    """Return the unit, by its name or, such as "0.3 meter", by its length."""
     found = _UNIT.fullmatch(str(scene.units or ""))
     if found is None:
         return {}
-    return {"units": (f"{found[1]} meter" if found[1] else "meter",)}
+    length = found[1] or "1.0"
+    return {"units": (_UNITS.get(float(length), f"{length} meter"),)}
 
 
 def _left_out(data: bytes) -> Iterator[str]:
