@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from deltamesh._progress import Progress
 from deltamesh_cli import files
 from deltamesh_cli.meshes import decode_container, write_mesh_file
-from deltamesh_formats.meshfiles.formats import FORMATS, format_of_extension
+from deltamesh_formats.meshfiles.formats import FORMATS, written_format
 from deltamesh_formats.wrappers import without_wrapper
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def output_name_and_format(
         The format that was encoded, as the file stores it; "" if it stores none.
     """
     name = (files.without_suffix(source) or source) if target is None else target
-    named = format_of_extension(files.extension(name))
+    named = written_format(files.extension(name))
     original = stored if stored in FORMATS else _FALLBACK_FORMAT
     file_format = output_format or (original if named is None else named.name)
     if target is not None or (named is not None and named.name == file_format):

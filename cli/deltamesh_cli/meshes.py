@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 from collections.abc import Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -15,7 +16,11 @@ from deltamesh_cli.failures import attempt
 from deltamesh_cli.output import display_name
 from deltamesh_cli.signals import interruptible
 from deltamesh_formats.container.layout import MAGIC
-from deltamesh_formats.meshfiles.formats import format_of_beginning, format_of_extension
+from deltamesh_formats.meshfiles.formats import (
+    advice,
+    format_of_beginning,
+    format_of_extension,
+)
 
 if TYPE_CHECKING:
     from deltamesh._measures.report import Report
@@ -45,7 +50,8 @@ def parse_mesh(name: str, data: bytes, file_format: str | None, progress: Progre
     with attempt(name, "cannot read", _format_hint(named, data)):
         from deltamesh_formats.meshfiles.files import read_mesh
 
-        return read_mesh(io.BytesIO(data), named)
+        folder = None if name == files.STDIO else os.path.dirname(name) or os.curdir
+        return read_mesh(io.BytesIO(data), named, folder=folder)
 
 
 def _format_hint(named: str, data: bytes) -> str:
@@ -55,7 +61,7 @@ def _format_hint(named: str, data: bytes) -> str:
     known, likely = format_of_extension(named), format_of_beginning(data)
     if likely not in (None, known):
         return f"it begins like {likely.title}: --input-format {likely.name}"
-    return "" if known is not None else "--input-format names the format"
+    return "" if known is not None or advice(named) else "--input-format names the format"
 
 
 def write_mesh_file(

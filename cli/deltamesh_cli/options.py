@@ -11,17 +11,19 @@ import click
 from deltamesh._options import SOLVERS
 from deltamesh_cli.failures import EXIT_CODES, RunSettings
 from deltamesh_cli.value_types import FILE, size, whole
-from deltamesh_formats.meshfiles.formats import FORMATS, MAX_DIGITS, TITLES
+from deltamesh_formats.meshfiles.formats import FORMATS, MAX_DIGITS, READABLE, titles
 
 Command = Callable[..., Any]
 Decorator = Callable[[Command], Command]
 
-_MESH_FORMAT: Final = click.Choice(list(FORMATS), case_sensitive=False)
+_READ: Final = click.Choice(list(READABLE), case_sensitive=False)
+_WRITTEN: Final = click.Choice(list(FORMATS), case_sensitive=False)
 
 
 def name_formats(command: Command) -> Command:
-    """Replace "{formats}" in the help text of a command by the names of the mesh formats."""
-    command.__doc__ = (command.__doc__ or "").replace("{formats}", TITLES)
+    """Replace "{formats}" and "{written}" in the help text of a command by mesh formats."""
+    text = (command.__doc__ or "").replace("{formats}", titles(READABLE.values()))
+    command.__doc__ = text.replace("{written}", titles(FORMATS.values()))
     return command
 
 
@@ -111,13 +113,13 @@ def output(default: str) -> Decorator:
 
 input_format: Final = click.option(
     "--input-format",
-    type=_MESH_FORMAT,
+    type=_READ,
     help="Format of the mesh file to read.  [default: by its extension]",
 )
 
 output_format: Final = click.option(
     "--output-format",
-    type=_MESH_FORMAT,
+    type=_WRITTEN,
     help="Format of OUT.  [default: by its extension, otherwise the format that was encoded]",
 )
 

@@ -29,7 +29,7 @@ from deltamesh_cli.batch.work import Job, failure_record
 from deltamesh_cli.decoding import output_name_and_format
 from deltamesh_cli.failures import Failure, attempt
 from deltamesh_formats.errors import DeltameshError, FormatError
-from deltamesh_formats.meshfiles.formats import EXTENSIONS
+from deltamesh_formats.meshfiles.formats import EXTENSIONS, written_format
 from deltamesh_formats.wrappers import beginning, unwrapped, without_wrapper
 
 # At least as many bytes as the header of a `.dmesh` file can have.
@@ -150,7 +150,7 @@ def _decoded_name(job: Job, source: str, path: str) -> str:
     stem = files.without_suffix(path)
     if stem is None:
         raise OSError(errno.EINVAL, f"its name does not end in {files.SUFFIX}")
-    known = job.file_format or files.extension(stem) in EXTENSIONS
+    known = job.file_format or written_format(files.extension(stem)) is not None
     stored = "" if known else _stored_format(source)
     return output_name_and_format(path, None, job.file_format, stored)[0]
 

@@ -13,7 +13,7 @@ from deltamesh_cli.meshes import note_not_kept, parse_container
 from deltamesh_cli.output import display_name, print_json
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.value_types import FILE
-from deltamesh_formats.meshfiles.formats import FORMATS, format_of_extension
+from deltamesh_formats.meshfiles.formats import FORMATS, written_format
 
 if TYPE_CHECKING:
     from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -50,7 +50,7 @@ def command(
 ) -> None:
     """Decode a .dmesh file into a mesh file.
 
-    OUT is a mesh file: {formats}. By default, OUT is IN without ".dmesh". If that name has no
+    OUT is a mesh file: {written}. By default, OUT is IN without ".dmesh". If that name has no
     extension of a mesh file, OUT has the format that was encoded, and its extension is appended.
 
     OUT receives everything in IN that its format can hold: polygons, attributes, names. A note on
@@ -77,7 +77,7 @@ def command(
     if target is None and files.without_suffix(source) is None:
         name = display_name(source)
         raise click.UsageError(f"{name} does not end in {files.SUFFIX}: OUT is needed.")
-    known = format_of_extension(files.extension(target or ""))
+    known = written_format(files.extension(target or ""))
     if target not in (None, files.STDIO) and output_format is None and known is None:
         name = display_name(str(target))
         raise click.UsageError(f"{name} names no mesh format: use --output-format.")

@@ -77,9 +77,9 @@ def command(
     so do the key "not_kept" of --json and deltamesh info.
 
     IN is never modified. If OUT exists, it is overwritten only with -f. "-" stands for standard
-    input or output. Reading from standard input needs --input-format, and writes to standard
-    output unless OUT is given. IN may be compressed with gzip or zstandard, as scan.ply.gz or scan.ply.zst,
-    also on standard input; OUT is compressed if its name ends in .gz or .zst.
+    input or output. Reading from standard input needs --input-format, and writes to standard output
+    unless OUT is given. IN may be compressed with gzip or zstandard, as scan.ply.gz or
+    scan.ply.zst, also on standard input; OUT is compressed if its name ends in .gz or .zst.
     """
     target = files.chosen_output(target, output)
     if target is None:

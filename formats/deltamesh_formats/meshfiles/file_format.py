@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from deltamesh_formats.polymesh.kinds import Kind
     from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh
 
@@ -50,10 +52,12 @@ class FileFormat:
     metadata : tuple of str
         Keys of `PolyMesh.metadata` that a file holds.
     read : callable
-        Reader: bytes to `PolyMesh`. It raises `MeshError` for what is no such file.
+        Reader: bytes, and the folder of files that they may name (None for bytes of no file), to
+        `PolyMesh`. It raises `MeshError` for what is no such file.
     write : callable
         Writer: `PolyMesh`, with faces and with texture coordinates that begin where the format has
-        their origin, to `Written`. It raises `MeshError` for what the format cannot hold.
+        their origin, to `Written`. It raises `MeshError` for what the format cannot hold. None for
+        a format that is only read.
     """
 
     name: str
@@ -68,8 +72,8 @@ class FileFormat:
     gaps: tuple[Domain, ...] = ()
     parts: tuple[Kind, ...] = ()
     metadata: tuple[str, ...] = ()
-    read: Callable[[bytes], PolyMesh]
-    write: Callable[[PolyMesh], Written]
+    read: Callable[[bytes, Path | None], PolyMesh]
+    write: Callable[[PolyMesh], Written] | None = None
 
     def losses(self, mesh: PolyMesh, kept: Collection[Attribute]) -> tuple[str, ...]:
         """Return descriptions of what a file does not hold that has these attributes of a mesh."""

@@ -16,7 +16,13 @@ from deltamesh_formats.atomic import PathOrFile, write_file
 from deltamesh_formats.errors import FormatError, LimitError, MeshError, OptionError
 from deltamesh_formats.meshfiles.file_format import FileFormat, Written
 from deltamesh_formats.meshfiles.float32 import rounding_error
-from deltamesh_formats.meshfiles.formats import FORMATS, MAX_DIGITS, format_of_extension
+from deltamesh_formats.meshfiles.formats import (
+    FORMATS,
+    MAX_DIGITS,
+    READABLE,
+    advice,
+    format_of_extension,
+)
 from deltamesh_formats.meshfiles.number_text import with_places
 from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.polymesh.texture_origin import marked_top_left, with_origin
@@ -41,13 +47,20 @@ def mesh_format(target: PathOrFile, file_format: str | None = None) -> FileForma
     found = format_of_extension(asked)
     if found is not None:
         return found
-    known = ", ".join(FORMATS)
+    known = ", ".join(READABLE)
+    if asked and advice(asked):
+        raise MeshError(f"{name}: {asked!r} is not read: {advice(asked)}")
     if asked:
         raise MeshError(f"{name}: {asked!r} is not a known mesh format: {known}")
     raise MeshError(f"{name}: its name has no extension of a mesh format; give one of {known}")
 
 
-def read_mesh(source: PathOrFile, file_format: str | None = None) -> PolyMesh:
+def read_mesh(
+    source: PathOrFile,
+    file_format: str | None = None,
+    *,
+    folder: str | os.PathLike[str] | None = None,
+) -> PolyMesh:
     """Read a mesh file, with gzip or zstandard around it or not.
 
     Parameters
@@ -56,6 +69,9 @@ def read_mesh(source: PathOrFile, file_format: str | None = None) -> PolyMesh:
         What is compressed is known by its first bytes, and decompresses to 16 GiB at most.
     file_format : str, optional
         Name of the format, such as "ply"; by default the one of the file name's extension.
+    folder : path, optional
+        Where files that it names are, such as the buffers of a glTF; nothing outside is read. By
+        default the folder of a path, and none for a file object, which has to be whole by itself.
 
     Returns
     -------
@@ -75,11 +91,15 @@ def read_mesh(source: PathOrFile, file_format: str | None = None) -> PolyMesh:
         When the file cannot be opened or read.
     """
     name, known = _name(source), mesh_format(source, file_format)
-    data = Path(source).read_bytes() if isinstance(source, (str, os.PathLike)) else source.read()
+    if isinstance(source, (str, os.PathLike)):
+        data, beside = Path(source).read_bytes(), Path(source).parent
+    else:
+        data, beside = source.read(), None
+    beside = beside if folder is None else Path(folder)
     try:
         data = unwrapped(data)
         with np.errstate(all="ignore"):  # what overflows is refused as not finite
-            mesh = checked(replace(known.read(data), format=known.name))
+            mesh = checked(replace(known.read(data, beside), format=known.name))
     except (OSError, MemoryError, LimitError):
         raise
     except FormatError as error:
@@ -120,7 +140,9 @@ def written(mesh: PolyMesh, file_format: str, digits: int | None = None) -> Writ
         raise OptionError(f"digits must be a whole number from 0 to {MAX_DIGITS}, not {digits!r}")
     if len(mesh.offsets) < 2:
         raise MeshError("a mesh without faces is not written")
-    known = FORMATS[file_format]
+    known = READABLE[file_format]
+    if known.write is None:
+        raise MeshError(f"{known.title} is only read; written are {', '.join(FORMATS)}")
     placed = with_origin(mesh, top_left=known.has_top_left_textures)
     if digits is None or not known.is_text:
         return known.write(placed)

@@ -17,7 +17,11 @@ _ROLES: Final[dict[Role, str]] = {
 }
 _DOMAINS: Final[dict[Domain, str]] = {"vertex": "vertices", "corner": "corners", "face": "faces"}
 # Comments and headers, in which programs speak of themselves, are not worth a warning.
-_METADATA: Final = {"mtllib": "material libraries", "copyright": "copyright"}
+_METADATA: Final = {
+    "mtllib": "material libraries",
+    "copyright": "copyright",
+    "units": "the unit",
+}
 
 
 def losses_of(

@@ -32,8 +32,7 @@ def test_what_does_not_change_the_mesh_may_be_required(name: str) -> None:
     [
         "VENDOR_mesh_magic",
         "EXT_mesh_gpu_instancing",
-        "KHR_draco_mesh_compression",
-        "EXT_meshopt_compression",
+        "KHR_draco_mesh_compression2",
         "KHR_node_visibility",
         "MSFT_lod",
         "KHR_mesh_quantization2",

@@ -25,7 +25,15 @@ from deltamesh_formats.meshfiles.files import (
     write_mesh,
     written,
 )
-from deltamesh_formats.meshfiles.formats import EXTENSIONS, FORMATS, format_of_beginning
+from deltamesh_formats.meshfiles.formats import (
+    EXTENSIONS,
+    FORMATS,
+    READABLE,
+    advice,
+    format_of_beginning,
+    written_format,
+)
+from deltamesh_formats.meshfiles.unread import ADVICE
 from deltamesh_formats.polymesh.arrays import from_arrays
 from deltamesh_formats.polymesh.kinds import KIND_WORDS, Kind
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh, from_triangles
@@ -46,6 +54,7 @@ F = np.array([[3, 1, 0], [0, 1, 4], [4, 3, 0]])
 MESH = from_triangles(V, F)
 SMALL = from_triangles(np.array(POINTS, dtype=float), np.array([[0, 1, 2], [2, 1, 3]]))
 ROUNDED = V.astype(np.float32).astype(np.float64)
+ONLY_READ = [one for name, one in READABLE.items() if name not in FORMATS]
 
 
 @pytest.mark.parametrize("file_format", FORMATS)
@@ -53,7 +62,7 @@ def test_round_trip(file_format, tmp_path):
     path = tmp_path / f"mesh.{file_format.upper()}"
     lost = write_mesh(path, MESH)
     rounded = "positions beyond float32 (by up to 78)"
-    losses = {"stl": ("vertices of no face", rounded), "glb": (rounded,)}
+    losses = {"stl": ("vertices of no face", rounded), "glb": (rounded,), "gltf": (rounded,)}
     assert lost == losses.get(file_format, ())
     mesh = read_mesh(path)
     assert (mesh.format, mesh.vertices.dtype, mesh.triangles.dtype) == (
@@ -63,13 +72,15 @@ def test_round_trip(file_format, tmp_path):
     )
     assert mesh.vertices.flags.c_contiguous
     assert mesh.triangles.flags.c_contiguous
-    assert mesh.precision == ("float32" if file_format in ("stl", "glb") else "float64")
+    assert mesh.precision == ("float32" if file_format in ("stl", "glb", "gltf") else "float64")
     if file_format == "stl":
         np.testing.assert_array_equal(mesh.vertices, ROUNDED[[3, 1, 0]])
         np.testing.assert_array_equal(mesh.triangles, [[0, 1, 2], [2, 1, 2], [2, 0, 2]])
     else:
         np.testing.assert_array_equal(mesh.triangles, F)
-        np.testing.assert_array_equal(mesh.vertices, ROUNDED if file_format == "glb" else V)
+        np.testing.assert_array_equal(
+            mesh.vertices, ROUNDED if file_format in ("glb", "gltf") else V
+        )
 
 
 @pytest.mark.parametrize("file_format", FORMATS)
@@ -138,15 +149,15 @@ def test_format_by_name():
 @pytest.mark.parametrize(
     ("name", "file_format", "message"),
     [
-        ("a.gltf", None, "a.gltf: 'gltf' is not a known mesh format: obj, ply, off, stl, glb"),
-        ("a.obj", "step", "'step' is not a known mesh format"),
+        ("a.foo", None, "a.foo: 'foo' is not a known mesh format: obj, ply, off, stl, glb, gltf"),
+        ("a.obj", "step", "'step' is not read: a shape without triangles; gmsh makes them"),
         ("noname", None, "noname: .* give one of obj, ply, off, stl, glb"),
         (io.BytesIO(), None, "<stream>: .* give one of obj, ply, off, stl, glb"),
     ],
 )
 def test_unknown_formats(name, file_format, message):
     for attempt in (lambda: read_mesh(name, file_format), lambda: write_mesh(name, MESH, "x")):
-        with pytest.raises(MeshError, match=r"not a known mesh format|give one of"):
+        with pytest.raises(MeshError, match=r"not a known mesh format|give one of|is not read"):
             attempt()
     with pytest.raises(MeshError, match=message):
         mesh_format(name, file_format)
@@ -180,7 +191,7 @@ def test_a_fault_of_a_reader_is_told_as_one(monkeypatch):
 
 
 def test_importing_is_cheap():
-    code = "import sys, deltamesh_formats.meshfiles.files; sys.exit('scipy' in sys.modules)"
+    code = "import sys, deltamesh_formats.meshfiles.files; sys.exit('scipy' in sys.modules or 'trimesh' in sys.modules)"
     assert children.run([sys.executable, "-c", code]).returncode == 0
 
 
@@ -194,16 +205,29 @@ def test_importing_the_table_imports_no_format():
 
 def test_names_and_extensions_are_unique():
     extensions = [extension for one in FORMATS.values() for extension in one.extensions]
+    extensions += [extension for one in ONLY_READ for extension in one.extensions]
     assert len(extensions) == len(set(extensions)) == len(EXTENSIONS)
+    assert not {*extensions} & {*ADVICE}
     assert all(name == one.name == one.extensions[0] for name, one in FORMATS.items())
-    assert len({one.title for one in FORMATS.values()}) == len(FORMATS)
+    assert len({one.title for one in READABLE.values()}) == len(READABLE)
+    assert all(one.write is None and written_format(one.name) is None for one in ONLY_READ)
+    assert all(written_format(one.name) is one for one in FORMATS.values())
+
+
+@pytest.mark.parametrize("extension", ADVICE)
+def test_formats_that_are_not_read_have_advice(extension):
+    assert advice(f".{extension.upper()}") == ADVICE[extension]
+    with pytest.raises(MeshError) as caught:
+        mesh_format(f"a.{extension}")
+    assert str(caught.value) == f"a.{extension}: '{extension}' is not read: {ADVICE[extension]}"
 
 
 @pytest.mark.parametrize("file_format", FORMATS)
 def test_files_begin_as_the_table_says(rich, file_format):
     one = FORMATS[file_format]
     assert format_of_beginning(rich[file_format]) in (one, None)
-    text = one.is_text or rich[file_format].startswith(b"solid")
+    # JSON, whose numbers are binary.
+    text = one.is_text or file_format == "gltf" or rich[file_format].startswith(b"solid")
     assert text == rich[file_format].isascii() == (b"\0" not in rich[file_format])
 
 
@@ -231,7 +255,8 @@ def test_files_hold_what_the_table_says(file_format):
     )
     keys = ("comments", "obj_info", "mtllib", "header", "copyright")
     mesh = from_arrays(square, [[0, 1, 2, 3], [1, 4, 5, 2]])
-    mesh = replace(mesh, parts=parts, metadata={key: (f"some {key}",) for key in keys})
+    metadata = {key: (f"some {key}",) for key in keys} | {"units": ("inch",)}
+    mesh = replace(mesh, parts=parts, metadata=metadata)
     one = FORMATS[file_format]
     # The words of an STL have no header; it has one where there are no names.
     bare = replace(mesh, parts=()) if file_format == "stl" else mesh

@@ -7,19 +7,23 @@ from typing import TYPE_CHECKING, Final
 from deltamesh_formats.meshfiles.file_format import FileFormat, Written
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
 
-def _read(data: bytes) -> PolyMesh:
+def _read(data: bytes, folder: Path | None) -> PolyMesh:
+    from deltamesh_formats.meshfiles.glb.chunks import read_chunks
     from deltamesh_formats.meshfiles.glb.reader import read
 
-    return read(data)
+    return read(read_chunks(data, folder))
 
 
 def _write(mesh: PolyMesh) -> Written:
-    from deltamesh_formats.meshfiles.glb.writer import write
+    from deltamesh_formats.meshfiles.glb.writer import glb_bytes, made
 
-    return write(mesh)
+    tree, buffer, lost = made(mesh, GLB)
+    return Written(glb_bytes(tree, buffer), lost)
 
 
 GLB: Final = FileFormat(

@@ -1,4 +1,4 @@
-"""Chunks, buffers and accessors of a GLB, as JSON and arrays.
+"""Chunks, buffers and accessors of a GLB or a glTF, as JSON and arrays.
 
 glTF 2.0 (Khronos Group, 2021): section 4 for the chunks, 3.6 for buffers and accessors. Counts of a
 file are checked against its length before anything is allocated.
@@ -6,12 +6,11 @@ file are checked against its length before anything is allocated.
 
 from __future__ import annotations
 
-import base64
-import binascii
 import json
 import sys
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -19,8 +18,15 @@ from numpy.typing import NDArray
 
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles.glb.extensions import COMPRESSED, check_required
-from deltamesh_formats.meshfiles.glb.schema import Tree, check_types, items, shown
+from deltamesh_formats.meshfiles.glb.compression import (
+    DRACO,
+    MESHOPT,
+    draco_arrays,
+    meshopt_bytes,
+)
+from deltamesh_formats.meshfiles.glb.extensions import check_required
+from deltamesh_formats.meshfiles.glb.outside import outside_bytes
+from deltamesh_formats.meshfiles.glb.schema import EACH, Tree, check, check_types, items, shown
 
 MAGIC: Final = b"glTF"
 JSON_CHUNK: Final = b"JSON"
@@ -47,10 +53,22 @@ _SHAPES: Final[Mapping[str, tuple[int, int]]] = {
 
 @dataclass(frozen=True)
 class Gltf:
-    """JSON of a file, and the bytes of its buffers."""
+    """JSON of a file, and the bytes of its buffers.
+
+    Attributes
+    ----------
+    tree : mapping
+    buffers : list of bytes
+    unpacked : dict
+        Buffer views that were compressed, by their numbers.
+    decoded : dict
+        Accessors whose numbers are in Draco data, by their numbers; the view that these are in.
+    """
 
     tree: Tree
     buffers: list[bytes]
+    unpacked: dict[int, bytes] = field(default_factory=dict)
+    decoded: dict[int, tuple[int, NDArray[Any]]] = field(default_factory=dict)
 
     def items(self, name: str) -> list[Any]:
         """Return a list at the top of the JSON, empty if it is not there."""
@@ -72,6 +90,8 @@ class Gltf:
     def accessor(self, index: object) -> NDArray[Any]:
         """Return the numbers of an accessor, (count, width), in the type of its components."""
         accessor = self.item("accessors", index)
+        if index in self.decoded:
+            return self.decoded[index][1]
         if "bufferView" not in accessor and "sparse" not in accessor:
             raise MeshError(f"accessor {index} has no data: it may be compressed")
         count, start = whole(accessor, "count"), whole(accessor, "byteOffset", 0)
@@ -95,12 +115,7 @@ class Gltf:
     ) -> NDArray[Any]:
         """Return a copy of numbers in a buffer view, (count, columns * rows)."""
         view = self.item("bufferViews", index)
-        if any(name in view.get("extensions", {}) for name in COMPRESSED):
-            raise MeshError(f"buffer view {index} is compressed, which is not read")
-        number = whole(view, "buffer")
-        if number >= len(self.buffers):
-            raise MeshError(f"it refers to buffer {number}, of {len(self.buffers)}")
-        begin, length = whole(view, "byteOffset", 0), whole(view, "byteLength")
+        buffer, begin, length = self._bytes_of_view(index, view)
         columns, rows = shape
         column = rows * kind.itemsize
         if columns > 1:
@@ -110,14 +125,79 @@ class Gltf:
         if stride < size:
             raise MeshError(f"the elements of buffer view {index} overlap")
         needed = start + (count - 1) * stride + size if count else 0
-        if needed > length or begin + length > len(self.buffers[number]):
+        if needed > length or begin + length > len(buffer):
             message = f"buffer view {index} would end at byte {begin + max(needed, length)}"
-            raise MeshError(f"{message} of a buffer of {len(self.buffers[number])}")
+            raise MeshError(f"{message} of a buffer of {len(buffer)}")
         if not count:
             return np.empty((0, columns * rows), dtype=kind)
-        data, strides = self.buffers[number], (stride, column, kind.itemsize)
-        found = np.ndarray((count, columns, rows), kind, data, begin + start, strides)
+        strides = (stride, column, kind.itemsize)
+        found = np.ndarray((count, columns, rows), kind, buffer, begin + start, strides)
         return found.astype(kind, order="C").reshape(count, columns * rows)
+
+    def _bytes_of_view(self, index: object, view: Tree) -> tuple[bytes, int, int]:
+        """Return the bytes in which a buffer view is, its first byte in them, and its length."""
+        length, extensions = whole(view, "byteLength"), view.get("extensions", {})
+        packed = next((extensions[name] for name in MESHOPT if name in extensions), None)
+        if packed is None:
+            return self._buffer(view), whole(view, "byteOffset", 0), length
+        assert isinstance(index, int)
+        if index not in self.unpacked:
+            if not isinstance(packed, dict):
+                raise MeshError(f"the compression of buffer view {index} is no object")
+            begin, size = whole(packed, "byteOffset", 0), whole(packed, "byteLength")
+            data = self._buffer(packed)[begin : begin + size]
+            if len(data) < size:
+                raise MeshError(f"buffer view {index} would end at byte {begin + size}")
+            count, stride = whole(packed, "count"), whole(packed, "byteStride")
+            if count * stride != length:
+                raise MeshError(f"buffer view {index} is not {count} rows of {stride} bytes")
+            mode, filter_ = packed.get("mode"), packed.get("filter", "NONE")
+            self.unpacked[index] = meshopt_bytes(data, count, stride, mode, filter_)
+        return self.unpacked[index], 0, length
+
+    def _buffer(self, view: Tree) -> bytes:
+        number = whole(view, "buffer")
+        if number >= len(self.buffers):
+            raise MeshError(f"it refers to buffer {number}, of {len(self.buffers)}")
+        return self.buffers[number]
+
+    def decode_draco(self, primitive: Tree) -> None:
+        """Decode the indices and attributes of a primitive, if they are in Draco data.
+
+        Raises
+        ------
+        MeshError
+            When they do not fit the accessors.
+        """
+        packed = primitive.get("extensions", {}).get(DRACO)
+        if packed is None:
+            return
+        check(packed, {"bufferView": "a number", "attributes": {EACH: "a number"}}, DRACO)
+        number, ids = packed.get("bufferView"), packed.get("attributes", {})
+        accessors = primitive.get("attributes", {})
+        wanted = {ids[name]: accessors[name] for name in ids if name in accessors}
+        some = [*wanted.values(), primitive.get("indices")]
+        if all(self.decoded.get(one, (None,))[0] == number for one in some):
+            return
+        view = self.item("bufferViews", number)
+        buffer, begin, length = self._bytes_of_view(number, view)
+        faces, arrays = draco_arrays(buffer[begin : begin + length])
+        self._keep(primitive.get("indices"), number, faces.reshape(-1, 1))
+        for id_, accessor in wanted.items():
+            if id_ not in arrays:
+                raise MeshError(f"its Draco data have no attribute {id_}")
+            self._keep(accessor, number, arrays[id_])
+
+    def _keep(self, index: object, view: int, values: NDArray[Any]) -> None:
+        """Keep the numbers of an accessor that were in Draco data, in the type that it has."""
+        accessor = self.item("accessors", index)
+        assert isinstance(index, int)
+        kind, shape = _component(accessor), _SHAPES.get(accessor.get("type", ""), (0, 0))
+        fits = values.shape == (whole(accessor, "count"), shape[0] * shape[1])
+        if not fits or (values.dtype.kind == "f") != (kind.kind == "f"):
+            raise MeshError(f"accessor {index} does not fit its Draco data")
+        if self.decoded.setdefault(index, (view, values.astype(kind)))[0] != view:
+            raise MeshError(f"accessor {index} is in several Draco data")
 
     def _replace(
         self, values: NDArray[Any], sparse: Tree, shape: tuple[int, int], kind: np.dtype[Any]
@@ -164,8 +244,8 @@ def _component(accessor: Tree) -> np.dtype[Any]:
     return np.dtype("<" + COMPONENTS[code])
 
 
-def read_chunks(data: bytes) -> Gltf:
-    """Read the chunks of a GLB.
+def read_chunks(data: bytes, folder: Path | None = None) -> Gltf:
+    """Read the chunks of a GLB, and buffers in files of a folder.
 
     Raises
     ------
@@ -191,8 +271,27 @@ def read_chunks(data: bytes) -> Gltf:
         at += 8 + size
     if JSON_CHUNK not in chunks:
         raise MeshError("it has no JSON")
+    return read_json(chunks[JSON_CHUNK], folder, chunks.get(BINARY_CHUNK, b""))
+
+
+def read_json(text: bytes, folder: Path | None, binary: bytes = b"") -> Gltf:
+    """Read the JSON of a glTF, and its buffers.
+
+    Parameters
+    ----------
+    text : bytes
+    folder : Path, optional
+        Where buffers in other files are; None where there are none.
+    binary : bytes
+        The first buffer, if it has no URI.
+
+    Raises
+    ------
+    MeshError
+        For what is not JSON of a glTF 2.0, and one that needs an extension that is not read.
+    """
     try:
-        tree = json.loads(chunks[JSON_CHUNK])
+        tree = json.loads(text)
     except json.JSONDecodeError as error:
         raise MeshError(f"its JSON is not readable: {error}") from None
     except UnicodeDecodeError:
@@ -203,20 +302,16 @@ def read_chunks(data: bytes) -> Gltf:
         raise MeshError("its JSON is not an object")
     check_types(tree)
     check_required(tree)
-    return Gltf(tree, _buffers(tree, chunks.get(BINARY_CHUNK, b"")))
+    return Gltf(tree, list(_buffers(tree, folder, binary)))
 
 
-def _buffers(tree: Tree, binary: bytes) -> list[bytes]:
-    found = []
+def _buffers(tree: Tree, folder: Path | None, binary: bytes) -> Iterator[bytes]:
     for i, buffer in enumerate(items(tree, "buffers")):
         uri = buffer.get("uri")
         if uri is None:
-            found.append(binary if i == 0 else b"")
-        elif isinstance(uri, str) and uri.startswith("data:") and ";base64," in uri:
-            try:
-                found.append(base64.b64decode(uri.partition(",")[2]))
-            except binascii.Error as error:
-                raise MeshError(f"buffer {i} is not readable: {error}") from None
-        else:
-            raise MeshError(f"buffer {i} is in another file, {shown(uri)}: it is not read")
-    return found
+            yield binary if i == 0 else b""
+            continue
+        try:
+            yield outside_bytes(uri, folder, whole(buffer, "byteLength", 2**53 - 1))
+        except MeshError as error:
+            raise MeshError(f"buffer {i} {error}") from None

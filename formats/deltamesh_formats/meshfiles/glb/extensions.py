@@ -7,15 +7,11 @@ from collections.abc import Iterator
 from typing import Any, Final
 
 from deltamesh_formats.errors import MeshError
+from deltamesh_formats.meshfiles.glb.compression import DRACO, MESHOPT
 from deltamesh_formats.meshfiles.glb.schema import Tree, items
 
-COMPRESSED: Final = (
-    "KHR_draco_mesh_compression",
-    "EXT_meshopt_compression",
-    "KHR_meshopt_compression",
-)
-# Integer positions and normals are read as they are.
-_READ: Final = frozenset(["KHR_mesh_quantization"])
+# Integer positions and normals are read as they are; what is compressed is decoded.
+_READ: Final = frozenset(["KHR_mesh_quantization", DRACO, *MESHOPT])
 # Extensions of materials and textures: without them a file has the same mesh, in another look.
 _OF_LOOKS: Final = re.compile(
     r"KHR_materials_.+|(KHR|EXT|MSFT)_texture_.+|(KHR|EXT)_lights_.+|KHR_xmp.*"

@@ -1,4 +1,4 @@
-"""Reader of GLB: every placed mesh of the scene is an object, with its name and its transform.
+"""Reader of GLB and glTF: each placed mesh of the scene is an object, with name and transform.
 
 It keeps all attributes of vertices, and names of nodes, meshes and materials. Strips and fans
 become triangles. Points, lines, textures, the look of materials, animations, skins, extensions and
@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles.glb import placement
-from deltamesh_formats.meshfiles.glb.chunks import Gltf, read_chunks
+from deltamesh_formats.meshfiles import placement
+from deltamesh_formats.meshfiles.glb.chunks import Gltf
+from deltamesh_formats.meshfiles.glb.compression import DRACO
 from deltamesh_formats.meshfiles.glb.scene import Placed, placed_meshes, scene_losses
 from deltamesh_formats.meshfiles.glb.schema import Tree, items, shown
 from deltamesh_formats.meshfiles.glb.semantics import name_of
@@ -71,15 +72,14 @@ class _Scene:
             )
 
 
-def read(data: bytes) -> PolyMesh:
-    """Read a GLB.
+def read(gltf: Gltf) -> PolyMesh:
+    """Read the scene of a GLB or a glTF.
 
     Raises
     ------
     MeshError
-        For a file that is not valid, or compressed; the element at fault is named.
+        For a file that is not valid; the element at fault is named.
     """
-    gltf = read_chunks(data)
     placed, lost = placed_meshes(gltf), dict.fromkeys(scene_losses(gltf))
     if any(one.depth for one in placed):
         lost["the hierarchy of nodes"] = None
@@ -133,6 +133,9 @@ def _primitives(
         material = primitive.get("material", -1)
         if material != -1:
             gltf.item("materials", material)
+        gltf.decode_draco(primitive)
+        if mode != _TRIANGLES and DRACO in primitive.get("extensions", {}):
+            raise MeshError(f"a primitive of mesh {mesh} has mode {mode} with Draco data")
         faces = _faces(gltf, primitive, mode)
         scene.add(faces.size)
         block = blocks.setdefault(tuple(sorted(accessors.items())), _Block(dict(accessors)))

@@ -13,7 +13,7 @@ from typing import Any, Final, TypeAlias
 from deltamesh_formats.errors import MeshError
 
 # A type of `_TYPES`; a list of a schema is an array of such elements, a table an object whose
-# fields, if they are there, are of these schemas. `_EACH` stands for all fields that an object has.
+# fields, if they are there, are of these schemas. `EACH` stands for all fields that an object has.
 Schema: TypeAlias = "str | list[Schema] | dict[str, Schema]"
 
 Tree: TypeAlias = Mapping[str, Any]
@@ -25,17 +25,18 @@ _TYPES: Final[Mapping[str, tuple[type, ...]]] = {
     "a string": (str,),
     "anything": (object,),
 }
-_EACH: Final = "*"
+EACH: Final = "*"
 _LONGEST: Final = 40  # of a value in a message
 
 _ARRAY: Final[Schema] = ["anything"]
 _OBJECTS: Final[Schema] = ["an object"]
 _SPARSE: Final[Schema] = {"count": "a number", "indices": "an object", "values": "an object"}
 _PRIMITIVE: Final[Schema] = {
-    "attributes": {_EACH: "a number"},
+    "attributes": {EACH: "a number"},
     "indices": "a number",
     "material": "a number",
     "mode": "a number",
+    "extensions": "an object",
 }
 _FILE: Final[Schema] = {
     "scene": "a number",
@@ -60,7 +61,7 @@ def check_types(tree: Mapping[str, Any]) -> None:
     MeshError
         With the path of the field, such as "meshes[0].primitives is 5, not an array".
     """
-    _check(tree, _FILE, "")
+    check(tree, _FILE, "")
 
 
 def shown(value: object) -> str:
@@ -69,21 +70,27 @@ def shown(value: object) -> str:
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 
-def _check(value: object, schema: Schema, path: str) -> None:
+def check(value: object, schema: Schema, path: str) -> None:
+    """Refuse a value of another type than its schema has; the path is that of messages.
+
+    Raises
+    ------
+    MeshError
+    """
     if isinstance(schema, str):
         _check_type(value, schema, path)
     elif isinstance(schema, list):
         _check_type(value, "an array", path)
         assert isinstance(value, list)
         for i, element in enumerate(value):
-            _check(element, schema[0], f"{path}[{i}]")
+            check(element, schema[0], f"{path}[{i}]")
     else:
         _check_type(value, "an object", path)
         assert isinstance(value, dict)
-        for name in value if _EACH in schema else schema:
+        for name in value if EACH in schema else schema:
             if name in value:
-                inner = schema.get(name, schema.get(_EACH, "anything"))
-                _check(value[name], inner, f"{path}.{name}" if path else name)
+                inner = schema.get(name, schema.get(EACH, "anything"))
+                check(value[name], inner, f"{path}.{name}" if path else name)
 
 
 def _check_type(value: object, name: str, path: str) -> None:

@@ -1,4 +1,4 @@
-"""Writer of GLB.
+"""Writer of GLB and glTF.
 
 Each object is a node with a mesh, and so are the faces without an object. Positions are float32,
 relative to the node: the transform that a scene had is undone, and where float32 would lose much,
@@ -15,14 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh_formats.array_types import Floats, Ints
-from deltamesh_formats.meshfiles.file_format import Written
+from deltamesh_formats.meshfiles import placement
+from deltamesh_formats.meshfiles.file_format import FileFormat
 from deltamesh_formats.meshfiles.float32 import (
     bounding_diagonal,
     rounding_error,
     rounding_losses,
     single_positions,
 )
-from deltamesh_formats.meshfiles.glb import GLB, placement
 from deltamesh_formats.meshfiles.glb.chunks import BINARY_CHUNK, COMPONENTS, JSON_CHUNK, MAGIC
 from deltamesh_formats.meshfiles.glb.semantics import semantic_of
 from deltamesh_formats.meshfiles.glb.vertex_groups import Groups, grouped
@@ -37,19 +37,43 @@ _VERTICES, _INDICES = 34962, 34963
 _UNSEEN: Final = 2.0**-22
 
 
-def write(mesh: PolyMesh) -> Written:
-    """Write a GLB; polygons become triangles, and vertices whose corners differ are repeated."""
+def made(mesh: PolyMesh, form: FileFormat) -> tuple[dict[str, Any], bytes, tuple[str, ...]]:
+    """Make a glTF; polygons become triangles, and vertices whose corners differ are repeated.
+
+    Parameters
+    ----------
+    mesh : PolyMesh
+    form : FileFormat
+        GLB or glTF.
+
+    Returns
+    -------
+    tree : dict
+        Its JSON, with one buffer.
+    buffer : bytes
+    lost : tuple of str
+        Descriptions of what they do not hold.
+    """
     objects = mesh.parts_of("object")
     of_face = np.full(len(mesh.sizes), -1) if objects is None else objects.of_face
     kept = _kept(mesh)
     groups = grouped(mesh, [attribute for attribute, _, _ in kept], of_face)
-    writer = _Writer(mesh, groups, kept)
+    writer = _Writer(mesh, groups, kept, form.title)
     order = np.argsort(groups.objects, kind="stable")
     numbers, starts = np.unique(groups.objects[order], return_index=True)
     for number, mine in zip(numbers.tolist(), np.split(order, starts[1:]), strict=True):
         writer.add_object(number, mine)
-    lost = GLB.losses(mesh, [attribute for attribute, _, _ in kept])
-    return Written(writer.data(), (*lost, *writer.losses()))
+    lost = form.losses(mesh, [attribute for attribute, _, _ in kept])
+    return writer.tree(), b"".join(writer.buffer), (*lost, *writer.losses())
+
+
+def glb_bytes(tree: dict[str, Any], buffer: bytes) -> bytes:
+    """Return the GLB of a JSON and its buffer."""
+    text = json.dumps(tree, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = [(JSON_CHUNK, text), (BINARY_CHUNK, buffer)]
+    body = b"".join(len(raw).to_bytes(4, "little") + kind + raw for kind, raw in chunks)
+    return MAGIC + (2).to_bytes(4, "little") + (12 + len(body)).to_bytes(4, "little") + body
 
 
 _Kept = tuple[Attribute, str, NDArray[Any]]
@@ -94,8 +118,8 @@ def _single(values: NDArray[Any]) -> NDArray[Any] | None:
 class _Writer:
     """JSON and buffer of a file as they grow."""
 
-    def __init__(self, mesh: PolyMesh, groups: Groups, kept: list[_Kept]) -> None:
-        self.mesh, self.groups, self.kept = mesh, groups, kept
+    def __init__(self, mesh: PolyMesh, groups: Groups, kept: list[_Kept], title: str) -> None:
+        self.mesh, self.groups, self.kept, self.title = mesh, groups, kept, title
         self.rounding, self.has_moved = 0.0, False
         self.mesh_of_object = _meshes_of_objects(mesh)
         self.buffer: list[bytes] = []
@@ -171,7 +195,7 @@ class _Writer:
         """Add the vertices of a group; return its primitives, one for each material."""
         some = self._slice(group)
         points = placement.moved_back(self.mesh.vertices[self._vertices(group)], matrix)
-        local = single_positions(points, GLB.title)
+        local = single_positions(points, self.title)
         here = self.mesh.vertices[self._vertices(group)]
         self.rounding = max(
             self.rounding, rounding_error(placement.moved(local.astype(np.float64), matrix), here)
@@ -236,8 +260,8 @@ class _Writer:
         if self.has_moved:
             yield "transforms, which are moved to where float32 holds the positions"
 
-    def data(self) -> bytes:
-        """Return the bytes of the file."""
+    def tree(self) -> dict[str, Any]:
+        """Return the JSON of the file."""
         said = self.mesh.metadata.get("copyright", ())
         copyright_ = {"copyright": said[0]} if said else {}
         tree: dict[str, Any] = {
@@ -252,11 +276,7 @@ class _Writer:
         }
         if self.materials:
             tree["materials"] = [{"name": _valid(name)} for name in self.materials]
-        text = json.dumps(tree, separators=(",", ":")).encode()
-        text += b" " * (-len(text) % 4)
-        chunks = [(JSON_CHUNK, text), (BINARY_CHUNK, b"".join(self.buffer))]
-        body = b"".join(len(raw).to_bytes(4, "little") + kind + raw for kind, raw in chunks)
-        return MAGIC + (2).to_bytes(4, "little") + (12 + len(body)).to_bytes(4, "little") + body
+        return tree
 
 
 def _error(local: Floats, points: Floats, matrix: Floats) -> float:

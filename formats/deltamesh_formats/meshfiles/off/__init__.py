@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Final
 from deltamesh_formats.meshfiles.file_format import FileFormat, Written
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
 
-def _read(data: bytes) -> PolyMesh:
+def _read(data: bytes, folder: Path | None) -> PolyMesh:
     from deltamesh_formats.meshfiles.off.reader import read
 
     return read(data)

@@ -14,13 +14,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import plain_text, text
 from deltamesh_formats.meshfiles.stl.variants import uniform
 from deltamesh_formats.meshfiles.text import Lines
+from deltamesh_formats.meshfiles.welding import welded
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
-from deltamesh_formats.polymesh.permutations import inverse
 
 _HEADER: Final = 84
 FACET: Final = np.dtype([("normal", "<f4", 3), ("vertices", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -83,7 +83,7 @@ def _read_binary(data: bytes, *lost: str) -> PolyMesh:
         raw = facets["attribute"].astype(np.uint16)[:, None]
         attributes = (Attribute(ATTRIBUTE, "face", raw),)
     header = text.as_text(data[: _HEADER - 4].rstrip(b"\0 "))
-    vertices, corners = _welded(facets["vertices"].reshape(-1, 3).astype(np.float64))
+    vertices, corners = welded(facets["vertices"].reshape(-1, 3).astype(np.float64))
     return PolyMesh(
         vertices,
         corners,
@@ -108,7 +108,7 @@ def _read_ascii(data: bytes) -> PolyMesh:
     buffer = lines.buffer.copy()
     text.blank_tokens(buffer, lines, np.flatnonzero(np.tile(_KEYWORDS, facets)))
     values = text.read_numbers(buffer, lines, tokens).reshape(-1, 12)
-    vertices, corners = _welded(values[:, 3:].reshape(-1, 3))
+    vertices, corners = welded(values[:, 3:].reshape(-1, 3))
     begun = [found for found in solids if not found[1]]
     names = [text.as_text(found[2].strip()) for found in begun]
     facet_starts = lines.token_starts[:: len(_FACET)]
@@ -179,15 +179,3 @@ def _check_facets(lines: Lines) -> int:
     if count % len(_FACET):
         raise MeshError("its last facet has no end: is it cut short?")
     return count // len(_FACET)
-
-
-def _welded(points: Floats) -> tuple[Floats, Ints]:
-    """Return the distinct positions by first appearance, (n, 3), and the index of each point."""
-    order = np.lexsort(points.T)  # stable, and -0.0 is 0.0
-    new = np.ones(len(points), dtype=bool)
-    new[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)
-    first = order[new]
-    by_appearance = np.argsort(first)
-    index = np.empty(len(points), dtype=np.int64)
-    index[order] = inverse(by_appearance)[np.cumsum(new) - 1]
-    return points[first[by_appearance]], index

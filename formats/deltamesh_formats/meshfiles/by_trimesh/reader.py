@@ -1,0 +1,145 @@
+"""Reader of COLLADA by way of trimesh, which is imported when such a file is met.
+
+trimesh gives each triangle vertices of its own. They are merged by their positions, as in an STL;
+normals, texture coordinates and colours become those of corners, which COLLADA has them for.
+"""
+
+from __future__ import annotations
+
+import importlib
+import io
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from deltamesh_formats.array_types import Floats
+from deltamesh_formats.errors import MeshError
+from deltamesh_formats.meshfiles import placement
+from deltamesh_formats.meshfiles.welding import welded
+from deltamesh_formats.polymesh.concatenation import concatenate
+from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, from_triangles
+
+# Beginnings of elements that trimesh leaves out, or changes, and what is lost with them.
+_LEFT_OUT: Final = {
+    b"polylist": "polygons of more than three corners",
+    b"polygons": "polygons of more than three corners",
+    b"trifans": "triangle fans",
+    b"tristrips": "triangle strips",
+    b"lines": "lines",
+    b"linestrips": "lines",
+    b"animation": "animations",
+    b"controller": "skins",
+    b"camera": "cameras",
+    b"light": "lights",
+    b"image": "textures",
+    b"profile_COMMON": "the look of materials",
+}
+_TRIANGLES: Final = re.compile(rb"<vcount>[\s3]*</vcount>")
+_UNITS: Final = {
+    1.0: "meter",
+    0.01: "centimeter",
+    0.001: "millimeter",
+    1e-6: "micron",
+    0.0254: "inch",
+    0.3048: "foot",
+}
+_UNIT: Final = re.compile(r"(?:([0-9.e+-]+) \* )?meters")
+
+
+def read_collada(data: bytes) -> PolyMesh:
+    """Read a COLLADA file; what trimesh leaves out is named as lost.
+
+    Raises
+    ------
+    MeshError
+        For a file that is not readable, and without the package pycollada.
+    """
+    trimesh = _package("trimesh", "trimesh")
+    _package("collada", "pycollada")
+    if b"<!DOCTYPE" in data:
+        raise MeshError("its XML has a document type, which COLLADA has no use for")
+    try:
+        scene = trimesh.load_scene(io.BytesIO(data), file_type="dae", process=False)
+    except Exception as error:
+        reason = str(error).rpartition("Error: ")[2] or type(error).__name__
+        raise MeshError(f"trimesh cannot read it: {reason}") from None
+    placed = [(*scene.graph[node], node) for node in scene.graph.nodes_geometry]
+    meshes = [_placed(scene.geometry[name], matrix) for matrix, name, _ in placed]
+    if not meshes:
+        return from_triangles(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
+    mesh = concatenate(meshes)
+    of_face = np.repeat(np.arange(len(meshes)), [len(one.sizes) for one in meshes])
+    transforms = np.array([matrix for matrix, _, _ in placed], dtype=np.float64)
+    plain = bool((transforms == np.eye(4)).all())
+    names = tuple(name for _, name, _ in placed)
+    objects = Parts("object", names, of_face, None if plain else transforms)
+    materials = _materials([scene.geometry[name] for name in names])
+    return replace(
+        mesh,
+        parts=(objects, *(replace(one, of_face=one.of_face[of_face]) for one in materials)),
+        metadata=_units(scene),
+        lost=tuple(dict.fromkeys(_left_out(data))),
+    )
+
+
+def _package(module: str, package: str) -> Any:
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        raise MeshError(
+            f"COLLADA is read by the package {package}: python -m pip install {package}"
+        ) from None
+
+
+def _placed(mesh: Any, matrix: Floats) -> PolyMesh:
+    """Return a mesh of trimesh at its place, its vertices merged by their positions."""
+    faces = np.array(mesh.faces, dtype=np.int64)
+    mirrored = placement.is_mirror(matrix)
+    corners = (faces[:, ::-1] if mirrored else faces).ravel()
+    points, index = welded(np.array(mesh.vertices, dtype=np.float64))
+    with np.errstate(all="ignore"):
+        found = from_triangles(placement.moved(points, matrix), index[corners].reshape(-1, 3))
+    attributes = []
+    if "vertex_normals" in mesh._cache:  # else trimesh would compute them
+        normals = np.array(mesh.vertex_normals, dtype=np.float64)
+        turned = placement.turned("normal", normals, matrix)
+        attributes.append(Attribute("normal", "corner", turned[corners], "normal"))
+    uv = getattr(mesh.visual, "uv", None)
+    if uv is not None and len(uv) == len(mesh.vertices):
+        values = np.array(uv, dtype=np.float64)[corners]
+        attributes.append(Attribute("uv", "corner", values, "uv"))
+    if mesh.visual.kind == "vertex":
+        rgba = np.array(mesh.visual.vertex_colors, dtype=np.uint8)[corners]
+        attributes.append(Attribute("colour", "corner", rgba, "colour", normalized=True))
+    return replace(found, attributes=tuple(attributes))
+
+
+def _materials(meshes: list[Any]) -> Iterator[Parts]:
+    """Yield the materials, a number for each mesh, if any has a name."""
+    materials = [getattr(mesh.visual, "material", None) for mesh in meshes]
+    names = [str(getattr(one, "name", None) or "") for one in materials]
+    distinct = [*dict.fromkeys(name for name in names if name)]
+    if distinct:
+        numbers = [distinct.index(name) if name else -1 for name in names]
+        yield Parts("material", tuple(distinct), np.array(numbers, dtype=np.int64))
+
+
+def _units(scene: Any) -> dict[str, tuple[str, ...]]:
+    """Return the unit, by its name or, such as "0.3 meter", by its length."""
+    found = _UNIT.fullmatch(str(scene.units or ""))
+    if found is None:
+        return {}
+    length = found[1] or "1.0"
+    return {"units": (_UNITS.get(float(length), f"{length} meter"),)}
+
+
+def _left_out(data: bytes) -> Iterator[str]:
+    for name, lost in _LEFT_OUT.items():
+        if re.search(rb"<(?:\w+:)?" + name + rb"[\s>/]", data) is None:
+            continue
+        if name == b"polylist" and data.count(b"<vcount>") == len(_TRIANGLES.findall(data)):
+            continue
+        yield lost
