@@ -8,8 +8,9 @@ from typing import Final
 _BLENDER: Final = "Blender imports it and exports GLB, which keeps names and materials"
 _MAKER: Final = "the program that made it exports GLB, OBJ or PLY"
 _CAD: Final = "a shape without triangles; gmsh makes them: gmsh -2 -o part.stl FILE"
-_MESHIO: Final = "a mesh for simulations; meshio makes a PLY of it: meshio convert FILE a.ply"
-_PYVISTA: Final = "PyVista makes a PLY of it: pyvista.read(FILE).extract_surface().save('a.ply')"
+_SURFACE: Final = "extract_surface().save('a.ply')"
+_MESHIO: Final = f"PyVista makes a PLY of it, with meshio: pyvista.read_meshio(FILE).{_SURFACE}"
+_PYVISTA: Final = f"PyVista makes a PLY of it: pyvista.read(FILE).{_SURFACE}"
 _MESHLAB: Final = "MeshLab imports it and exports PLY or OBJ"
 _POINTS: Final = "a point cloud, which LAZ, Draco and pcodec compress"
 _DRAWING: Final = "a drawing of lines; the program that made it exports STL or OBJ of solids"
@@ -19,8 +20,8 @@ _KINDS: Final[Mapping[str, str]] = {
     "fbx blend usd usda usdc usdz abc": _BLENDER,
     "max ma mb c4d skp 3dm sldprt sldasm": _MAKER,
     "step stp iges igs brep": _CAD,
-    "msh vtu xdmf inp med mesh": _MESHIO,
-    "vtk vtp vtm vts": _PYVISTA,
+    "msh inp mesh": _MESHIO,
+    "vtk vtp vts vtu": _PYVISTA,
     "3ds wrl vrml x3d ctm": _MESHLAB,
     "xyz las laz pcd e57 pts": _POINTS,
     "dxf dwg svg": _DRAWING,
