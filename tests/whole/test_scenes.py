@@ -20,6 +20,7 @@ from deltamesh._graph.adjacency import components_of_faces
 from deltamesh._measures.metrics import diagonal, vertex_errors
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
+from deltamesh_formats.errors import TargetError
 from deltamesh_formats.meshfiles.files import write_mesh
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh, from_triangles
 
@@ -130,6 +131,25 @@ def test_every_part_of_a_scene_is_kept(
     assert found[0] <= normal
     assert found[1] <= rms * (1 + 1e-6)
     assert found[2] == 0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_far_vertex_in_no_face_does_not_excuse_the_only_part(method: str) -> None:
+    V, F = meshes.icosphere(2)
+    mesh = from_triangles(np.concatenate([V, [[1e6, 0, 0]]]), F)
+    encoded = encode_mesh(mesh, Options(method=method, quality=5))
+    W = np.empty_like(mesh.vertices)
+    W[encoded.order] = decode(encoded.data).vertices
+    errors = vertex_errors(V, W[:-1], F)
+    assert errors.normal_deviation <= 1
+    assert errors.rms <= 1.5e-3 * diagonal(V) * (1 + 1e-6)
+
+
+def test_where_the_grid_is_too_coarse_for_the_only_part_nothing_is_written() -> None:
+    V, F = meshes.icosphere(2)
+    mesh = from_triangles(np.concatenate([V, [[1e9, 0, 0]]]), F)
+    with pytest.raises(TargetError, match="cannot be met in component 0"):
+        encode_mesh(mesh, Options())
 
 
 def test_at_a_rate_a_small_part_is_lost_and_that_is_reported() -> None:

@@ -6,7 +6,8 @@ have ears*, 1975; H. ElGindy, H. Everett, G. Toussaint, *Slicing an ear using pr
 beside them: clipping one of these leaves the others ears.
 
 A hole is a part of the outline, reached over a bridge: two edges that run there and back. Corners
-at one position do not hide each other, therefore.
+at one position do not hide each other, therefore. A corner that repeats the one before it is
+clipped first: as long as an outline has it, neither of the two is the tip of an ear.
 """
 
 from __future__ import annotations
@@ -79,6 +80,7 @@ class _Outlines:
         self.before[self.after] = np.arange(len(x))
         self.area, self.quality, self.score = np.empty((3, len(x)))
         self.flat = np.empty(len(x), dtype=np.bool_)  # or reflex, and not clipped yet
+        self.repeats = np.empty(len(x), dtype=np.bool_)  # the position of the corner before
         self.is_ear = np.empty(len(x), dtype=np.bool_)  # as far as is known
         self.marked = np.zeros(len(self.size), dtype=np.bool_)
         self._measure(np.arange(len(x)))
@@ -114,10 +116,12 @@ class _Outlines:
     def _clear(self, corners: Ints) -> Ints:
         """Return those of the corners that are ears."""
         level, area = self.level[self.polygon[corners]], self.area[corners]
-        corners = corners[np.choose(level, [~self.flat[corners], area > 0, area >= -TINY, False])]
-        self._look(corners)
+        repeats = self.repeats[corners] & (level < _NONE)
+        sharp = np.choose(level, [~self.flat[corners], area > 0, area >= -TINY, False])
+        self._look(corners[sharp & ~repeats])
+        self.is_ear[corners[repeats]] = True
         clear: Ints = corners[self.is_ear[corners]]
-        self.score[clear] = self.quality[clear]
+        self.score[clear] = np.where(self.repeats[clear], np.inf, self.quality[clear])
         return clear
 
     def _is_best(self, ears: Ints) -> Bools:
@@ -168,6 +172,7 @@ class _Outlines:
         self.area[corners] = area
         self.quality[corners] = area / np.where(around > 0, around, 1)
         self.score[corners] = -np.inf
+        self.repeats[corners] = (ax == 0) & (ay == 0)
         self.flat[corners] = area <= FLAT * np.sqrt(a * b)
         self.is_ear[corners] = False
 

@@ -60,8 +60,6 @@ class Components:
 
     def largest_rms(self, bounds: Bounds) -> Floats:
         """Return the largest RMS distance that bounds leave to each component, float64 (c,)."""
-        if self.alone:  # the bound on the whole is the same
-            return np.full(1, math.inf)
         return np.where(self.diagonal > 0, bounds.part_rms * self.diagonal, math.inf)
 
     def excess(self, of_parts: Floats) -> Floats:

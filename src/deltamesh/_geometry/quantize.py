@@ -48,7 +48,8 @@ def to_grid(vertices: Floats, origin: Floats, step: float | Floats, extra: int |
     MeshError
         If a step is too small for the extent: a file holds up to 2^30 steps.
     """
-    grid = np.rint((vertices - origin) / step)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a step below the least number is 0
+        grid = np.rint((vertices - origin) / step)
     check_size(np.ldexp(grid, -extra), step)
     return grid.astype(np.int64)
 
@@ -104,7 +105,8 @@ def quantize_delta(
     MeshError
         If a step is too small for the deltas: a file holds up to 2^30 steps.
     """
-    check_size(delta / step, step)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        check_size(delta / step, step)
     N = np.zeros_like(delta) if normals is None else normals
     steps = np.broadcast_to(step, (len(delta), 1))[:, 0].copy()
     out = np.empty((len(delta), 1 if along else 3), dtype=np.int64)

@@ -60,7 +60,9 @@ def margin_of(
     rms = measured.errors.rms
     if not (0 < diagonal < math.inf):
         return 0
-    first = math.log2(diagonal) - math.log2(SHARE * rms / math.sqrt(3)) if rms else math.inf
+    # Where the share of the RMS distance is below the least number, its logarithm is not.
+    share = math.log2(SHARE / math.sqrt(3))
+    first = math.log2(diagonal) - math.log2(rms) - share if rms else math.inf
     halvings, fallback = max(1, math.ceil(min(first, MOST_HALVINGS))), 0
     while halvings <= MOST_HALVINGS:
         margin = diagonal * 2.0**-halvings
@@ -120,4 +122,5 @@ def _of_errors(
         error = np.asarray(getattr(before, name))
         allowed = np.maximum(share * error, floor)
         growth = np.asarray(getattr(most, name)) - error
-        yield float(np.max(growth / allowed, initial=0.0))
+        with np.errstate(divide="ignore", invalid="ignore"):  # a share below the least number is 0
+            yield float(np.max(np.where(growth > 0, growth / allowed, 0.0), initial=0.0))

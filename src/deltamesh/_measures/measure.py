@@ -27,7 +27,7 @@ class Measured:
     errors : VertexErrors
         Over the whole.
     parts : PartErrors or None
-        Of each part; None if the mesh is one part.
+        Of each part; None if the mesh is one part that has all vertices.
     lost, turned : bool (m,), or None
         See `differences.Differences`.
     """
@@ -50,7 +50,9 @@ class Measure:
 
     def __init__(self, V: Floats, F: Ints, parts: Parts) -> None:
         self._reference = reference_of(V, F)
-        self._parts = PartReference(self._reference, parts) if parts.count > 1 else None
+        # Vertices in no face may be far away: the whole says nothing of its one part.
+        apart = parts.count > 1 or (parts.count > 0 and bool((parts.component < 0).any()))
+        self._parts = PartReference(self._reference, parts) if apart else None
 
     @property
     def diagonals(self) -> Floats:

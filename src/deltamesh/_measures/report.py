@@ -53,7 +53,7 @@ class Report:
 def report_of(measured: Measured, named: NamedParts) -> Report:
     """Return the report of what was measured."""
     parts, worst = measured.parts, None
-    if parts is not None:
+    if parts is not None and len(parts.diagonal) > 1:
         i = parts.worst
         rms = float(parts.relative_rms[i])
         worst = WorstPart(named.name(i), float(parts.normal_deviation[i]), rms)

@@ -117,6 +117,20 @@ def test_triangles_of_simple_polygons_fill_them(seed, corners, tilted):
     assert_fills(points, mesh, normal)
 
 
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("name", ["comb", "holes", "spiral", "star"])
+def test_corners_that_repeat_the_one_before_fold_nothing(name, seed):
+    rng = np.random.default_rng(seed)
+    points = {
+        "comb": outlines.comb(3 + seed % 5, 9.0),
+        "holes": outlines.with_holes(rng, 2),
+        "spiral": outlines.spiral(60, 3.0),
+        "star": outlines.star(rng.uniform(0.05, 1, size=30)),
+    }[name]
+    points = np.repeat(points, rng.choice([1, 1, 2, 4], size=len(points)), axis=0)
+    assert_fills(points, one_polygon(points), np.array([0.0, 0.0, 1.0]))
+
+
 @pytest.mark.parametrize("name", LARGE)
 def test_triangles_of_large_polygons_fill_them(name):
     rng = np.random.default_rng(7)

@@ -169,6 +169,24 @@ def test_bounds_at_any_scale(scale: float, options: dict[str, float]) -> None:
         assert away <= 1e-3 * metrics.diagonal(mesh.vertices / scale) * (1 + 1e-9)
 
 
+@pytest.mark.parametrize("method", ["auto", "cartesian"])
+@pytest.mark.parametrize("scale", [1e-317, 1e-319, 1e-320])
+def test_a_step_may_be_near_the_least_number(scale: float, method: str) -> None:
+    V, F = meshes.icosphere(2)
+    mesh = from_arrays(V * scale, F)
+    again = decode(encode(mesh, method=method, keep_order=True))
+    assert np.abs(again.vertices - mesh.vertices).max() <= 0.01 * scale
+
+
+@pytest.mark.parametrize("scale", [1e-322, 5e-324])
+def test_what_the_least_number_leaves_no_room_for_is_not_met(scale: float) -> None:
+    V, F = meshes.icosphere(2)
+    mesh = from_arrays(V * scale, F)
+    with pytest.raises(TargetError, match="cannot be met"):
+        encode(mesh)
+    encode(mesh, bits=12)
+
+
 @pytest.mark.parametrize("scale", [1e-120, 1e-200, 1e-310])
 def test_corrections_at_any_scale(scale: float) -> None:
     """The distance that is corrected is found where its square is below the least number."""
