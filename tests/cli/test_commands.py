@@ -63,8 +63,8 @@ def test_cartesian(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
 def test_the_last_of_repeated_options_wins(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cli("encode torus.ply -b 4 -b 5 -o a.dmesh -o b.dmesh --json") == 0
-    assert json.loads(capsys.readouterr().out)["parameters"]["bits"] == 5
+    assert cli("encode torus.ply -b 8 -b 9 -o a.dmesh -o b.dmesh --json") == 0
+    assert json.loads(capsys.readouterr().out)["parameters"]["bits"] == 9
     assert not Path("a.dmesh").exists()
 
 
