@@ -18,10 +18,23 @@ static inline int dm_all_in(const int64_t *numbers, int64_t count, int64_t low, 
 /* Whether `bounds` (rows + 1,) ascend from 0 to `entries`. */
 static inline int dm_are_bounds(const int64_t *bounds, int64_t rows, int64_t entries)
 {
-    int good = bounds[0] == 0 && bounds[rows] == entries;
+    int good = rows >= 0 && bounds[0] == 0 && bounds[rows] == entries;
     for (int64_t i = 0; i < rows; i++)
         good &= bounds[i] <= bounds[i + 1];
     return good;
+}
+
+/* Whether `numbers` (count,) are those below count, each once; `seen` (count,) is scratch. */
+static inline int dm_is_permutation(const int64_t *numbers, int64_t count, int64_t *seen)
+{
+    if (!dm_all_in(numbers, count, 0, count))
+        return 0;
+    for (int64_t i = 0; i < count; i++)
+        seen[i] = 0;
+    for (int64_t i = 0; i < count; i++)
+        if (seen[numbers[i]]++ > 0)
+            return 0;
+    return 1;
 }
 
 /* Whether rows of neighbours are those of a graph of n vertices. */

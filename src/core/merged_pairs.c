@@ -13,6 +13,17 @@ typedef struct {
     int64_t *first, *after, *before;
 } pair_lists;
 
+/* Whether `order` has the half-edges of each group, ascending. */
+static int are_grouped(const pair_lists *l, int64_t groups)
+{
+    int good = 1;
+    for (int64_t i = 0; i < groups; i++)
+        for (int64_t at = l->bounds[i]; at < l->bounds[i + 1]; at++)
+            good &= l->group[l->order[at]] == i &&
+                    (at == l->bounds[i] || l->order[at - 1] < l->order[at]);
+    return good;
+}
+
 static void fill_lists(const pair_lists *l, const int64_t *merged, int64_t groups)
 {
     for (int64_t i = 0; i < groups; i++) {
@@ -102,12 +113,13 @@ int dm_code_explicit_pairs(dm_coder *c, const int64_t *candidate, int64_t faces,
                            int64_t *first, int64_t *after, int64_t *before)
 {
     const int64_t halfedges = 3 * faces;
+    const pair_lists lists = {order, group, across, bounds, first, after, before};
     if (!dm_has_memory(c, HIDDEN_SLOTS, DM_HIDDEN_MIXERS) ||
         !dm_are_bounds(bounds, groups, halfedges) || !dm_all_in(order, halfedges, 0, halfedges) ||
         !dm_all_in(group, halfedges, 0, groups) || !dm_all_in(across, groups, -1, groups) ||
-        !dm_all_in(merged, halfedges, -1, halfedges) || !dm_all_in(parent, faces, 0, faces))
+        !dm_all_in(merged, halfedges, -1, halfedges) || !dm_all_in(parent, faces, 0, faces) ||
+        !are_grouped(&lists, groups))
         return DM_INVALID;
-    const pair_lists lists = {order, group, across, bounds, first, after, before};
     dm_polygons p = {faces, merged, parent, size};
     fill_lists(&lists, merged, groups);
     int64_t history = 0, found[FITTING];

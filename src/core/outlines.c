@@ -3,11 +3,16 @@
 #include "graphs.h"
 #include "halfedges.h"
 
-/* The half-edge at which the corner of a half-edge begins, over merged triangles. */
-static int64_t begin_of(const int64_t *merged, int64_t e)
+/* The half-edge at which the corner of a half-edge begins, over merged triangles; -1 for one in a
+   ring of them, which has no beginning. */
+static int64_t begin_of(const int64_t *merged, int64_t h)
 {
-    while (merged[e] >= 0)
+    int64_t e = h;
+    while (merged[e] >= 0) {
         e = dm_next(merged[e]);
+        if (e == h)
+            return -1;
+    }
     return e;
 }
 
@@ -20,7 +25,7 @@ int dm_walk_outlines(const int64_t *merged, int64_t faces, int64_t *corners, int
                      int64_t *offsets, int64_t polygons, int64_t *of_corners)
 {
     const int64_t halfedges = 3 * faces;
-    int good = dm_all_in(merged, halfedges, -1, halfedges);
+    int good = polygons >= 0 && dm_all_in(merged, halfedges, -1, halfedges);
     for (int64_t h = 0; good && h < halfedges; h++)
         good = merged[h] < 0 || merged[merged[h]] == h;
     if (!good)
@@ -36,6 +41,8 @@ int dm_walk_outlines(const int64_t *merged, int64_t faces, int64_t *corners, int
         for (int64_t h = 3 * t; h < 3 * t + 3; h++) {
             const int64_t e = begin_of(merged, h); /* to where the corner begins, then over it */
             int64_t meeting = 1;
+            if (e < 0)
+                return DM_INVALID;
             for (int64_t f = e; merged[dm_previous(f)] >= 0; meeting++)
                 f = merged[dm_previous(f)];
             if (meeting > most)
@@ -54,6 +61,8 @@ int dm_walk_outlines(const int64_t *merged, int64_t faces, int64_t *corners, int
             }
             at++;
             e = begin_of(merged, dm_next(e));
+            if (e < 0)
+                return DM_INVALID;
             if (e == start)
                 break;
         }

@@ -176,7 +176,7 @@ int dm_code_wedges(dm_coder *c, const int64_t *opposite, int64_t halfedges, cons
 {
     if (!dm_has_memory(c, WEDGES_SLOTS, DM_WEDGE_MIXERS) ||
         !dm_all_in(opposite, halfedges, -1, halfedges) || !dm_are_bounds(bounds, points, length) ||
-        !dm_all_in(ring, length, 0, length) || !dm_all_in(spoke, length, -1, halfedges) ||
+        !dm_is_permutation(ring, length, ahead) || !dm_all_in(spoke, length, -1, halfedges) ||
         !dm_all_in(closing, length, -1, halfedges) || !dm_all_in(like, length, -1, length) ||
         !dm_all_in(kind, length, 0, 4) || (labels > 0 && !dm_all_in(wedges, length, 0, labels)))
         return DM_INVALID;

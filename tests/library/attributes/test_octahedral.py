@@ -244,8 +244,8 @@ def test_surface_normals_are_what_a_loop_makes(mesh, seed, weights):
     twin = oracle.facing(
         V, [F.ravel()[a:b] for a, b in rows], [elements[a:b] for a, b in rows], count, weights
     )
-    # Areas are in units of the extent.
-    twin /= float(np.ptp(V, axis=0).max()) ** 2 if weights == AREA else 1.0
+    # Areas are in units of the extent, if there is one.
+    twin /= (float(np.ptp(V, axis=0).max()) or 1.0) ** 2 if weights == AREA else 1.0
     sure = doubt < 1e-4
     np.testing.assert_allclose(sums[sure], twin[sure], rtol=0, atol=1e-6)
     assert np.isinf(doubt[np.bincount(elements, minlength=count) == 0]).all()

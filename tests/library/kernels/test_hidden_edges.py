@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import oracle
 import polygon_oracle
+import pytest
 import strategies
 from coders import slow_coder
 from drafts import merged_of
@@ -57,3 +58,24 @@ def test_any_bytes_are_the_polygons_of_the_oracle(
         assert twin.merged == {h: g for h, g in enumerate(merged.tolist()) if g >= 0}
     assert decoder.registers.code == coder.code
     merged_polygons(merged)  # whatever it is, these are polygons
+
+
+@pytest.mark.parametrize("change", ["exchanged", "twice", "elsewhere"])
+def test_half_edges_that_are_not_grouped_are_refused(change: str) -> None:
+    structure, _ = merged_of(MADE["tetrahedra"])
+    faces, m = structure.faces, len(structure.faces)
+    order, group, across, bounds = halfedge_groups(faces)
+    several = int(bounds[np.argmax(np.diff(bounds))])  # the first of a group of two or more
+    if change == "exchanged":
+        order[[several, several + 1]] = order[[several + 1, several]]
+    elif change == "twice":
+        order[several + 1] = order[several]
+    else:
+        group[order[several]] = (group[order[several]] + 1) % len(across)
+    decoder = entropy.decoder(b"", kernels.SLOTS, kernels.MIXERS)
+    merged, none = np.full(3 * m, -1), np.zeros(0, dtype=np.int64)
+    forest, groups = (np.arange(m), np.full(m, 3)), (order, group, across, bounds)
+    with pytest.raises(ValueError, match="dm_code_explicit_pairs"):
+        code_explicit_pairs(
+            decoder, structure.merge_candidates, none, merged, *forest, 4, 1, *groups
+        )

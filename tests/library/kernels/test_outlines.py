@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import polygon_oracle
+import pytest
 from drafts import merged_of
 from hypothesis import given
 from polygon_meshes import soups
@@ -30,3 +31,17 @@ def test_outlines_are_those_of_the_oracle(mesh: PolyMesh) -> None:
     assert corners.tolist() == [outside for polygon in expected for outside, _ in polygon]
     assert np.diff(offsets).tolist() == list(map(len, expected))
     assert (of_corners[corners] == np.arange(len(corners))).all()
+
+
+def test_triangles_in_a_ring_have_no_outline() -> None:
+    # Three around a vertex, each merged with the next: half-edge 3 f + 2 leads back to that vertex.
+    merged = np.array([5, -1, 6, 8, -1, 0, 2, -1, 3])
+    corners, offsets, of_corners = (np.empty(count, dtype=np.int64) for count in (3, 2, 9))
+    with pytest.raises(ValueError, match="dm_walk_outlines"):
+        walk(merged, corners, offsets, of_corners)
+
+
+def test_outlines_have_at_least_a_beginning() -> None:
+    none = np.zeros(0, dtype=np.int64)
+    with pytest.raises(ValueError, match="dm_walk_outlines"):
+        walk(none, none, none, none)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import meshes
 import numpy as np
 import polygon_oracle
+import pytest
 import strategies
 from hypothesis import given
 from hypothesis import strategies as st
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 from deltamesh._graph.halfedges import pair_halfedges
 from deltamesh._kernels.coding import wedges as kernels
 from deltamesh._kernels.coding.models import Model
-from deltamesh._streams.entropy import check_end, decoder, encode_with
+from deltamesh._streams.entropy import check_end, decoder, encode_with, encoder
 
 MODEL = Model(kernels.SLOTS, kernels.MIXERS)
 
@@ -55,3 +56,19 @@ def test_numbers_of_isolated_vertices_come_back(numbers: list[int]) -> None:
         MODEL, 1000, lambda coder: kernels.code_isolated(coder, isolated.copy(), total + 1)
     )
     assert not kernels.code_isolated(decoder(more, *MODEL), out, total + 1)
+
+
+@pytest.mark.parametrize(
+    ("bounds", "ring"),
+    [
+        ([0, 1, 2, 3], [0, 1, 1]),  # a corner that comes twice, and one that never does
+        ([0, 1, 2, 3], [0, 1, 3]),
+        ([], [0, 1, 2]),
+        ([0, 2, 1, 3], [0, 1, 2]),
+    ],
+)
+def test_corners_that_are_not_in_rings_are_refused(bounds: list[int], ring: list[int]) -> None:
+    edges, kind = np.full(3, -1), np.full(3, kernels.FAN)
+    corners = np.array(bounds, dtype=np.int64), np.array(ring), edges, edges, edges, kind
+    with pytest.raises(ValueError, match="dm_code_wedges"):
+        kernels.code_wedges(encoder(3, *MODEL), edges, *corners, np.zeros(3, np.int64), 1)
