@@ -16,11 +16,10 @@ import numpy as np
 from deltamesh._geometry.quantize import quantize_delta
 from deltamesh._graph.adjacency import adjacency, components
 from deltamesh._graph.elements import Elements
-from deltamesh._graph.laplacian import laplacian
 from deltamesh._graph.parallelograms import NO_QUADS, parallelograms
 from deltamesh._kernels.coding import residual, stitching
 from deltamesh._kernels.coding.delta import code_deltas, code_refinements
-from deltamesh._kernels.mesh import cutting, distance
+from deltamesh._kernels.mesh import cutting, distance, laplacian
 from deltamesh._measures.hausdorff import squared_hausdorff
 from deltamesh._order.coding import decode_order, encode_order
 from deltamesh._order.reordering import Order
@@ -66,7 +65,7 @@ def kernels(V: Floats, F: Ints) -> Iterator[Timed]:
     V, F = V[coded.order], coded.manifold.faces
     graph, opposite = adjacency(F, n), coded.manifold.opposite
     extent = float(np.ptp(V, axis=0).max())
-    delta = laplacian(*graph) @ V
+    delta = laplacian.apply(*graph, V)
     step = float(np.abs(delta).max()) / 16
     yield "diffusion", lambda: quantize_delta(delta, graph, step, (1.0, 1.0))
     values = quantize_delta(delta, graph, step, (1.0, 1.0))

@@ -30,7 +30,7 @@ _HEADING = ("mesh", "method", "vertices", "faces", "MiB", "B/vertex", "B/face", 
 @corpus.selection
 @click.option(
     "--solver",
-    type=click.Choice(["auto", "rslab", "pardiso", "scipy"]),
+    type=click.Choice(["auto", "core", "rslab", "pardiso", "scipy"]),
     default="auto",
     show_default=True,
     help="Solver of the decoder.",

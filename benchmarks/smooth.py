@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from deltamesh._geometry import cartesian, highpass
 from deltamesh._geometry.quantize import grid_step
 from deltamesh._geometry.solve import factorization
+from deltamesh._kernels.mesh import laplacian
 from deltamesh._options import Settings
 from deltamesh._shape import connectivity
 from deltamesh._shape.draft import first_draft
@@ -47,7 +48,7 @@ def smooth_attributes(
     faces = faces.reshape(-1, 3)
     V = mesh.vertices[used]
     surface = surface_of(faces, len(V), 0)
-    bent = np.linalg.norm(surface.laplacian @ V, axis=1)
+    bent = np.linalg.norm(laplacian.apply(*surface.graph, V), axis=1)
     bent = np.log2(bent + 1e-3 * np.median(bent))
     return {"height": (faces, _wide(V[:, 2:])), "curvature": (faces, _wide(bent[:, None]))}
 
@@ -73,7 +74,7 @@ def coded(
 ) -> tuple[int, float, float]:
     """Return the bytes, the largest error of a number and the RMS."""
     method = {"cartesian": cartesian, "highpass": highpass}[settings.method]
-    factor = factorization(surface.laplacian, "auto", None)
+    factor = factorization(surface.graph)
     parameters, integers, found = method.quantize(surface, values, values[:0], settings, factor)
     size = sum(map(len, method.encode(surface, parameters, integers).values()))
     errors = found - values

@@ -1,15 +1,14 @@
-"""Options that several commands share, each as a decorator, and the parts of a help page."""
+"""Options that several commands share, each as a decorator."""
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Callable
 from typing import Any, Final
 
 import click
 
 from deltamesh._options import SOLVERS
-from deltamesh_cli.failures import EXIT_CODES, RunSettings
+from deltamesh_cli.failures import RunSettings
 from deltamesh_cli.value_types import FILE, size, whole
 from deltamesh_formats.meshfiles.formats import FORMATS, MAX_DIGITS, READABLE, titles
 
@@ -25,13 +24,6 @@ def name_formats(command: Command) -> Command:
     text = (command.__doc__ or "").replace("{formats}", titles(READABLE.values()))
     command.__doc__ = text.replace("{written}", titles(FORMATS.values()))
     return command
-
-
-def epilog(examples: str, *explanations: str) -> str:
-    """Return the end of a help page, kept line by line: explanations, examples, exit codes."""
-    indented = textwrap.indent(textwrap.dedent(examples).strip(), "  ")
-    blocks = [*explanations, f"Examples:\n{indented}", EXIT_CODES]
-    return "\n\n".join(f"\b\n{block}" for block in blocks)
 
 
 def combined(*decorators: Decorator) -> Decorator:
@@ -136,7 +128,8 @@ solver: Final = click.option(
     type=click.Choice(SOLVERS),
     default="auto",
     show_default=True,
-    help="Solver of the least-squares system; pardiso needs the extra `mkl`.",
+    help="Solver of the least-squares system; auto is core for small meshes, pardiso needs the"
+    " extra `mkl`.",
 )
 
 threads: Final = click.option(

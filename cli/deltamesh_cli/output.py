@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 
 import click
@@ -30,4 +29,6 @@ def _finite(value: object) -> object:
 
 def print_json(value: dict[str, object]) -> None:
     """Print one object on one line of standard output; several make JSON Lines."""
+    import json  # which tables do without
+
     click.echo(json.dumps(_finite(value), allow_nan=False))

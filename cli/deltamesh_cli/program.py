@@ -11,11 +11,22 @@ from typing import Final
 
 import click
 
-from deltamesh_cli import options
+from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import DONE, FAILED, SIGNALLED, USAGE, RunSettings, report_unexpected
 from deltamesh_cli.signals import Stopped
 
-COMMANDS: Final = ("encode", "decode", "batch", "info", "test", "compare", "bench", "completion")
+# In the order in which a user needs them, with the first sentence of the help of each: `--help`
+# imports none of them.
+COMMANDS: Final = {
+    "encode": "Compress a mesh file into a .dmesh file.",
+    "decode": "Decode a .dmesh file into a mesh file.",
+    "batch": "Encode or decode many files.",
+    "info": "Describe .dmesh files without decoding them.",
+    "test": "Check that .dmesh files are intact.",
+    "compare": "Measure how far mesh B is from mesh A.",
+    "bench": "Measure file sizes, errors and times of meshes.",
+    "completion": "Print a script that completes command lines.",
+}
 
 _INTERRUPTED: Final = SIGNALLED + 2  # SIGINT
 
@@ -36,6 +47,11 @@ class LazyGroup(click.Group):
         ).command
         return command
 
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands with their summaries."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
 
 _EXAMPLES = """\
 deltamesh encode bunny.ply              writes bunny.ply.dmesh
@@ -48,7 +64,7 @@ deltamesh compare bunny.ply bunny.ply.dmesh
 @click.group(
     cls=LazyGroup,
     context_settings={"help_option_names": ["-h", "--help"]},
-    epilog=options.epilog(_EXAMPLES),
+    epilog=epilog(_EXAMPLES),
 )
 @click.version_option(
     None, "-V", "--version", package_name="deltamesh", message="%(prog)s %(version)s"

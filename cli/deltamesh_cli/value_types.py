@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import click
-from click.shell_completion import CompletionItem
 
 from deltamesh._options import MAX_COARSE
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
 
 _UNITS: Final = {"": 0, "K": 1, "M": 2, "G": 3, "T": 4}
 _SIZE: Final = re.compile(r"(\d+(?:\.\d+)?)\s*([KMGT]?)(?:i?B)?", re.IGNORECASE)
@@ -103,6 +105,8 @@ class PathType(click.types.StringParamType):
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
         """Leave the completion to the shell."""
+        from click.shell_completion import CompletionItem  # for shells alone
+
         return [CompletionItem(incomplete, type=self.kind)]
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from html import escape
 
 
 def printable(text: str) -> str:
@@ -43,4 +42,6 @@ def html_table(rows: Iterable[Sequence[str]], head: Sequence[str] = ()) -> str:
 
 
 def _html_row(cells: Sequence[str], tag: str) -> str:
+    from html import escape  # a large table, which texts do not need
+
     return f"<tr>{''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in cells)}</tr>"

@@ -34,10 +34,8 @@ def temporary_of(path: str) -> str:
     It is in the folder of `path`, since a rename does not cross file systems. Its name is short,
     whatever the length of the other one, because file systems take 255 bytes and some less.
     """
-    import secrets
-
     folder, name = os.path.split(path)
-    made = f".deltamesh-{_target(name)}-{_machine()}-{os.getpid()}-{secrets.token_hex(8)}.tmp"
+    made = f".deltamesh-{_target(name)}-{_machine()}-{os.getpid()}-{os.urandom(8).hex()}.tmp"
     return os.path.join(folder, made)
 
 
@@ -89,14 +87,21 @@ def _machine() -> str:
     That is the machine and, on Linux, the time since it was started and the name space of
     processes: containers may share a folder and a host name, but number processes on their own.
     """
-    import socket
-
-    words = [socket.gethostname()]
+    words = [_host()]
     with suppress(OSError), open("/proc/sys/kernel/random/boot_id") as file:
         words.append(file.read())
     with suppress(OSError):
         words.append(os.readlink("/proc/self/ns/pid"))
     return _digest("\n".join(words).encode("utf-8", "surrogateescape"), 8)
+
+
+def _host() -> str:
+    """Return the name of this machine."""
+    if hasattr(os, "uname"):
+        return os.uname().nodename
+    import socket  # which takes milliseconds
+
+    return socket.gethostname()
 
 
 def _digest(data: bytes, digits: int) -> str:

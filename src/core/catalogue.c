@@ -13,6 +13,7 @@
 #include "points.h"
 #include "rotation.h"
 #include "stitching.h"
+#include "supernodes.h"
 #include "valence.h"
 #include "wedges.h"
 
@@ -104,6 +105,8 @@ static const dm_constant CONSTANTS[] = {
     CONSTANT(DM_RAW),
     CONSTANT(DM_NEGATIVE_ZERO),
     CONSTANT(DM_LEAF),
+    CONSTANT(DM_WIDEST),
+    CONSTANT(DM_TILE),
 };
 
 const dm_model *dm_find_model(const char *name)

@@ -93,7 +93,8 @@ int dm_pair_up(const int64_t *order, int64_t length, const int64_t *bounds, int6
 }
 
 /* Label the fans of corners in the order of first corners, and set how many there are. */
-int dm_label_fans(const int64_t *opposite, int64_t halfedges, int64_t *label, int64_t *count)
+int dm_label_fans(const int64_t *restrict opposite, int64_t halfedges, int64_t *restrict label,
+                  int64_t *count)
 {
     int64_t fans = 0;
     if (halfedges % 3 != 0)
@@ -102,15 +103,16 @@ int dm_label_fans(const int64_t *opposite, int64_t halfedges, int64_t *label, in
     for (int64_t h = 0; h < halfedges; h++) {
         if (label[h] >= 0)
             continue;
-        int64_t g = h;
-        while (g >= 0 && label[g] < 0) {
+        int64_t g = h, left = halfedges;
+        do {
+            const int64_t other = opposite[g];
             label[g] = fans;
-            if (opposite[g] >= halfedges)
+            if (other >= halfedges)
                 return DM_INVALID;
-            g = opposite[g] >= 0 ? dm_next(opposite[g]) : -1;
-        }
-        g = g < 0 ? h : -1;
-        for (int64_t left = halfedges; left > 0 && g >= 0; left--) {
+            g = other < 0 ? -1 : dm_next(other);
+        } while (g >= 0 && g != h && --left > 0);
+        g = g < 0 ? h : -1; /* an open fan goes on at the other side of its first corner */
+        for (; left > 0 && g >= 0; left--) {
             if (g >= halfedges)
                 return DM_INVALID;
             label[g] = fans;

@@ -4,6 +4,7 @@
    subtracting a mean of the neighbours made the numbers larger on every kind of mesh that was
    tried. The contexts are the magnitudes and signs around. */
 #include <math.h>
+#include <string.h>
 
 #include "graphs.h"
 #include "residual.h"
@@ -80,15 +81,18 @@ int dm_code_refinements(dm_coder *c, const int64_t *indptr, int64_t n, const int
 
 /* The integer next to a number of steps, the even one of two; -2^63 for one that 64 bits do not hold.
  */
-static double rounded(double steps, double zone)
+static inline double rounded(double steps, double zone)
 {
     /* Doubles around it are 1 apart: the sum is rounded to an integer, without a call of rint. */
     const double shift = 0x1.8p52;
-    if (!(fabs(steps) > 0.5 + zone))
-        return 0.0;
-    if (fabs(steps) < 0x1p51)
-        return (steps + shift) - shift;
-    return fabs(steps) < 0x1p63 ? steps : -0x1p63; /* an integer already */
+    double near = (steps + shift) - shift;
+    if (fabs(steps) >= 0x1p51)
+        near = fabs(steps) < 0x1p63 ? steps : -0x1p63; /* an integer already */
+    uint64_t bits; /* a mask, since the processor would guess a jump wrong every other time */
+    memcpy(&bits, &near, sizeof(bits));
+    bits &= 0 - (uint64_t)(fabs(steps) > 0.5 + zone);
+    memcpy(&near, &bits, sizeof(bits));
+    return near;
 }
 
 /* Round delta / step into `out` (n, 3), or its component along `normals` into `out` (n, 1).
@@ -98,28 +102,28 @@ static double rounded(double steps, double zone)
    which is used up: the share `normal` of its component along the normal, the share `tangential` of
    the rest. Neighbours ascend in the rows of the graph. */
 int dm_diffuse(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
-               double *delta, const double *normals, const double *steps, double zone,
-               double tangential, double normal, int64_t columns, int64_t *out)
+               double *restrict delta, const double *restrict normals,
+               const double *restrict steps, double zone, double tangential, double normal,
+               int64_t columns, int64_t *restrict out)
 {
     if ((columns != 1 && columns != 3) || !dm_are_bounds(indptr, n, entries))
         return DM_INVALID;
     for (int64_t i = 0; i < n; i++) {
         const double step = steps[i];
-        double *const a = delta + 3 * i; /* the rounded part is taken off: the error stays */
-        const double *const N = normals + 3 * i;
+        /* The rounded part is taken off: the error stays. */
+        double x = delta[3 * i], y = delta[3 * i + 1], z = delta[3 * i + 2];
+        const double nx = normals[3 * i], ny = normals[3 * i + 1], nz = normals[3 * i + 2];
         if (columns == 3) {
-            for (int axis = 0; axis < 3; axis++) {
-                const double number = rounded(a[axis] / step, zone);
-                out[3 * i + axis] = (int64_t)number;
-                a[axis] -= number * step;
-            }
+            const double a = rounded(x / step, zone), b = rounded(y / step, zone);
+            const double c = rounded(z / step, zone);
+            out[3 * i] = (int64_t)a, out[3 * i + 1] = (int64_t)b, out[3 * i + 2] = (int64_t)c;
+            x -= a * step, y -= b * step, z -= c * step;
         } else {
-            const double number =
-                rounded((a[0] * N[0] + a[1] * N[1] + a[2] * N[2]) / step, zone);
+            const double number = rounded((x * nx + y * ny + z * nz) / step, zone);
             out[i] = (int64_t)number;
-            for (int axis = 0; axis < 3; axis++)
-                a[axis] -= number * step * N[axis];
+            x -= number * step * nx, y -= number * step * ny, z -= number * step * nz;
         }
+        delta[3 * i] = x, delta[3 * i + 1] = y, delta[3 * i + 2] = z;
         const int64_t end = indptr[i + 1];
         int64_t first = end; /* of the neighbours still to come, which are the last ones */
         while (first > indptr[i] && indices[first - 1] > i)
@@ -127,14 +131,15 @@ int dm_diffuse(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t
                 return DM_INVALID;
         if (first == end)
             continue;
-        const double along = a[0] * N[0] + a[1] * N[1] + a[2] * N[2];
-        double share[3];
-        for (int axis = 0; axis < 3; axis++)
-            share[axis] = (tangential * (a[axis] - along * N[axis]) + normal * along * N[axis]) /
-                          (double)(end - first);
-        for (int64_t at = first; at < end; at++)
-            for (int axis = 0; axis < 3; axis++)
-                delta[3 * indices[at] + axis] += share[axis];
+        const double count = (double)(end - first), along = x * nx + y * ny + z * nz;
+        const double across = normal * along;
+        x = (tangential * (x - along * nx) + across * nx) / count;
+        y = (tangential * (y - along * ny) + across * ny) / count;
+        z = (tangential * (z - along * nz) + across * nz) / count;
+        for (int64_t at = first; at < end; at++) {
+            double *const next = delta + 3 * indices[at];
+            next[0] += x, next[1] += y, next[2] += z;
+        }
     }
     return DM_OK;
 }

@@ -314,6 +314,41 @@ DM_API int dm_product_entries(const int64_t *rows, int64_t m, const int64_t *row
                               const int64_t *column_indices, int64_t most, int64_t *seen,
                               int64_t *count);
 
+/* laplacian.c */
+DM_API int dm_apply_laplacian(const int64_t *indptr, int64_t n, const int64_t *indices,
+                              int64_t entries, const double *x, int64_t columns, double *out);
+DM_API int dm_normal_bounds(const int64_t *indptr, int64_t n, const int64_t *indices,
+                            int64_t entries, int64_t *bounds, int64_t *seen);
+DM_API int dm_normal_matrix(const int64_t *indptr, int64_t n, const int64_t *indices,
+                            int64_t entries, const int64_t *anchors, int64_t anchor_count,
+                            const int64_t *bounds, int64_t *columns, double *values,
+                            int64_t filled, int64_t *place);
+
+/* supernodes.c */
+DM_API int dm_plan(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+                   int64_t *order, int64_t most, int64_t *parent, int64_t *starts, int64_t *of,
+                   int64_t *row_bounds, int64_t *panel_bounds, int64_t *sizes, int64_t *rank,
+                   int64_t *counts, int64_t *seen, int64_t *old);
+
+/* factor.c */
+typedef struct {
+    int64_t n, supernodes, row_count, entries, tallest;
+    const int64_t *order, *starts, *row_bounds, *panel_bounds; /* see dm_plan */
+    int64_t *rows;  /* of each panel, ascending: its own columns, then those below */
+    double *panels; /* by columns: L below the diagonal, D on it */
+} dm_factor_plan;
+DM_API int dm_factor(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+                     const double *values, const dm_factor_plan *plan, const int64_t *parent,
+                     const int64_t *of, int64_t *rank, int64_t *place, int64_t *from,
+                     int64_t *next, int64_t *first, double *block, double *packed,
+                     int64_t *pivot);
+DM_API int dm_solve_factored(const dm_factor_plan *plan, double *x, int64_t columns,
+                             double *ordered, double *sums);
+
+/* minimum_degree.c */
+DM_API int dm_minimum_degree(const int64_t *indptr, int64_t n, const int64_t *indices,
+                             int64_t entries, int64_t *order, int64_t *lists, int64_t *memory);
+
 /* neighbours.c */
 DM_API int dm_fill_neighbours(const int64_t *pairs, int64_t edges, int64_t n, int64_t *indptr,
                               int64_t *indices);

@@ -11,6 +11,7 @@
 #include "deltamesh_core.h"
 #include "graphs.h"
 #include "integers.h"
+#include "supernodes.h"
 
 enum {
     LEAF = 24, /* unknowns that are not worth a separator */
@@ -217,27 +218,11 @@ int dm_factor_entries(const int64_t *indptr, int64_t n, const int64_t *indices, 
                       const int64_t *order, int64_t most, int64_t *rank, int64_t *parent,
                       int64_t *ancestor, int64_t *seen, int64_t *count)
 {
-    if (!dm_is_graph(indptr, n, indices, entries) || !dm_all_in(order, n, 0, n))
+    if (!dm_is_graph(indptr, n, indices, entries) || !dm_fill_ranks(order, n, rank))
         return DM_INVALID;
+    dm_eliminate(indptr, n, indices, order, rank, parent, ancestor);
     for (int64_t i = 0; i < n; i++)
-        rank[i] = parent[i] = ancestor[i] = seen[i] = -1;
-    for (int64_t i = 0; i < n; i++) {
-        if (rank[order[i]] >= 0)
-            return DM_INVALID;
-        rank[order[i]] = i;
-    }
-    for (int64_t i = 0; i < n; i++) {
-        for (int64_t at = indptr[order[i]]; at < indptr[order[i] + 1]; at++) {
-            int64_t j = rank[indices[at]];
-            while (j >= 0 && j < i) {
-                const int64_t above = ancestor[j];
-                ancestor[j] = i;
-                if (above < 0)
-                    parent[j] = i;
-                j = above;
-            }
-        }
-    }
+        seen[i] = -1;
     /* Row i of the factor has an entry at all that are on the way from its neighbours up to i. */
     *count = n;
     for (int64_t i = 0; i < n && *count <= most; i++) {

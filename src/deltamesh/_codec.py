@@ -128,7 +128,8 @@ def encode(
     coarse : float, optional
         With "refined", the step along the surface over that across it, 1 to 64. Default: 8, or
         what the search finds.
-    solver : {"auto", "rslab", "pardiso", "scipy"}
+    solver : {"auto", "core", "rslab", "pardiso", "scipy"}
+        Default: the compiled core for small meshes, else rslab or, where it is missing, scipy.
     threads : int, optional
         For the solver. Default: all cores. The bytes do not depend on it.
     drop_isolated : bool
@@ -243,7 +244,8 @@ def decode(
     ----------
     data : bytes-like, or what `deltamesh.info` returned
         The whole file; a bytearray, mmap or array of bytes is not copied.
-    solver : {"auto", "rslab", "pardiso", "scipy"}
+    solver : {"auto", "core", "rslab", "pardiso", "scipy"}
+        Default: the compiled core for small meshes, else rslab or, where it is missing, scipy.
     threads : int, optional
         For the solver. Default: all cores.
     max_vertices, memory : int

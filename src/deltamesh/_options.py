@@ -18,7 +18,7 @@ ANCHOR_METHODS = tuple(sorted(filter(None, layout.ANCHOR_METHODS)))
 # The step of the deltas that get refined along the normals, in steps of these refinements.
 DEFAULT_COARSE = 8.0
 MAX_COARSE = 64.0
-SOLVERS = ("auto", "rslab", "pardiso", "scipy")
+SOLVERS = ("auto", "core", "rslab", "pardiso", "scipy")
 DEFAULT_QUALITY, MAX_QUALITY = 5, 9
 # Efforts of the search for fewer bytes: none, among the likeliest settings, among all.
 DEFAULT_EFFORT, MAX_EFFORT = 2, 3

@@ -168,7 +168,7 @@ def decode_mesh(
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
     to_solve = memory_to_solve(container, memory)
-    factor = factorization(lambda: surface.laplacian, solver, threads, to_solve)
+    factor = factorization(surface.graph, solver, threads, to_solve)
     coder = geometry_codec(parameters.method)
     points = coder.reconstruct(surface, parameters, content.integers, factor)
     margin = 0.0 if container.meta is None else container.meta.room

@@ -28,6 +28,21 @@ def least_squares(matrix, anchors, delta, positions):
     )[0]
 
 
+def solve_by_elimination(matrix, b):
+    """Solve a dense system by elimination, row by row, and by substitution."""
+    M, x = matrix.astype(float), b.astype(float)
+    n = len(M)
+    for k in range(n):
+        for i in range(k + 1, n):
+            if M[i, k]:
+                share = M[i, k] / M[k, k]
+                M[i, k:] -= share * M[k, k:]
+                x[i] -= share * x[k]
+    for k in reversed(range(n)):
+        x[k] = (x[k] - M[k, k + 1 :] @ x[k + 1 :]) / M[k, k]
+    return x
+
+
 def factor_entries(matrix, order):
     """Entries of the triangular factor, by playing the elimination game on a dense matrix."""
     filled = matrix.toarray()[order][:, order] != 0

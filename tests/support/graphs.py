@@ -15,11 +15,23 @@ from deltamesh._measures.metrics import diagonal
 from deltamesh_formats.array_types import Floats, Ints
 
 # Those that an installation has without extras.
-FREE_SOLVERS = tuple(name for name in ("rslab", "scipy") if importlib.util.find_spec(name))
+FREE_SOLVERS = (
+    "core",
+    *(name for name in ("rslab", "scipy") if importlib.util.find_spec(name)),
+)
 
 
 def laplacian_of(faces: Ints, n: int) -> sparse.csr_array:
     return laplacian(*adjacency(faces, n))
+
+
+def graph_of(L: sparse.csr_array) -> tuple[Ints, Ints]:
+    """The neighbour lists of a Laplacian."""
+    A = L - sparse.diags_array(L.diagonal())
+    A = sparse.csr_array(A)
+    A.eliminate_zeros()
+    A.sort_indices()
+    return A.indptr.astype(np.int64), A.indices.astype(np.int64)
 
 
 def components_of(faces: Ints, n: int) -> Ints:
@@ -34,7 +46,7 @@ def least_squares(
     solver: str = "auto",
     threads: int | None = None,
 ) -> Floats:
-    return LeastSquares(L, anchors, solver, threads).solve(delta, positions)
+    return LeastSquares(graph_of(L), anchors, solver, threads).solve(delta, positions)
 
 
 def tolerances(V: Floats, F: Ints) -> Floats:

@@ -76,7 +76,7 @@ def restepped(
         trial.settings, exponents=bytes(each.astype(np.uint8)), **changes
     )
     parameters, integers, decoded = coder.quantize(
-        surface, V[:used], V[used:], settings, factorization(lambda: surface.laplacian)
+        surface, V[:used], V[used:], settings, factorization(surface.graph)
     )
     own = (layout.PARAMETERS, layout.META, layout.CHECK, layout.STEPS, layout.CORRECTIONS)
     payloads = {

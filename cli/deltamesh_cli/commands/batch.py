@@ -19,6 +19,7 @@ from deltamesh_cli.batch.plan import (
 )
 from deltamesh_cli.batch.run import ExistingFiles, Verbosity, dry_run, run_batch
 from deltamesh_cli.encode_options import encode_options
+from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import Failure, report_failure
 from deltamesh_cli.signals import stopping_cleanly
 from deltamesh_cli.value_types import FILE, FOLDER, positive, size, whole
@@ -41,7 +42,7 @@ _CODE = """\
 The exit code is the largest of the exit codes of all files."""
 
 
-@click.command(epilog=options.epilog(_EXAMPLES, _CODE))
+@click.command(epilog=epilog(_EXAMPLES, _CODE))
 @click.argument("inputs", type=FILE, metavar="[FILE|FOLDER]...", nargs=-1)
 @click.option("-d", "--decode", is_flag=True, help="Decode .dmesh files instead of encoding.")
 @click.option("-r", "--recursive", is_flag=True, help="Take the files in folders, at any depth.")

@@ -16,6 +16,7 @@ from deltamesh._options import Options
 from deltamesh.bench import PEER_NAMES
 from deltamesh_cli import files, measuring, options, rate_tables
 from deltamesh_cli.encode_options import encode_options
+from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import DONE, process_all
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.value_types import FILE, comma_separated, fraction
@@ -68,7 +69,7 @@ def _as_list(option: click.Option) -> click.Option:
     )
 
 
-@click.command(params=_bench_options(), epilog=options.epilog(_EXAMPLES, _COLUMNS))
+@click.command(params=_bench_options(), epilog=epilog(_EXAMPLES, _COLUMNS))
 @click.argument("sources", type=FILE, metavar="FILE|FOLDER...", nargs=-1, required=True)
 @click.option("-r", "--recursive", is_flag=True, help="Search folders within folders as well.")
 @click.option(

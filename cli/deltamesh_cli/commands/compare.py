@@ -8,6 +8,7 @@ import click
 
 from deltamesh_cli import files, options
 from deltamesh_cli.comparing import compare_meshes, comparison_object, comparison_text
+from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import attempt, process_all_and_exit
 from deltamesh_cli.meshes import load_mesh
 from deltamesh_cli.output import display_name, print_json
@@ -33,7 +34,7 @@ deltamesh compare --json a.obj b.obj | jq .errors.hausdorff
 """
 
 
-@click.command(epilog=options.epilog(_EXAMPLES, _METRICS))
+@click.command(epilog=epilog(_EXAMPLES, _METRICS))
 @click.argument("first", type=FILE, metavar="A")
 @click.argument("second", type=FILE, metavar="B")
 @options.input_format

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 from click.shell_completion import get_completion_class
 
-from deltamesh_cli import options
+from deltamesh_cli.epilogs import epilog
 
 _SHELLS = ("bash", "zsh", "fish")
 
@@ -27,7 +27,7 @@ zsh searches the folder of the second example, which you have to create, if
 )
 
 
-@click.command(epilog=options.epilog(_EXAMPLES, *_SETUP))
+@click.command(epilog=epilog(_EXAMPLES, *_SETUP))
 @click.argument("shell", type=click.Choice(_SHELLS))
 @click.pass_context
 def command(ctx: click.Context, shell: str) -> None:

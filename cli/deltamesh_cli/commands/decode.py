@@ -8,6 +8,7 @@ import click
 
 from deltamesh_cli import files, options
 from deltamesh_cli.decoding import decode_to_file, output_name_and_format
+from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import process_all_and_exit
 from deltamesh_cli.meshes import note_not_kept, parse_container
 from deltamesh_cli.output import display_name, print_json
@@ -28,7 +29,7 @@ deltamesh decode - --output-format off < mesh.dmesh | wc
 """
 
 
-@click.command(epilog=options.epilog(_EXAMPLES))
+@click.command(epilog=epilog(_EXAMPLES))
 @click.argument("source", type=FILE, metavar="IN")
 @options.output("IN without .dmesh")
 @options.decode_options

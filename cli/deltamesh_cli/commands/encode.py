@@ -9,6 +9,7 @@ import click
 from deltamesh_cli import files, options
 from deltamesh_cli.encode_options import check_encode_options, encode_options
 from deltamesh_cli.encoding import EncodedFile, encode_file
+from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import process_all_and_exit
 from deltamesh_cli.meshes import note_faces, note_memory, note_not_kept
 from deltamesh_cli.output import display_name, number, print_json
@@ -32,7 +33,7 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 """
 
 
-@click.command(epilog=options.epilog(_EXAMPLES))
+@click.command(epilog=epilog(_EXAMPLES))
 @click.argument("source", type=FILE, metavar="IN")
 @options.output("IN.dmesh")
 @encode_options

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from deltamesh_cli import files, options
+from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import attempt, process_all_and_exit
 from deltamesh_cli.meshes import parse_container
 from deltamesh_cli.output import print_json
@@ -19,7 +20,7 @@ deltamesh info --json scene.dmesh | jq '.parts[] | {kind, names}'
 """
 
 
-@click.command(epilog=options.epilog(_EXAMPLES))
+@click.command(epilog=epilog(_EXAMPLES))
 @click.argument("sources", type=FILE, metavar="FILE...", nargs=-1, required=True)
 @options.as_json
 @options.debug

@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from deltamesh_cli import files, options
+from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import attempt, process_all_and_exit
 from deltamesh_cli.output import display_name, print_json
 from deltamesh_cli.progress import displayed_progress
@@ -19,7 +20,7 @@ deltamesh test -q archive/*.dmesh && echo all intact
 """
 
 
-@click.command(epilog=options.epilog(_EXAMPLES))
+@click.command(epilog=epilog(_EXAMPLES))
 @click.argument("sources", type=FILE, metavar="FILE...", nargs=-1, required=True)
 @options.solver
 @options.threads

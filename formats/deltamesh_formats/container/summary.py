@@ -6,7 +6,6 @@ Names in it come from files: control characters are escaped in the text, and all
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from html import escape
 from typing import TYPE_CHECKING
 
 from deltamesh_formats.container.container import Container, Meta, Parameters
@@ -104,6 +103,8 @@ def container_text(container: Container) -> str:
 
 def container_html(container: Container) -> str:
     """Return the same for a notebook."""
+    from html import escape  # a large table, which texts do not need
+
     lines = "<br>\n".join(map(escape, [_headline(container), *_lines(container)]))
     head, *rows = _section_rows(container)
     tables = [html_table(rows, head)]

@@ -1,4 +1,4 @@
-"""Inverses of permutations, ranges of indices, and numbers of values by first appearance."""
+"""Inverses of permutations, ranges of indices, distinct values and their numbers."""
 
 from __future__ import annotations
 
@@ -20,6 +20,17 @@ def ranges(first: Ints, count: Ints) -> Ints:
     return np.arange(int(count.sum())) + np.repeat(first - end + count, count)
 
 
+def distinct(values: Ints) -> Ints:
+    """Return the different ones of values (count,), ascending.
+
+    `np.unique` without further results imports masked arrays, which takes 10 ms.
+    """
+    ordered: Ints = np.sort(values)
+    is_first = np.ones(len(ordered), dtype=bool)
+    is_first[1:] = ordered[1:] != ordered[:-1]
+    return ordered[is_first]
+
+
 def numbered(values: Ints) -> tuple[Ints, Ints]:
     """Return values as numbers, in the order in which they first appear.
 
@@ -34,6 +45,6 @@ def numbered(values: Ints) -> tuple[Ints, Ints]:
     order : int64 (k,)
         The value of each label.
     """
-    distinct, first, label = np.unique(values, return_index=True, return_inverse=True)
+    found, first, label = np.unique(values, return_index=True, return_inverse=True)
     by_appearance = np.argsort(first)
-    return inverse(by_appearance)[label.ravel()], distinct[by_appearance]
+    return inverse(by_appearance)[label.ravel()], found[by_appearance]

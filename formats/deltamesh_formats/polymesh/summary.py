@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from html import escape
 from typing import Any, Final
 
 from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -21,6 +20,8 @@ def mesh_text(mesh: PolyMesh) -> str:
 def mesh_html(mesh: PolyMesh) -> str:
     """Return the same for a notebook."""
     rows = [(what.removesuffix(":"), text) for what, text in _mesh_facts(mesh)]
+    from html import escape  # a large table, which texts do not need
+
     return f"<div>\n{escape(_mesh_counts(mesh))}\n{html_table(rows)}\n</div>"
 
 

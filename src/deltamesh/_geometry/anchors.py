@@ -13,18 +13,15 @@ G. L. Steele, D. Lea, C. H. Flood, "Fast splittable pseudorandom number generato
 from __future__ import annotations
 
 import operator
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._geometry.solve import Factor, LeastSquares, factorization
+from deltamesh._geometry.solve import Factor, Graph, LeastSquares, factorization
 from deltamesh._graph.adjacency import components, lowest
 from deltamesh._kernels.mesh import distance
 from deltamesh_formats.array_types import Bools, Floats, Ints
-
-if TYPE_CHECKING:
-    import scipy.sparse as sparse
 
 # 0.1 % of the vertices: with the quantization error diffused, more of them buy little.
 DEFAULT_FRACTION: Final = 0.001
@@ -136,7 +133,7 @@ def random(labels: Ints, k: int, seed: int) -> Ints:
 
 
 def greedy(
-    L: sparse.csr_array,
+    graph: Graph,
     vertices: Floats,
     delta: Floats,
     k: int,
@@ -156,7 +153,8 @@ def greedy(
 
     Parameters
     ----------
-    L : csr_array, float64 (n, n)
+    graph : pair of int64 arrays (n + 1,), (2 e,)
+        Neighbour lists, from `adjacency.adjacency`; L is their Laplacian.
     vertices : float64 (n, 3)
         The true positions, against which errors are measured.
     delta : float64 (n, 3)
@@ -178,8 +176,7 @@ def greedy(
     SolveError
     """
     positions = vertices if positions is None else positions
-    factor = factor or factorization(lambda: L)
-    graph = _off_diagonal(L)
+    factor = factor or factorization(graph)
     labels = components(*graph)
     k = _clipped(k, labels)
     anchors = lowest(labels)
@@ -194,7 +191,7 @@ def greedy(
 
 def _updates(
     base: LeastSquares,
-    graph: tuple[Ints, Ints],
+    graph: Graph,
     anchors: Ints,
     x: Floats,
     vertices: Floats,
@@ -226,7 +223,7 @@ def _updates(
 
 
 def _candidates(
-    graph: tuple[Ints, Ints],
+    graph: Graph,
     error: Floats,
     free: Bools,
     count: int,
@@ -248,14 +245,6 @@ def _units(vertices: Ints, n: int) -> Floats:
     b = np.zeros((n, len(vertices)))
     b[vertices, np.arange(len(vertices))] = 1.0
     return b
-
-
-def _off_diagonal(L: sparse.csr_array) -> tuple[Ints, Ints]:
-    """Return the neighbour lists of a Laplacian."""
-    rows = np.repeat(np.arange(L.shape[0]), np.diff(L.indptr))
-    off = L.indices != rows
-    counts = np.bincount(rows[off], minlength=L.shape[0])
-    return np.concatenate(([0], np.cumsum(counts))), L.indices[off].astype(np.int64)
 
 
 def _clipped(k: int, labels: Ints) -> int:

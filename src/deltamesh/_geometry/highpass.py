@@ -18,6 +18,7 @@ from deltamesh._geometry.quantize import delta_step, from_grid, quantize_delta, 
 from deltamesh._geometry.solve import Factor
 from deltamesh._kernels.coding import points
 from deltamesh._kernels.coding.coder import Coder
+from deltamesh._kernels.mesh import laplacian
 from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams.entropy import decode_with, encode_with
@@ -28,6 +29,7 @@ from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.reader import payload_of
 from deltamesh_formats.errors import FormatError, OptionError
+from deltamesh_formats.polymesh.permutations import distinct
 
 # The grid of the anchors is that much finer than the step of the deltas: with diffusion, the
 # error of the surface between anchors is about a fifth of that step, and theirs should not show.
@@ -44,7 +46,7 @@ def quantize(
     factor: Factor,
 ) -> Quantized:
     """Choose steps and anchors, and round deltas and anchors."""
-    delta = surface.laplacian @ vertices
+    delta = laplacian.apply(*surface.graph, vertices)
     step = step_of(vertices, delta, settings)
     values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
     integers = Integers(values, exponents=steps.exponents_of(settings, surface, step))
@@ -182,7 +184,7 @@ def _choose(
     except ValueError as error:
         raise OptionError(str(error)) from None
     if settings.anchor_method == "greedy":
-        return np.sort(choice.greedy(surface.laplacian, vertices, delta, k, fixed, factor))
+        return np.sort(choice.greedy(surface.graph, vertices, delta, k, fixed, factor))
     return _computed(surface, settings.anchor_method, k, settings.seed)
 
 
@@ -258,7 +260,7 @@ def _decode_anchors(
         else:
             anchors = _computed(surface, str(parameters.anchor_method), k, parameters.seed)
         labels = surface.labels
-        if len(np.unique(labels[anchors])) <= labels.max(initial=-1) or len(anchors) != k:
+        if len(distinct(labels[anchors])) <= labels.max(initial=-1) or len(anchors) != k:
             raise FormatError("a component without an anchor", 3)
         points.code_points(coder, positions, bits, extra[anchors])
         if len(isolated) and not points.code_sorted_points(coder, isolated, bits):

@@ -23,6 +23,7 @@ from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.container.layout import MAX_EXPONENT
 from deltamesh_formats.container.layout import PER_OCTAVE as LEVELS
 from deltamesh_formats.errors import MeshError
+from deltamesh_formats.polymesh.permutations import distinct
 
 # Trials once all parts are good, by effort.
 TRIES: Final = {1: 3, 2: 5, 3: 8}
@@ -230,7 +231,7 @@ def with_fewer_levels(
     level = steps.level - steps.level.min()
     if not level.any():
         return found
-    if len(np.unique(level)) > 2:
+    if len(distinct(level)) > 2:
         fine = _finer_of_two(level, np.bincount(components.of_vertex, minlength=len(level)))
         two = Steps(steps.coarsest, np.array([level[fine == i].max() for i in range(2)]))
         least, grouped = _smaller(rival, found[0]), components.grouped(fine)

@@ -24,6 +24,7 @@ from deltamesh._geometry.quantize import quantize_delta
 from deltamesh._geometry.solve import Factor
 from deltamesh._kernels.coding import residual
 from deltamesh._kernels.coding.delta import code_refinements
+from deltamesh._kernels.mesh import laplacian
 from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams.entropy import decode_with, encode_with
@@ -53,8 +54,8 @@ def quantize(
     factor: Factor,
 ) -> Quantized:
     """Quantize as `highpass.quantize` does, coarsely; then the remainder along the normals."""
-    L, graph = surface.laplacian, surface.graph
-    delta = L @ vertices
+    graph = surface.graph
+    delta = laplacian.apply(*graph, vertices)
     step = highpass.step_of(vertices, delta, settings)
     integers = Integers(np.zeros_like(delta, dtype=np.int64))
     integers = replace(integers, exponents=steps.exponents_of(settings, surface, step))

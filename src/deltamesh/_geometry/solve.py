@@ -14,23 +14,29 @@ error 9e-9 before, 6e-15 after), for the price of one more back substitution.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from deltamesh._geometry.solvers import (
     MATRIX_ENTRY,
+    SMALL,
+    SMALL_FACTOR,
     SOLVERS,
     Solve,
     check_memory,
+    factor_normal,
     pattern,
     solver_name,
 )
 from deltamesh._graph.adjacency import components
+from deltamesh._graph.laplacian import laplacian
 from deltamesh._kernels.mesh import elimination
+from deltamesh._kernels.mesh import laplacian as kernel
 from deltamesh._machine import available_cores
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.errors import LimitError, SolveError
@@ -39,6 +45,7 @@ if TYPE_CHECKING:
     import scipy.sparse as sparse
 
 Factor = Callable[[Ints], "LeastSquares"]
+Graph = tuple[Ints, Ints]
 
 # A row of L with d entries puts d^2 entries into L^T L: one vertex with 50 000 neighbours would ask
 # for 20 GB. Longer rows become unknowns of their own, see `_quasidefinite`.
@@ -60,16 +67,16 @@ class LeastSquares:
 
     Parameters
     ----------
-    L : csr_array, float64 (n, n)
-        Graph Laplacian.
+    graph : pair of int64 arrays (n + 1,), (2 e,)
+        Neighbour lists, from `adjacency.adjacency`; L is their Laplacian.
     anchors : int64 (k,)
-        Vertices whose positions are given; every component of the graph needs one.
-    solver : {"auto", "rslab", "pardiso", "scipy"}
-        "auto" is rslab where it is installed, else scipy. The result differs between solvers by
-        rounding alone.
+        Vertices whose positions are given, each once; every component of the graph needs one.
+    solver : {"auto", "core", "rslab", "pardiso", "scipy"}
+        "auto" is the core for systems that it solves before another would be imported, else rslab
+        where it is installed, else scipy. The result differs between solvers by rounding alone.
     threads : int, optional
         For rslab (whose result is the same, bit for bit, for any number) and pardiso. Default: all
-        cores. SuperLU of scipy has one.
+        cores. The core and SuperLU of scipy have one.
     memory : float
         Bytes that the factorization may take.
 
@@ -83,23 +90,16 @@ class LeastSquares:
 
     def __init__(
         self,
-        L: sparse.csr_array,
+        graph: Graph,
         anchors: Ints,
         solver: str = "auto",
         threads: int | None = None,
         memory: float = math.inf,
     ) -> None:
-        import scipy.sparse as sparse
-
-        self._count, self._labels = _components(L, anchors)
-        self._anchors = anchors
-        n, k = L.shape[0], len(anchors)
-        S = sparse.csr_array((np.ones(k), (np.arange(k), anchors)), shape=(k, n))
-        self._A = sparse.vstack([L, S], format="csr")
-        self._transposed = self._A.T.tocsr()
-        self._solve = _factor(
-            self._A, self._transposed, solver_name(solver), threads or available_cores(), memory
-        )
+        self._count, self._labels = _components(graph, anchors)
+        self._graph, self._anchors = graph, np.ascontiguousarray(anchors)
+        cores = threads or available_cores()
+        self._solve = _factor(graph, self._anchors, solver, cores, memory)
 
     def solve(self, delta: Floats, positions: Floats) -> Floats:
         """Return argmin |L x - delta|^2 + |x[anchors] - positions|^2, column by column.
@@ -122,17 +122,24 @@ class LeastSquares:
         # L maps constants to zero, so the origin of each component is free; far from it digits are
         # lost.
         centres = self._centres(positions)
-        b = np.concatenate((delta, positions - centres[self._labels[self._anchors]]))
+        fixed = positions - centres[self._labels[self._anchors]]
         with np.errstate(over="ignore", invalid="ignore"):
-            x = self.solve_normal(self._transposed @ b)
+            x = self.solve_normal(self._transposed(delta, fixed))
             for _ in range(MAX_REFINEMENTS):
-                correction = self.solve_normal(self._transposed @ (b - self._A @ x))
+                left = delta - kernel.apply(*self._graph, x), fixed - x[self._anchors]
+                correction = self.solve_normal(self._transposed(*left))
                 x += correction
                 if (self._largest(correction) <= REFINED * self._largest(x) + TINY).all():
                     return x + centres[self._labels]
         raise SolveError(
             "the least-squares system has no solution in double precision: more anchors help"
         )
+
+    def _transposed(self, rows: Floats, anchored: Floats) -> Floats:
+        """Return [L; S]^T b, for the two parts of b; L is symmetric."""
+        product = kernel.apply(*self._graph, np.ascontiguousarray(rows))
+        product[self._anchors] += anchored
+        return product
 
     def _centres(self, positions: Floats) -> Floats:
         """Return the mean position of the anchors of each component."""
@@ -155,29 +162,25 @@ class LeastSquares:
 
 
 def factorization(
-    laplacian: Callable[[], sparse.csr_array],
-    solver: str = "auto",
-    threads: int | None = None,
-    memory: float = math.inf,
+    graph: Graph, solver: str = "auto", threads: int | None = None, memory: float = math.inf
 ) -> Factor:
     """Return a function of the anchors that makes a `LeastSquares`.
 
-    The matrix is not made before it is needed, which for some methods it never is. The function
-    remembers the last one: a search asks for the same again and again, and factoring is what
+    It remembers the last one: a search asks for the same again and again, and factoring is what
     costs most.
     """
 
     @functools.lru_cache(maxsize=1)
     def remembered(anchors: bytes) -> LeastSquares:
         system = np.frombuffer(anchors, dtype=np.int64), solver, threads, memory
-        return LeastSquares(laplacian(), *system)
+        return LeastSquares(graph, *system)
 
     return lambda anchors: remembered(anchors.tobytes())
 
 
-def _components(L: sparse.csr_array, anchors: Ints) -> tuple[int, Ints]:
+def _components(graph: Graph, anchors: Ints) -> tuple[int, Ints]:
     """Return the number of components, each of which has an anchor, and that of each vertex."""
-    labels = components(L.indptr.astype(np.int64), L.indices.astype(np.int64))
+    labels = components(*graph)
     count = int(labels.max(initial=-1)) + 1
     anchored = np.zeros(count, dtype=bool)
     anchored[labels[anchors]] = True
@@ -187,15 +190,20 @@ def _components(L: sparse.csr_array, anchors: Ints) -> tuple[int, Ints]:
     return count, labels
 
 
-def _factor(
-    A: sparse.csr_array, transposed: sparse.csr_array, name: str, threads: int, memory: float
-) -> Solve:
-    """Return a function that solves A^T A x = b."""
-    n = A.shape[1]
+def _factor(graph: Graph, anchors: Ints, solver: str, threads: int, memory: float) -> Solve:
+    """Return a function that solves A^T A x = b, for A = [L; S]."""
+    n, name = len(graph[0]) - 1, solver_name(solver)
     if n == 0:
         return np.copy
-    matrix = _quasidefinite(A, transposed, memory)
+    short = bool(np.diff(graph[0]).max() < LONGEST_ROW)
+    if short and solver == "auto" and n <= SMALL:
+        with contextlib.suppress(LimitError, ArithmeticError):  # which another may escape
+            if solve := factor_normal(graph, anchors, memory, SMALL_FACTOR):
+                return solve
     try:
+        if short and name == "core":
+            return cast(Solve, factor_normal(graph, anchors, memory))
+        matrix = _matrix(graph, anchors, memory)
         solve = SOLVERS[name].factor(matrix, threads, memory)
     except LimitError:
         raise
@@ -204,6 +212,16 @@ def _factor(
     if matrix.shape[0] == n:
         return solve
     return lambda b: solve(np.pad(b, ((0, matrix.shape[0] - n), (0, 0))))[:n]
+
+
+def _matrix(graph: Graph, anchors: Ints, memory: float) -> sparse.csr_array:
+    """Return A^T A or its stand-in, see `_quasidefinite`."""
+    import scipy.sparse as sparse  # 0.2 s, which small systems need not wait for
+
+    L, k = laplacian(*graph), len(anchors)
+    S = sparse.csr_array((np.ones(k), (np.arange(k), anchors)), shape=(k, L.shape[0]))
+    A = sparse.vstack([L, S], format="csr")
+    return _quasidefinite(A, A.T.tocsr(), memory)
 
 
 def _quasidefinite(

@@ -23,11 +23,11 @@ import weakref
 from collections.abc import Callable, Iterator, Mapping
 from ctypes import c_int
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
-from deltamesh._kernels.mesh import elimination
+from deltamesh._kernels.mesh import elimination, factor, laplacian
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.errors import LimitError, SolveError
 
@@ -56,11 +56,20 @@ class Solver:
     factor: Callable[[sparse.csr_array, int, float], Solve]
 
 
+# Unknowns and entries of the factor up to which the core takes no more CPU time than rslab, even
+# without the 0.2 s that its imports take.
+SMALL: Final = 50_000
+SMALL_FACTOR: Final = 8_000_000
+
 # Bytes an entry, measured as peaks of whole processes (`benchmarks/memory.py`): of a matrix beside
-# the plan of rslab, of a triangular factor, and of one by SuperLU, which keeps both triangles.
+# the plan of rslab, of one for the core, of a triangular factor, and of one by SuperLU, which keeps
+# both triangles.
 MATRIX_ENTRY: Final = 60
+CORE_ENTRY: Final = 16
 FACTOR_ENTRY: Final = 8
 SUPERLU_ENTRY: Final = 30
+# More entries than any factor has.
+MOST: Final = 1 << 60
 # Unknowns on a mean breadth-first level, over the root of all: below 6 on nearly all surfaces,
 # above only on some with hubs, and 35 in a random graph of 20k vertices.
 BROAD: Final = 8
@@ -81,7 +90,7 @@ if hasattr(os, "register_at_fork"):  # not on Windows, which has no fork
 
 
 def solver_name(name: str) -> str:
-    """Return the name of an installed solver; "auto" becomes the preferred one.
+    """Return the name of an installed solver; "auto" becomes the preferred one for large systems.
 
     Raises
     ------
@@ -148,27 +157,79 @@ def pattern(matrix: sparse.csr_array) -> tuple[Ints, Ints]:
     return matrix.indptr.astype(np.int64), matrix.indices.astype(np.int64)
 
 
-def _check_breadth(matrix: sparse.csr_array, entry: float, memory: float) -> None:
+def _entries(memory: float, entry: float = FACTOR_ENTRY) -> int:
+    """Return how many entries of so many bytes there may be."""
+    return int(min(max(memory, 0) / entry, MOST))
+
+
+def _check_breadth(indptr: Ints, indices: Ints, entry: float, memory: float) -> None:
     """Refuse what is far too large for any order, before one of minimum degree is looked for.
 
     Those are fast where there are small separators. In a random graph of 20k vertices that of
     SuperLU takes 40 s, and amf 30 s in one of 100k; the time of dissection is bounded.
     """
-    places = pattern(matrix)
-    if memory < math.inf and elimination.breadth(*places) > BROAD * math.sqrt(matrix.shape[0]):
-        _check_fill(matrix, elimination.dissect(*places), entry / WORSE, memory)
+    broad = BROAD * math.sqrt(len(indptr) - 1)
+    if memory < math.inf and elimination.breadth(indptr, indices) > broad:
+        order = elimination.dissect(indptr, indices)
+        _check_fill(indptr, indices, order, entry / WORSE, memory)
 
 
-def _check_fill(matrix: sparse.csr_array, order: Ints, entry: float, memory: float) -> None:
+def _check_fill(indptr: Ints, indices: Ints, order: Ints, entry: float, memory: float) -> None:
     """Refuse an order of elimination whose factor has too many entries of so many bytes."""
-    most = int(min(memory / entry, 1 << 60))
-    entries = elimination.factor_entries(*pattern(matrix), order, most)
+    most = _entries(memory, entry)
+    entries = elimination.factor_entries(indptr, indices, order, most)
     check_memory(entry * entries, memory)
+
+
+def factor_normal(
+    graph: tuple[Ints, Ints], anchors: Ints, memory: float, most: int = MOST
+) -> Solve | None:
+    """Return the core's solver of the normal equations, for which nothing is imported.
+
+    Parameters
+    ----------
+    graph : pair of int64 arrays (n + 1,), (2 e,)
+        Neighbour lists of vertices of which none has very many.
+    anchors : int64 (k,)
+    memory : float
+        Bytes that the factorization may take.
+    most : int
+        Entries of the factor, above which None is returned.
+
+    Raises
+    ------
+    LimitError
+    ArithmeticError
+        If a pivot is zero.
+    """
+    bounds = laplacian.normal_bounds(*graph)
+    if bounds[-1] > 2 * most:  # it has both triangles
+        return None
+    check_memory(CORE_ENTRY * int(bounds[-1]), memory)
+    return _factor_rows(*laplacian.normal_matrix(*graph, anchors, bounds), memory, most)
+
+
+def _factor_core(matrix: sparse.csr_array, threads: int, memory: float) -> Solve:
+    return cast(Solve, _factor_rows(*pattern(matrix), matrix.data, memory))
+
+
+def _factor_rows(
+    indptr: Ints, indices: Ints, values: Floats, memory: float, most: int = MOST
+) -> Solve | None:
+    """Factor a matrix whose rows are given, unless the factor has more than `most` entries."""
+    most = min(most, _entries(memory))
+    _check_breadth(indptr, indices, FACTOR_ENTRY, min(memory, FACTOR_ENTRY * most))
+    plan = factor.plan(indptr, indices, elimination.minimum_degree(indptr, indices), most)
+    if plan is None:
+        check_memory(FACTOR_ENTRY * (most + 1), memory)
+        return None
+    check_memory(CORE_ENTRY * len(indices) + plan.memory, memory)
+    return factor.Factor(plan, indptr, indices, values).solve
 
 
 def _factor_rslab(matrix: sparse.csr_array, threads: int, memory: float) -> Solve:
     rslab = _rslab()
-    _check_breadth(matrix, FACTOR_ENTRY, memory)
+    _check_breadth(*pattern(matrix), FACTOR_ENTRY, memory)
     # amf: half the time of metis on meshes of 35k to 540k vertices, 3-8 % more memory.
     analysis = rslab.analyze(matrix, path="ldlt", ordering="amf", scaling="none", threads=threads)
     # A thread more takes as much for a small matrix as for a large one: some stack.
@@ -183,8 +244,8 @@ def _factor_pardiso(matrix: sparse.csr_array, threads: int, memory: float) -> So
     import scipy.sparse as sparse
 
     if memory < math.inf:  # MKL dissects, too
-        order = elimination.dissect(*pattern(matrix))
-        _check_fill(matrix, order, FACTOR_ENTRY, memory)
+        places = pattern(matrix)
+        _check_fill(*places, elimination.dissect(*places), FACTOR_ENTRY, memory)
     upper = sparse.csr_matrix(sparse.triu(matrix))
     solver = pypardiso.PyPardisoSolver(mtype=-2)  # real, symmetric, indefinite
     with _mkl_threads(solver, threads):
@@ -227,9 +288,9 @@ def _minimum_degree(matrix: sparse.csr_array) -> Ints:
 def _factor_scipy(matrix: sparse.csr_array, threads: int, memory: float) -> Solve:
     from scipy.sparse.linalg import splu
 
-    _check_breadth(matrix, SUPERLU_ENTRY, memory)
+    _check_breadth(*pattern(matrix), SUPERLU_ENTRY, memory)
     order = _minimum_degree(matrix)
-    _check_fill(matrix, order, SUPERLU_ENTRY, memory)
+    _check_fill(*pattern(matrix), order, SUPERLU_ENTRY, memory)
     factor = splu(
         matrix[order][:, order].tocsc(),
         permc_spec="NATURAL",
@@ -246,6 +307,7 @@ def _factor_scipy(matrix: sparse.csr_array, threads: int, memory: float) -> Solv
 
 
 SOLVERS: Final[Mapping[str, Solver]] = {
+    "core": Solver("deltamesh", "deltamesh", _factor_core),
     "rslab": Solver("rslab", "rslab", _factor_rslab),
     "pardiso": Solver("pypardiso", "deltamesh[mkl]", _factor_pardiso),
     "scipy": Solver("scipy", "scipy", _factor_scipy),

@@ -10,7 +10,7 @@ import ctypes
 import sys
 from ctypes import c_double, c_int64, c_void_p
 from pathlib import Path
-from typing import Any, Final, SupportsIndex
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,8 +142,8 @@ def invoke(name: str, *arguments: object) -> int:
 def _converted(argument: object) -> object:
     if isinstance(argument, float):
         return c_double(argument)
-    if isinstance(argument, SupportsIndex):
-        return c_int64(argument.__index__())
+    if isinstance(argument, int | np.integer):
+        return c_int64(int(argument))
     return argument
 
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from deltamesh._measures.differences import Differences, Reference
 from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.polymesh.permutations import distinct
 
 # A part is a line, and has no normals to keep, whose area is less than that share of the square of
 # its diagonal.
@@ -144,7 +145,7 @@ def _members(F: Ints, parts: Parts, n: int) -> tuple[Ints, Ints]:
     for part in parts.divisions:
         inside = part >= 0
         key = np.repeat(part[inside], 3) * n + F[inside].ravel()
-        found.append(np.unique(key))
+        found.append(distinct(key))
     key = np.concatenate(found)
     key.sort()
     starts = np.searchsorted(key // n, np.arange(parts.count))
@@ -170,7 +171,7 @@ def parts_of(F: Ints, component: Ints, objects: Sequence[Ints] = ()) -> Parts:
         first = np.full(count, -2, dtype=np.int64)
         first[of_face[::-1]] = part[::-1]
         split[of_face[part != first[of_face]]] = True
-        within = np.unique(part[split[of_face] & (part >= 0)])
+        within = distinct(part[split[of_face] & (part >= 0)])
         if len(within):
             number = np.full(int(part.max()) + 1, -1, dtype=np.int64)
             number[within] = count + np.arange(len(within))

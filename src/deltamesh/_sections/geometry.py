@@ -47,7 +47,7 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
     structure, V = draft.shape.structure, draft.positions
     surface, used = structure.surface, structure.complex.used
     memory = memory_to_encode(surface.vertex_count)
-    factor = factorization(lambda: surface.laplacian, options.solver, options.threads, memory)
+    factor = factorization(surface.graph, options.solver, options.threads, memory)
     faces, polygons = _measured(draft)
     component = np.pad(surface.labels, (0, len(V) - used), constant_values=-1)
     named = named_parts(draft.mesh, faces, polygons, component)

@@ -12,7 +12,7 @@ from deltamesh._shape.manifold import REVERSED, CodedManifold, Stitches, trivial
 from deltamesh._shape.provenance import TriangleProvenance
 from deltamesh._shape.structure import Complex, structure_of
 from deltamesh_formats.array_types import Ints
-from deltamesh_formats.polymesh.permutations import inverse
+from deltamesh_formats.polymesh.permutations import distinct, inverse
 
 
 def in_coding_order(draft: ShapeDraft, coded: CodedManifold) -> ShapeDraft:
@@ -25,7 +25,7 @@ def in_coding_order(draft: ShapeDraft, coded: CodedManifold) -> ShapeDraft:
     stitched, met = _first_appearances(source.cut.points[coded.order], len(source.first_vertices))
     rank = np.full(len(source.first_vertices), -1, dtype=np.int64)
     rank[met] = np.arange(len(met))
-    isolated = np.unique(source.points[source.kept])
+    isolated = distinct(source.points[source.kept])
     isolated = isolated[rank[isolated] < 0]
     isolated = isolated[np.lexsort(source.vertices[source.first_vertices[isolated]].T[::-1])]
     rank[isolated] = np.arange(len(met), len(met) + len(isolated))

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from deltamesh._graph.adjacency import adjacency, adjacency_of_edges, components, edges_between
 from deltamesh._graph.elements import Elements
 from deltamesh._graph.halfedges import ends
-from deltamesh._graph.laplacian import laplacian
 from deltamesh._graph.parallelograms import NO_QUADS, parallelograms
 from deltamesh._shape.manifold import Manifold
 from deltamesh_formats.array_types import Bools, Ints
-
-if TYPE_CHECKING:
-    import scipy.sparse as sparse
 
 NO_EDGES: Final = np.zeros(0, dtype=bool)
 
@@ -50,11 +46,6 @@ class Surface:
     def vertex_count(self) -> int:
         """Number of vertices of the faces."""
         return len(self.graph[0]) - 1
-
-    @cached_property
-    def laplacian(self) -> sparse.csr_array:
-        """L = D - A of the graph, float64 (n, n)."""
-        return laplacian(*self.graph)
 
     @cached_property
     def labels(self) -> Ints:

@@ -237,7 +237,7 @@ PARAMETERS = lossless.quantize(
     meshes.icosphere(0)[0],
     np.zeros((0, 3)),
     EXACTLY,
-    factorization(lambda: SPHERE.laplacian),
+    factorization(SPHERE.graph),
 )[0]
 flags, small = st.integers(0, 15), st.integers(-40, 1100)
 operation = st.builds(

@@ -199,7 +199,7 @@ def corrected(method, V, F, bound):
     step = 0.02 * diagonal(V)
     surface = surface_of(F, len(V), 0)
     settings = Settings(method, step=step, anchors=1, largest=bound)
-    factor = factorization(lambda: surface.laplacian)
+    factor = factorization(surface.graph)
     none = np.zeros((0, 3))
     module = geometry_codec(method)
     return surface, module, module.quantize(surface, V, none, settings, factor)
@@ -227,7 +227,7 @@ def test_corrections_are_where_the_error_is_too_large_and_nowhere_else(method):
     assert (read.corrections == integers.corrections).all()
     assert (read.values == integers.values).all()
     assert (read.refinements == integers.refinements).all()
-    again = module.reconstruct(surface, parameters, read, factorization(lambda: surface.laplacian))
+    again = module.reconstruct(surface, parameters, read, factorization(surface.graph))
     np.testing.assert_array_equal(again, X)
 
 

@@ -50,7 +50,7 @@ def surface_and_positions(mesh: meshes.Arrays):
 
 def written(surface, V, isolated, settings):
     """Parameters, integers and positions of an encoder, and what is read of its payloads."""
-    coder, factor = geometry_codec(settings.method), factorization(lambda: surface.laplacian)
+    coder, factor = geometry_codec(settings.method), factorization(surface.graph)
     parameters, integers, positions = coder.quantize(surface, V, isolated, settings, factor)
     payloads = coder.encode(surface, parameters, integers)
     sections = {name: Section(name, 0, payload) for name, payload in payloads.items()}

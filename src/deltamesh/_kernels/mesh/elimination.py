@@ -34,6 +34,17 @@ def dissect(indptr: Ints, indices: Ints) -> Ints:
     return order
 
 
+def minimum_degree(indptr: Ints, indices: Ints) -> Ints:
+    """Return an order of elimination by approximate minimum degree, int64 (n,).
+
+    No row names a column twice.
+    """
+    n, order = len(indptr) - 1, np.empty(len(indptr) - 1, dtype=np.int64)
+    memory = scratch(len(indices) + n), scratch(14, n + 1)
+    call("dm_minimum_degree", *_graph(indptr, indices), ints_out(order, n), *memory)
+    return order
+
+
 def factor_entries(indptr: Ints, indices: Ints, order: Ints, most: int) -> int:
     """Return the entries of the triangular factor for an order of elimination.
 

@@ -1,0 +1,53 @@
+"""Graph Laplacian L = D - A: its products, and the normal equations; `src/core/laplacian.c`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from deltamesh._kernels.core import call, floats, floats_out, ints, ints_out, scratch
+from deltamesh_formats.array_types import Floats, Ints
+
+
+def apply(indptr: Ints, indices: Ints, x: Floats) -> Floats:
+    """Return L x for float64 (n, c), each sum in the order of the indices, which ascend."""
+    n, columns = x.shape
+    out = np.empty((n, columns))
+    values = floats(x, n, columns), columns, floats_out(out, n, columns)
+    call("dm_apply_laplacian", *_graph(indptr, indices), *values)
+    return out
+
+
+def normal_bounds(indptr: Ints, indices: Ints) -> Ints:
+    """Return where the rows of L^T L begin and end, int64 (n + 1,)."""
+    n = len(indptr) - 1
+    bounds = np.empty(n + 1, dtype=np.int64)
+    call("dm_normal_bounds", *_graph(indptr, indices), ints_out(bounds, n + 1), scratch(n))
+    return bounds
+
+
+def normal_matrix(
+    indptr: Ints, indices: Ints, anchors: Ints, bounds: Ints
+) -> tuple[Ints, Ints, Floats]:
+    """Return L^T L + S^T S by rows, the columns of each in no order: indptr, indices, values.
+
+    S selects the anchors; the bounds are those of `normal_bounds`.
+    """
+    n, k, filled = len(indptr) - 1, len(anchors), int(bounds[-1])
+    columns, values = np.empty(filled, dtype=np.int64), np.empty(filled)
+    call(
+        "dm_normal_matrix",
+        *_graph(indptr, indices),
+        ints(anchors, k),
+        k,
+        ints(bounds, n + 1),
+        ints_out(columns, filled),
+        floats_out(values, filled),
+        filled,
+        scratch(n),
+    )
+    return bounds, columns, values
+
+
+def _graph(indptr: Ints, indices: Ints) -> tuple[object, ...]:
+    n, entries = len(indptr) - 1, len(indices)
+    return ints(indptr, n + 1), n, ints(indices, entries), entries
