@@ -82,7 +82,9 @@ TWINS: Mapping[str, tuple[str, ...] | str] = {
     "mesh.diagonals": ("polygon_oracle.choose",),
     "mesh.distance": ("oracle.farthest",),
     "mesh.elimination": ("oracle.factor_entries",),
+    "mesh.factor": ("oracle.solve_by_elimination", "oracle.factor_entries"),
     "mesh.halfedges": ("polygon_oracle.after", "polygon_oracle.before"),
+    "mesh.laplacian": ("oracle.laplacian",),
     "mesh.neighbours": ("oracle.neighbours", "oracle.component_labels"),
     "mesh.outlines": ("polygon_oracle.outlines",),
 }
