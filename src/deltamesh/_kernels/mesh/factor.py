@@ -1,6 +1,7 @@
 """Sparse factorization of a symmetric quasidefinite matrix.
 
-See `src/core/supernodes.c` and `src/core/factor.c`. A matrix is given by its rows, both triangles: indptr (n + 1,), indices and values, in any order.
+See `src/core/supernodes.c` and `src/core/factor.c`. A matrix is given by its rows, both triangles:
+indptr (n + 1,), indices and values, in any order.
 """
 
 from __future__ import annotations
