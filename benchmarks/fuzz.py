@@ -28,7 +28,7 @@ from harness import build, clang
 from seeds import write_seeds
 
 MOST_BYTES = 600  # of a file
-COUNTED_SHARE = 0.3  # of the executions
+COUNTED_SHARE = 0.1  # of the executions
 SECONDS, MEGABYTES = 10, 2048  # that an execution may take, and that all may
 OPTIONS = ("-entropic=0", f"-max_len={MOST_BYTES}", f"-timeout={SECONDS}")
 LIMITS = (f"-rss_limit_mb={MEGABYTES}", "-print_final_stats=1")

@@ -91,7 +91,8 @@ def encode(
         finely; "highpass" these coordinates alike; "cartesian" x, y and z; "lossless" nothing:
         positions come back bit for bit, -0.0 and all. "auto" is refined or cartesian, whichever
         takes fewer bytes for the same errors, and cartesian where solving would take far more
-        memory than on a surface.
+        memory than on a surface. Where nothing was asked for and neither can keep the default
+        quality, as of parts that are 1e9 of their sizes apart, it is lossless.
     bits : int, optional
         The step is the range of the quantized values over 2^bits. 0 is a least-squares mesh:
         connectivity and anchors alone. Errors are not bounded at a rate; "auto" is Cartesian then

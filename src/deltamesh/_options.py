@@ -136,6 +136,11 @@ class Options:
             _require_within("bits", self.bits, 0 if bare else 1, MAX_BITS)
 
     @property
+    def asks_nothing(self) -> bool:
+        """Whether method, rate and bounds are all left to the encoder."""
+        return self.method == AUTO and all(getattr(self, n) is None for n in RATES + BOUNDS)
+
+    @property
     def exact(self) -> bool:
         """Whether positions are kept to the last bit."""
         return self.method != AUTO and METHODS[self.method].layout.exact

@@ -18,6 +18,7 @@ from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.solve import factorization
 from deltamesh._limits import check_limits, filling, memory_to_solve
 from deltamesh._measures.metrics import diagonal
+from deltamesh._methods import LOSSLESS
 from deltamesh._options import Options
 from deltamesh._progress import Progress, silent
 from deltamesh._sections.draft import Draft, begin
@@ -37,7 +38,7 @@ from deltamesh_formats.container.layout import (
 )
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_container
-from deltamesh_formats.errors import FormatError, LimitError
+from deltamesh_formats.errors import FormatError, LimitError, TargetError
 from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.printing import shortened
 
@@ -91,6 +92,16 @@ class Encoded:
 
 def encode_mesh(mesh: PolyMesh, options: Options, progress: Progress = silent) -> Encoded:
     """Compress a checked mesh; see `deltamesh.encode`."""
+    try:
+        return _encoded(mesh, options, progress)
+    except TargetError:
+        if not options.asks_nothing:
+            raise
+    return _encoded(mesh, replace(options, method=LOSSLESS.name, coarse=None), progress)
+
+
+def _encoded(mesh: PolyMesh, options: Options, progress: Progress) -> Encoded:
+    """Compress a checked mesh by the methods that the options allow."""
     draft = begin(mesh, options, progress)
     payloads: dict[str, bytes] = {}
     for section in SECTIONS:
