@@ -104,7 +104,8 @@ def encode(
         From 1 to 9, instead of bits or a step. 5, the default, keeps the mean deviation of the face
         normals within 1 degree, and the RMS distance of the vertices from where they
         were within 0.15 % of the diagonal of the bounding box; two levels more halve both. Each
-        connected component, and each object, keeps them by its own diagonal.
+        connected component, and each object, keeps them by its own diagonal. Unless it is given, a
+        method that is named comes as near to it as it can.
     normal_error, dihedral_error : float, optional
         Bounds on angles: the largest mean deviation of the face normals, or of the dihedral angles,
         in degrees, of the whole mesh and of each of its parts. The file keeps all bounds, and the

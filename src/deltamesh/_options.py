@@ -138,7 +138,13 @@ class Options:
     @property
     def asks_nothing(self) -> bool:
         """Whether method, rate and bounds are all left to the encoder."""
-        return self.method == AUTO and all(getattr(self, n) is None for n in RATES + BOUNDS)
+        rate = any(getattr(self, name) is not None for name in RATES)
+        return self.method == AUTO and not rate and not self.is_bounded
+
+    @property
+    def is_bounded(self) -> bool:
+        """Whether any bound was given."""
+        return any(getattr(self, name) is not None for name in BOUNDS)
 
     @property
     def exact(self) -> bool:

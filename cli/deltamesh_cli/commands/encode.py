@@ -125,4 +125,5 @@ def _print_summary(source: str, target: str, encoded: EncodedFile) -> None:
     if cost is not None:
         where = "" if cost.part is None else f" in {display_name(cost.part)}"
         reached = f"{number(cost.error)} of {number(cost.bound)}"
-        click.echo(f"bound that cost the bytes: {cost.name}{where}, {reached}")
+        what = "bound that cost the bytes" if cost.error <= cost.bound else "beyond this method"
+        click.echo(f"{what}: {cost.name}{where}, {reached}")

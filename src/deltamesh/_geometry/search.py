@@ -53,6 +53,9 @@ def smallest(
 ) -> Trial:
     """Return the smallest trial within the bounds; without bounds, the trial of the options.
 
+    Where a method is named, no bound is given, and the default quality is beyond it, the best trial
+    that was found is returned.
+
     Parameters
     ----------
     options : Options
@@ -95,6 +98,8 @@ def smallest(
             best, steps = found
     if best is None and not missed:
         raise TargetError("no quantization step that fits the mesh is small enough")
+    if best is None and options.method != AUTO and not options.is_bounded:
+        return missed[-1]
     if best is None:
         raise _missed(bounds, missed[-1].measured, name_of)
     return _with_corrections(best, bounds, attempt)

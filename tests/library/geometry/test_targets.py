@@ -151,3 +151,15 @@ def test_faces_without_an_area_keep_distances(method, faces, turn):
         W = decode(encode(V, faces, method=method, keep_order=True, **options)).vertices
         if "only" not in options:
             assert np.abs(W - V).max() <= 0.01
+
+
+@pytest.mark.parametrize("method", METHODS[1:])
+def test_a_named_method_comes_as_near_to_the_default_quality_as_it_can(method):
+    V = np.array([[0.1, -1e-10, 0], [0.2, -5e-10, 0], [1.3, 9e-10, 0], [-1.3, -6e-10, 0]])
+    F = np.array([[2, 3, 0], [1, 2, 0], [1, 3, 2], [1, 0, 3]])
+    one = encode_mesh(from_triangles(V, F), Options(method=method))
+    assert one.draft.cost.error > one.draft.cost.bound
+    assert one.container.meta.rms <= 1.5e-3 * diagonal(V)
+    with pytest.raises(TargetError):
+        encode(V, F, method=method, quality=5)
+    assert info(encode(V, F)).parameters.method == "lossless"
