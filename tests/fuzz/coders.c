@@ -29,6 +29,10 @@ void note_touched(uint32_t *slot)
     touched[touched_count++] = slot;
 }
 
+int64_t bits_left;
+
+void count_bit(void) { require(bits_left-- > 0, "limits"); }
+
 void insist(int good, const char *what)
 {
     if (good)

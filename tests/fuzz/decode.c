@@ -3,7 +3,7 @@
 
 /* Meshes of a few hundred elements reach all of the core that larger ones do, but the sums of very
    many. */
-limits allowed = {.vertices = 120, .faces = 80, .streams = 8};
+limits allowed = {.vertices = 120, .faces = 80, .streams = 8, .bits = 2000};
 
 static void tell_nobody(const char *what, const int64_t *numbers, int64_t count)
 {
@@ -18,6 +18,7 @@ int decode(const uint8_t *data, size_t size)
     static structure s;
     forget_all();
     reason = NULL;
+    bits_left = allowed.bits;
     if (setjmp(refused))
         return 0;
     read_container(&file, data, size);

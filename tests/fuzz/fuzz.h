@@ -13,10 +13,11 @@
 
 /* Bounds of what is decoded, so that an execution stays short. */
 typedef struct {
-    int64_t vertices, faces, streams; /* the last of attributes */
+    int64_t vertices, faces, streams, bits; /* the third of attributes, the last coded in models */
     int strict; /* whether streams have to end where they should; a fuzzer would not get beyond one */
 } limits;
 extern limits allowed;
+extern int64_t bits_left;
 
 /* Leave the file that is being decoded: a decoder refuses it, for this reason. */
 extern jmp_buf refused;

@@ -17,7 +17,7 @@ static void print(const char *what, const int64_t *numbers, int64_t count)
 
 int main(int count, char **names)
 {
-    allowed = (limits){.vertices = 1 << 16, .faces = 1 << 16, .streams = 1 << 10, .strict = 1};
+    allowed = (limits){.vertices = 1 << 16, .faces = 1 << 16, .streams = 1 << 10, .bits = INT64_MAX, .strict = 1};
     tell = print;
     for (int i = 1; i < count; i++) {
         static uint8_t data[1 << 20];
