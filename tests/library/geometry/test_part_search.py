@@ -126,7 +126,7 @@ def test_a_part_that_cannot_be_kept_is_named():
         return np.where(PARTS == 2, 7.0, steps)
 
     with pytest.raises(TargetError, match=r"normal deviation 1 cannot be met in 2: .* is 7"):
-        search(error, np.ones(4))
+        search(error, np.ones(4), quality=5)
 
 
 def test_a_step_that_is_too_small_for_the_mesh_ends_the_search():
@@ -136,7 +136,7 @@ def test_a_step_that_is_too_small_for_the_mesh_ends_the_search():
         return np.where(PARTS == 1, 1e4 * steps, steps)
 
     with pytest.raises(TargetError, match="cannot be met in 1"):
-        search(error, np.ones(4))
+        search(error, np.ones(4), quality=5)
 
 
 def test_steps_further_apart_than_exponents_tell_are_as_fine_as_the_finest_needs():
