@@ -18,7 +18,7 @@ from deltamesh._graph.adjacency import components_of_faces
 from deltamesh._measures.differences import Differences
 from deltamesh._measures.metrics import diagonal, reference_of, vertex_errors_of
 from deltamesh._measures.named_parts import OBJECTS
-from deltamesh._measures.parts import LINE, WORTH_NORMAL, WORTH_RMS
+from deltamesh._measures.parts import LINE, QUALITY_NORMAL, QUALITY_RMS
 from deltamesh._options import Options
 from deltamesh._pipeline import Encoded, encode_mesh
 from deltamesh_formats.array_types import Floats, Ints
@@ -81,7 +81,7 @@ def largest_of(parts: Iterable[PartError]) -> PartError:
 
 def badness(part: PartError) -> float:
     """Return the larger of normal and RMS error, over those of quality 5."""
-    return max(part.rms / WORTH_RMS, part.normal / WORTH_NORMAL)
+    return max(part.rms / QUALITY_RMS, part.normal / QUALITY_NORMAL)
 
 
 def found(mesh: PolyMesh, **options: Any) -> Found:

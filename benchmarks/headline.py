@@ -23,7 +23,7 @@ import corpus
 import pool
 from equal import Coder, Point, coded_at, interpolated_at, point
 
-from deltamesh._geometry.bounds import QUALITY_RMS
+from deltamesh._measures.parts import QUALITY_RMS
 from deltamesh.bench import codec_of, missing
 from deltamesh_cli.output import table
 from deltamesh_formats.errors import DeltameshError, OptionError

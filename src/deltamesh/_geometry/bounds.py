@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 
 from deltamesh._measures.measure import Measured
+from deltamesh._measures.parts import QUALITY_NORMAL, QUALITY_RMS
 from deltamesh._methods import ANGLE_BOUNDS, BOUNDS, DISTANCE_BOUNDS, RATES
 from deltamesh._options import DEFAULT_QUALITY, Options
 from deltamesh_formats.array_types import Floats
@@ -22,12 +23,6 @@ from deltamesh_formats.errors import TargetError
 # Positions may differ by that between machines and solvers, in diagonals of the bounding box of
 # their component (SPEC.md 5.4); that of the whole mesh is at least as long.
 POSITION_TOLERANCE: Final = 1e-9
-
-# The bounds of quality 5: the mean deviation of the face normals in degrees, which shading does not
-# show, and the RMS distance over the diagonal, which bounds the error of a silhouette. Two levels
-# up halve both.
-QUALITY_NORMAL: Final = 1.0
-QUALITY_RMS: Final = 1.5e-3
 
 
 @dataclass(frozen=True)

@@ -96,13 +96,13 @@ def smallest(
             found = None
         if found is not None and (best is None or found[0].size < best.size):
             best, steps = found
-    if best is None and not missed:
+    if best is not None:
+        return _with_corrections(best, bounds, attempt)
+    if not missed:
         raise TargetError("no quantization step that fits the mesh is small enough")
-    if best is None and options.method != AUTO and not options.is_bounded:
+    if options.method != AUTO and not options.is_bounded:
         return missed[-1]
-    if best is None:
-        raise _missed(bounds, missed[-1].measured, name_of)
-    return _with_corrections(best, bounds, attempt)
+    raise _missed(bounds, missed[-1].measured, name_of)
 
 
 def _missed(bounds: Bounds, measured: Measured, name_of: Callable[[int], str]) -> TargetError:

@@ -23,10 +23,11 @@ from deltamesh_formats.polymesh.permutations import distinct
 # A part is a line, and has no normals to keep, whose area is less than that share of the square of
 # its diagonal.
 LINE: Final = 1e-6
-# The errors that count alike where parts are compared: those of quality 5, degrees and RMS distance
-# over the diagonal.
-WORTH_NORMAL: Final = 1.0
-WORTH_RMS: Final = 1.5e-3
+# The bounds of quality 5, which count alike where parts are compared: the mean deviation of the
+# face normals in degrees, which shading does not show, and the RMS distance over the diagonal,
+# which bounds the error of a silhouette. Two levels up halve both.
+QUALITY_NORMAL: Final = 1.0
+QUALITY_RMS: Final = 1.5e-3
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ class PartErrors:
     @property
     def worst(self) -> int:
         """The part with the largest of normal deviation and RMS, in what counts alike."""
-        share = np.maximum(self.normal_deviation / WORTH_NORMAL, self.relative_rms / WORTH_RMS)
+        share = np.maximum(self.normal_deviation / QUALITY_NORMAL, self.relative_rms / QUALITY_RMS)
         return int(np.argmax(share))
 
 

@@ -66,15 +66,15 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
         payloads = partial(coder.encode, surface, parameters, integers)
         return Trial(settings, parameters, integers, payloads, decoded, measure(decoded))
 
-    bounds = bounds_of(options, diagonal(V))
+    scale = diagonal(V)
+    bounds = bounds_of(options, scale)
     components = components_of(V[:used], surface.faces, named.parts, measure.diagonals)
-    trial = smallest(
-        options, bounds, components, attempt, named.name, furthest_at_rate(diagonal(V))
-    )
+    furthest = furthest_at_rate(scale)
+    trial = smallest(options, bounds, components, attempt, named.name, furthest)
     report = report_of(trial.measured, named)
     cost = None if bounds is None else _cost(bounds.binding(trial.measured), named)
     content = replace(draft.content, integers=trial.integers)
-    margin = 0 if options.exact else _margin(measure, trial, diagonal(V), bounds)
+    margin = 0 if options.exact else _margin(measure, trial, scale, bounds)
     made = replace(draft, trial=trial, report=report, cost=cost, margin=margin, content=content)
     return trial.payloads, made
 
