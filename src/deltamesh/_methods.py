@@ -23,7 +23,7 @@ ANGLE_BOUNDS: Final = ("normal_error", "dihedral_error")
 DISTANCE_BOUNDS: Final = ("rms_error", "rms_error_rel", "max_error", "max_error_rel")
 BOUNDS: Final = ("quality", *ANGLE_BOUNDS, *DISTANCE_BOUNDS)
 # Options of the methods that have anchors.
-ANCHORING: Final = ("anchors", "anchor_method", "diffusion", "seed")
+ANCHORING: Final = ("anchors", "anchor_method", "diffusion", "seed", "solution")
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,8 @@ class Method:
         (`benchmarks/memory.py`), and rounded up: coder tables; factorization and its solves.
     options : tuple of str
         The options of the encoder that mean something to it and not to all methods.
+    solution : str
+        What positions make of deltas and anchors by default; empty without anchors.
     first_step : float
         Where the search begins: the step over the mean edge for a mean normal deviation of one
         degree, where the coarse factor is 8; medians over scans and CAD parts. 0 without a search.
@@ -48,6 +50,7 @@ class Method:
     memory: int
     memory_per_vertex: int
     options: tuple[str, ...] = ()
+    solution: str = ""
     first_step: float = 0.0
 
     @property
@@ -61,6 +64,7 @@ REFINED: Final = Method(
     memory=256 << 20,
     memory_per_vertex=4000,
     options=(*RATES, *BOUNDS, *ANCHORING, "coarse"),
+    solution="interpolated",
     first_step=0.09,
 )
 HIGHPASS: Final = Method(
@@ -68,6 +72,7 @@ HIGHPASS: Final = Method(
     memory=256 << 20,
     memory_per_vertex=4000,
     options=(*RATES, *BOUNDS, *ANCHORING),
+    solution="least-squares",
     first_step=0.12,
 )
 CARTESIAN: Final = Method(

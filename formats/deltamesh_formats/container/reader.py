@@ -268,6 +268,7 @@ def read_parameters(payload: Buffer, vertices: int) -> Parameters:
         dead_zone=values["dead_zone"] / layout.ZONE_UNIT,
         normal_dead_zone=values["normal_dead_zone"] / layout.ZONE_UNIT,
         single=bool(values["flags"] & layout.FLAG_SINGLE),
+        interpolated=bool(values["flags"] & layout.FLAG_INTERPOLATED),
     )
     for field, message in parameter_faults(parameters, vertices):
         raise FormatError(message, offsets[field])

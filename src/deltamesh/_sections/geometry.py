@@ -13,7 +13,7 @@ from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.part_search import components_of
 from deltamesh._geometry.search import smallest
-from deltamesh._geometry.solve import factorization
+from deltamesh._geometry.systems import Systems
 from deltamesh._geometry.steps import anchor_ratios, ratios
 from deltamesh._geometry.trial import ScaleError, Trial
 from deltamesh._limits import memory_to_encode
@@ -47,7 +47,7 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
     structure, V = draft.shape.structure, draft.positions
     surface, used = structure.surface, structure.complex.used
     memory = memory_to_encode(surface.vertex_count)
-    factor = factorization(surface.graph, options.solver, options.threads, memory)
+    systems = Systems(surface, options.solver, options.threads, memory)
     faces, polygons = _measured(draft)
     component = np.pad(surface.labels, (0, len(V) - used), constant_values=-1)
     named = named_parts(draft.mesh, faces, polygons, component)
@@ -57,7 +57,7 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
         draft.progress(f"geometry, {settings.method}")
         coder = geometry_codec(settings.method)
         parameters, integers, decoded = coder.quantize(
-            surface, V[:used], V[used:], settings, factor
+            surface, V[:used], V[used:], settings, systems
         )
         if not has_scale(parameters, integers):
             largest = float(np.abs(V).max())
