@@ -199,6 +199,12 @@ RANDOM: Final = "random"
 FLAG_DIFFUSION: Final = 1
 FLAG_SINGLE: Final = 2
 FLAG_INTERPOLATED: Final = 4
+
+# SPEC.md#520-cell
+
+# Octaves of a unit above the step, the first of which a byte of 0 stands for.
+LEAST_UNIT: Final = -32
+MOST_UNIT: Final = 32
 ANCHOR_METHODS: Final[Mapping[str | None, int]] = {
     "farthest": 0,
     RANDOM: 1,

@@ -36,7 +36,7 @@ from deltamesh._vectors import safe_lengths
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Parameters, Section
-from deltamesh_formats.container.reader import payload_of
+from deltamesh_formats.container.reader import payload_of, take
 from deltamesh_formats.errors import FormatError, OptionError
 from deltamesh_formats.polymesh.permutations import distinct
 
@@ -200,7 +200,8 @@ def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict
     }
     if len(integers.cells):
         rows = integers.cells.reshape(-1, 3)
-        payloads[layout.CELLS] = encode_vectors(*_without_edges(len(rows)), rows)
+        stream = encode_vectors(*_without_edges(len(rows)), rows)
+        payloads[layout.CELLS] = bytes(integers.units - layout.LEAST_UNIT) + stream
     if len(integers.corrections):
         payloads[layout.CORRECTIONS] = encode_vectors(*surface.graph, integers.corrections)
     return payloads
@@ -221,8 +222,8 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
             values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
     integers = Integers(values, anchors, positions, isolated, exponents=exponents)
     if layout.CELLS in sections:
-        cells = _decode_cells(surface, parameters, anchors, sections[layout.CELLS])
-        integers = replace(integers, cells=cells)
+        units, cells = _decode_cells(surface, parameters, anchors, sections[layout.CELLS])
+        integers = replace(integers, units=units, cells=cells)
     if layout.CORRECTIONS not in sections:
         return integers
     with payload_of(sections[layout.CORRECTIONS]) as payload:
@@ -233,16 +234,21 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
 
 def _decode_cells(
     surface: Surface, parameters: Parameters, anchors: Ints, section: Section
-) -> Ints:
+) -> tuple[Ints, Ints]:
     shared = Cells(surface.graph, surface.labels, anchors).shared
     stages = len(UNITS[str(parameters.method)])
     with payload_of(section) as payload:
         if not (parameters.interpolated and len(shared)):
             raise FormatError("vectors of cells that have none", 0)
-        values = decode_vectors(*_without_edges(stages * len(shared)), payload)
+        units = np.array(take(payload, 0, stages), dtype=np.int64) + layout.LEAST_UNIT
+        if units.max() > layout.MOST_UNIT:
+            raise FormatError(f"a unit of 2^{units.max()} steps", int(np.argmax(units)))
+        values = decode_vectors(
+            *_without_edges(stages * len(shared)), payload[stages:], offset=stages
+        )
         if not values.any():
-            raise FormatError("no cell has lost anything", 0)
-    return values.reshape(stages, len(shared), 3)
+            raise FormatError("no cell has lost anything", stages)
+    return units, values.reshape(stages, len(shared), 3)
 
 
 def _without_edges(n: int) -> tuple[Ints, Ints]:

@@ -32,6 +32,8 @@ class Integers:
     cells : int64 (s, c, 3)
         Of interpolated anchors, at each of s stages, what the cells of c anchors have lost; see
         `cells`.
+    units : int64 (s,)
+        Of these, in octaves above the step.
     refinements : int64 (n, 1)
         Of the deltas along the normals.
     corrections : int64 (n, 3)
@@ -50,6 +52,7 @@ class Integers:
     positions: Ints = field(default_factory=lambda: NO_POINTS)
     isolated: Ints = field(default_factory=lambda: NO_POINTS)
     cells: Ints = field(default_factory=lambda: NO_CELLS)
+    units: Ints = field(default_factory=lambda: NONE)
     refinements: Ints = field(default_factory=lambda: NONE.reshape(0, 1))
     corrections: Ints = field(default_factory=lambda: NO_POINTS)
     formats: Ints = field(default_factory=lambda: NONE)

@@ -13,16 +13,16 @@ import numpy as np
 
 from deltamesh._geometry import steps
 from deltamesh._geometry.cells import Cells
-from deltamesh._geometry.integers import NO_CELLS, Integers
+from deltamesh._geometry.integers import NO_CELLS, NONE, Integers
 from deltamesh._geometry.interpolation import NORMAL_TOLERANCE, TOLERANCE
 from deltamesh._geometry.quantize import check_size, from_grid, to_grid
 from deltamesh._geometry.systems import Systems
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.container import Parameters
 
-# Units of what a cell has lost: in steps of the only or last stage of a method, and, in coarse
-# steps, of the one that only makes normals. Finer ones cost more bits than they save.
-UNITS: Final = {"highpass": (0.25,), "refined": (2.0, 1.0)}
+# Units of what a cell has lost, by the stages of a method, in octaves above the step; that of the
+# stage which only makes normals may be coarse. Finer ones cost more bits than they save.
+UNITS: Final = {"highpass": (-2,), "refined": (4, 0)}
 
 
 def solved(
@@ -71,6 +71,7 @@ def with_vectors(
 ) -> Integers:
     """Return the integers with y, float64 (k, 3), rounded, for the cells at a stage."""
     shared = cells.shared
+    integers = replace(integers, units=np.array(UNITS[parameters.method]))
     unit = _unit(parameters, integers, stage)[shared]
     rounded = np.rint(y[shared] * cells.sizes[shared] / unit)
     check_size(rounded, unit)
@@ -78,14 +79,15 @@ def with_vectors(
     if not len(found):
         found = np.zeros((len(UNITS[parameters.method]), len(shared), 3), dtype=np.int64)
     found[stage] = rounded
-    return replace(integers, cells=found if found.any() else NO_CELLS)
+    if not found.any():
+        return replace(integers, cells=NO_CELLS, units=NONE)
+    return replace(integers, cells=found)
 
 
 def _unit(parameters: Parameters, integers: Integers, stage: int) -> Floats:
     """Return the unit of the vectors of each anchor's cell, float64 (k, 1)."""
-    is_last = stage in (-1, len(UNITS[parameters.method]) - 1)
-    step = parameters.step * (1.0 if is_last else parameters.coarse)
-    return UNITS[parameters.method][stage] * step * steps.anchor_ratios(integers)
+    unit = np.ldexp(parameters.step, integers.units[stage])
+    return np.asarray(unit * steps.anchor_ratios(integers), dtype=np.float64)
 
 
 def placed(
