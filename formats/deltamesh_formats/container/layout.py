@@ -146,7 +146,10 @@ class MethodLayout:
     @property
     def further(self) -> tuple[str, ...]:
         """The sections that may follow these, in this order."""
-        cells, corrections = (CELLS,) if self.anchored else (), (CORRECTIONS,) if self.corrected else ()
+        cells, corrections = (
+            (CELLS,) if self.anchored else (),
+            (CORRECTIONS,) if self.corrected else (),
+        )
         return (*cells, *corrections, *AFTER_GEOMETRY)
 
 
@@ -199,12 +202,6 @@ RANDOM: Final = "random"
 FLAG_DIFFUSION: Final = 1
 FLAG_SINGLE: Final = 2
 FLAG_INTERPOLATED: Final = 4
-
-# SPEC.md#520-cell
-
-# Octaves of a unit above the step, the first of which a byte of 0 stands for.
-LEAST_UNIT: Final = -32
-MOST_UNIT: Final = 32
 ANCHOR_METHODS: Final[Mapping[str | None, int]] = {
     "farthest": 0,
     RANDOM: 1,
@@ -368,6 +365,12 @@ MAX_ELEMENTS_PER_BYTE: Final = 15200
 MAX_EXPONENT: Final = 120
 PER_OCTAVE: Final = 4
 QUARTERS: Final = (1.0, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605)
+
+# SPEC.md#520-cell
+
+# Octaves of a unit above the step; a byte of 0 stands for the least.
+LEAST_UNIT: Final = -32
+MOST_UNIT: Final = 32
 
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:

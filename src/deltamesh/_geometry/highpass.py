@@ -201,7 +201,7 @@ def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict
     if len(integers.cells):
         rows = integers.cells.reshape(-1, 3)
         stream = encode_vectors(*_without_edges(len(rows)), rows)
-        payloads[layout.CELLS] = bytes(integers.units - layout.LEAST_UNIT) + stream
+        payloads[layout.CELLS] = bytes((integers.units - layout.LEAST_UNIT).tolist()) + stream
     if len(integers.corrections):
         payloads[layout.CORRECTIONS] = encode_vectors(*surface.graph, integers.corrections)
     return payloads

@@ -141,9 +141,7 @@ def fitted(
     y, e = systems.fit(integers.anchors).exact(left / scale)
     integers = with_vectors(y * scale[integers.anchors], parameters, integers, cells, -1)
     near = vertices - e * scale
-    parameters, integers = placed(
-        near[integers.anchors], vertices, isolated, parameters, integers
-    )
+    parameters, integers = placed(near[integers.anchors], vertices, isolated, parameters, integers)
     return parameters, integers, near
 
 
@@ -163,9 +161,7 @@ def all_positions(vertices: Floats, parameters: Parameters, integers: Integers) 
     return np.concatenate([vertices, isolated])
 
 
-def grid_points(
-    vertices: Floats, parameters: Parameters, integers: Integers
-) -> Floats:
+def grid_points(vertices: Floats, parameters: Parameters, integers: Integers) -> Floats:
     """Return where each vertex would be as an anchor, float64 (n, 3)."""
     origin, ratios = vertices.min(axis=0), steps.ratios(integers)
     extra: Ints = steps.extra_bits(integers.exponents, len(vertices))

@@ -82,9 +82,7 @@ def quantize(
     integers = replace(integers, refinements=fine)
     if parameters.interpolated:
         left -= (each * fine) * N
-        parameters, integers, near = fitted(
-            left, vertices, isolated, parameters, integers, systems
-        )
+        parameters, integers, near = fitted(left, vertices, isolated, parameters, integers, systems)
         # The anchors have moved a little, and the normals with them.
         _, N = _bent(surface, systems, parameters, integers, W)
         W = near
