@@ -13,8 +13,8 @@ from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.part_search import components_of
 from deltamesh._geometry.search import smallest
-from deltamesh._geometry.systems import Systems
 from deltamesh._geometry.steps import anchor_ratios, ratios
+from deltamesh._geometry.systems import Systems
 from deltamesh._geometry.trial import ScaleError, Trial
 from deltamesh._limits import memory_to_encode
 from deltamesh._measures.margins import margin_of

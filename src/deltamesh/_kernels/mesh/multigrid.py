@@ -26,7 +26,7 @@ from deltamesh._kernels.core import (
     singles,
     singles_out,
 )
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.array_types import Floats
 
 Shorts = NDArray[np.int32]
 Singles = NDArray[np.float32]
@@ -139,7 +139,7 @@ class Hierarchy:
         columns = zip(*(vars(level).values() for level in levels), strict=True)
         self._arrays = [np.concatenate(column) for column in columns]
         last = levels[-1]
-        is_dense = 1 < len(levels) and 0 < last.nodes <= MAX_DENSE
+        is_dense = len(levels) > 1 and 0 < last.nodes <= MAX_DENSE
         self._factor = factor_dense(last.matrix()) if is_dense else np.zeros((0, 0))
         self.barrier = 0.0
 
