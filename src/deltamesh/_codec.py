@@ -60,6 +60,7 @@ def encode(
     anchor_method: str = "farthest",
     seed: int = 0,
     coarse: float | None = None,
+    solution: str | None = None,
     solver: str = "auto",
     threads: int | None = None,
     drop_isolated: bool = False,

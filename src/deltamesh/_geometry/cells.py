@@ -75,14 +75,15 @@ class Cells:
         """Return the mean position of the anchors, (k, 3), in the component of each vertex."""
         count = len(self._component_sizes)
         anchors = np.bincount(self._of_anchors, minlength=count)[:, None]
-        return (_sums(self._of_anchors, positions, count) / anchors)[self.labels]
+        centres = _sums(self._of_anchors, positions, count) / anchors
+        return np.asarray(centres[self.labels])
 
     def sums(self, x: Floats) -> Floats:
         """Return the sum of x, float64 (n, c), over each cell, float64 (k, c)."""
         return _sums(self.of, x, len(self.anchors))
 
     def fluxes(self, x: Floats) -> Floats:
-        """Return the Laplacian of x, float64 (k, c), on the graph of the cells and their borders."""
+        """Return the Laplacian of x, float64 (k, c), on the graph of the cells' borders."""
         tail, head = self._borders
         return _sums(tail, x[tail] - x[head], len(self.anchors))
 

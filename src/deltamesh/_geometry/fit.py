@@ -7,10 +7,10 @@ no flux into them that would show as a spike. The mean error of every cell vanis
 
     K y = P^T L^+ q,    K = P^T L^+ P,
 
-which conjugate gradients solve without forming K. They are preconditioned by the fluxes between the
-cells, D^-1 L_c D^-1 with the cells' sizes D and the Laplacian L_c of their borders, which is so near
-to K^-1 that two steps do, for any number of anchors. Nor need the Poisson problems within be solved
-to the end: what they leave is smooth, and y is rounded in any case.
+which conjugate gradients solve without forming K. They are preconditioned by the fluxes between
+the cells, D^-1 L_c D^-1 with the cells' sizes D and the Laplacian L_c of their borders, which is so
+near to K^-1 that two steps do, for any number of anchors. Nor need the Poisson problems within be
+solved to the end: what they leave is smooth, and y is rounded in any case.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Fit:
         return np.asarray(sums[:, :3] / sums[:, 3:])
 
     def exact(self, q: Floats) -> tuple[Floats, Floats]:
-        """Return the y, float64 (k, 3), with which no cell errs in the mean, nearly; and e (n, 3)."""
+        """Return the y, float64 (k, 3), with which no cell errs in the mean, nearly, and e (n, 3)."""
         cells = self._cells
         y = self.smooth(q)
         e = self._inverse(cells.completed(q, -y), FIRST)

@@ -2,8 +2,9 @@
 
 Where the right-hand side of the rectangular system [L; S] x = [delta'; c] is consistent, its
 least-squares solution interpolates the anchors, and one Poisson problem finds it: the rows of the
-anchors follow from the others. The encoder makes it so. It stores, beside the quantized deltas, what
-each cell of the anchors has lost (`cells`), and positions of the anchors that go with it (`fit`).
+anchors follow from the others. The encoder makes it so. It stores, beside the quantized deltas,
+what each cell of the anchors has lost (`cells`), and positions of the anchors that go with it
+(`fit`).
 """
 
 from __future__ import annotations

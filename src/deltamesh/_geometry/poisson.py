@@ -1,8 +1,8 @@
 """Poisson problem: positions whose graph Laplacian is given, with some vertices held fixed.
 
-L_ff x_f = b_f - L_fc x_c, for the free vertices f and the fixed ones c. It takes 15 to 40 iterations
-of conjugate gradients on surfaces of any size, each of the price of 30 products with L; the core has
-the algorithm, `src/core/multigrid.c`.
+L_ff x_f = b_f - L_fc x_c, for the free vertices f and the fixed ones c. It takes 15 to 40
+iterations of conjugate gradients on surfaces of any size; the core has the algorithm,
+`src/core/multigrid.c`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Multigrid and conjugate gradients for the Poisson problem; `src/core/multigrid.c`.
 
-Matrices are symmetric, given by their rows: indptr (n + 1,) and indices as int32, of the entries off
-the diagonal, which are the negative weights as float32, or -1 without any.
+Matrices are symmetric, given by their rows: indptr (n + 1,) and indices as int32, of the entries
+off the diagonal, which are the negative weights as float32, or -1 without any.
 """
 
 from __future__ import annotations
