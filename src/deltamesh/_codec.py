@@ -199,6 +199,7 @@ def encode(
         anchor_method=anchor_method,
         seed=seed,
         coarse=coarse,
+        solution=solution,
         solver=solver,
         threads=threads,
         drop_isolated=drop_isolated,

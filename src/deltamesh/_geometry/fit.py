@@ -50,7 +50,7 @@ class Fit:
         return np.asarray(sums[:, :3] / sums[:, 3:])
 
     def exact(self, q: Floats) -> tuple[Floats, Floats]:
-        """Return the y, float64 (k, 3), with which no cell errs in the mean, nearly, and e (n, 3)."""
+        """Return y, float64 (k, 3), with which nearly no cell errs in the mean, and e (n, 3)."""
         cells = self._cells
         y = self.smooth(q)
         e = self._inverse(cells.completed(q, -y), FIRST)
