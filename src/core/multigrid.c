@@ -323,13 +323,18 @@ static void multiply(const level *l, const double *p, double *q, double *product
 static double bound_of(const level *l, const double *x, const double *r, double *barrier)
 {
     double largest = 0.0, slack = 0.0, most = 0.0;
+    int defined = 1;
     for (int64_t i = 0; i < l->n; i++) {
+        for (int k = 0; k < LANES; k++)
+            defined &= isfinite(r[i * LANES + k]) != 0;
         for (int k = 0; k < BARRIER; k++)
             largest = fmax(largest, fabs(r[i * LANES + k]));
         slack = fmax(slack, fabs(r[i * LANES + BARRIER]));
         if (l->inverse[i] != 0.0f)
             most = fmax(most, x[i * LANES + BARRIER]);
     }
+    if (!defined)
+        return HUGE_VAL;
     if (*barrier == 0.0 && slack <= 0.5)
         *barrier = most / (1.0 - slack);
     return *barrier > 0.0 ? *barrier * largest : (largest == 0.0 && slack == 0.0 ? 0.0 : HUGE_VAL);
