@@ -6,7 +6,7 @@ import numpy as np
 
 
 def neighbours_in(matrix, v):
-    return [w for w in range(len(matrix)) if w != v and matrix[v, w]]
+    return [w for w in np.flatnonzero(matrix[v]).tolist() if w != v]
 
 
 def nearest(matrix, sources):

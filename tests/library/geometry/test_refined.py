@@ -8,6 +8,7 @@ import oracle
 import pytest
 import strategies
 from coders import integers_of, slow_coder
+from graphs import tolerances_of, tolerances_of_points
 from hypothesis import given
 from hypothesis import strategies as st
 from payloads import SURFACE, read_or_refused
@@ -76,7 +77,7 @@ def test_solvers_agree_where_the_coarse_surface_collapses(step):
 
 def test_the_positions_are_those_of_two_dense_least_squares_problems():
     V, _ = TORUS
-    one = refined(TORUS, anchors=3, coarse=5.0)
+    one = refined(TORUS, anchors=3, coarse=5.0, solution="least-squares")
     content = read_content(info(one.data), 10**9, 2**40)
     surface, integers = content.structure.surface, content.integers
     p = info(one.data).parameters
@@ -92,14 +93,15 @@ def test_the_positions_are_those_of_two_dense_least_squares_problems():
 
 
 @pytest.mark.parametrize("name", sorted(meshes.every()))
-def test_round_trip(name):
+@pytest.mark.parametrize("solution", ["interpolated", "least-squares"])
+def test_round_trip(name, solution):
     V, F = meshes.every()[name]
-    one = refined((V, F), threads=1)
-    assert refined((V, F), threads=2).data == one.data
+    one = refined((V, F), threads=1, solution=solution)
+    assert refined((V, F), threads=2, solution=solution).data == one.data
     for solver in ("rslab", "scipy"):
         mesh = decode(one.data, solver=solver)
         assert (mesh.faces == one.mesh.faces).all()
-        assert np.abs(mesh.vertices - one.mesh.vertices).max() <= 1e-9 * diagonal(V)
+        assert (np.abs(mesh.vertices - one.mesh.vertices) <= tolerances_of(one.data, mesh)).all()
 
 
 numbers = st.integers(-(2**30), 2**30) | st.integers(-4, 4)
@@ -194,23 +196,24 @@ def test_every_flip_in_the_refinements_is_noticed():
 # ---- Corrections of the positions --------------------------------------------------------------
 
 
-def corrected(method, V, F, bound):
+def corrected(method, V, F, bound, interpolated):
     """A file in which the vertices further from where they were than the bound are corrected."""
     step = 0.02 * diagonal(V)
     surface = surface_of(F, len(V), 0)
-    settings = Settings(method, step=step, anchors=1, largest=bound)
+    settings = Settings(method, step=step, anchors=1, largest=bound, interpolated=interpolated)
     none = np.zeros((0, 3))
     module = geometry_codec(method)
     return surface, module, module.quantize(surface, V, none, settings, Systems(surface))
 
 
+@pytest.mark.parametrize("interpolated", [False, True])
 @pytest.mark.parametrize("method", ["highpass", "refined"])
-def test_corrections_are_where_the_error_is_too_large_and_nowhere_else(method):
+def test_corrections_are_where_the_error_is_too_large_and_nowhere_else(method, interpolated):
     # A step is too long for what high-pass coding errs by on a torus.
     V, F = TORUS if method == "refined" else meshes.grid(15, 15)
-    W = corrected(method, V, F, np.inf)[2][2]
+    W = corrected(method, V, F, np.inf, interpolated)[2][2]
     bound = np.median(np.linalg.norm(W - V, axis=1))
-    surface, module, (parameters, integers, X) = corrected(method, V, F, bound)
+    surface, module, (parameters, integers, X) = corrected(method, V, F, bound, interpolated)
     far = np.linalg.norm(W - V, axis=1) > bound
     assert far.any()
     assert not far.all()
@@ -227,12 +230,15 @@ def test_corrections_are_where_the_error_is_too_large_and_nowhere_else(method):
     assert (read.values == integers.values).all()
     assert (read.refinements == integers.refinements).all()
     again = module.reconstruct(surface, parameters, read, Systems(surface))
-    np.testing.assert_array_equal(again, X)
+    if interpolated:
+        assert (np.abs(again - X) <= tolerances_of_points(X, surface, parameters, read)).all()
+    else:
+        np.testing.assert_array_equal(again, X)
 
 
 @pytest.mark.parametrize("method", ["highpass", "refined"])
 def test_without_a_bound_nothing_is_corrected(method):
-    surface, module, (parameters, integers, _) = corrected(method, *TORUS, np.inf)
+    surface, module, (parameters, integers, _) = corrected(method, *TORUS, np.inf, True)
     assert integers.corrections.shape == (0, 3)
     assert "FIXS" not in module.encode(surface, parameters, integers)
 

@@ -83,9 +83,15 @@ def test_ratios_are_quarters_of_an_octave() -> None:
     st.sampled_from(["highpass", "refined"]),
     st.sampled_from(["farthest", "random", "greedy"]),
     st.sampled_from([1e-3, 0.03]),
+    st.booleans(),
 )
 def test_solved_positions_round_trip(
-    mesh: meshes.Arrays, exponents: list[int], method: str, anchor_method: str, step: float
+    mesh: meshes.Arrays,
+    exponents: list[int],
+    method: str,
+    anchor_method: str,
+    step: float,
+    interpolated: bool,
 ) -> None:
     """With every vertex an anchor, no error is larger than all roundings of both together."""
     surface, V, isolated = surface_and_positions(mesh)
@@ -97,6 +103,7 @@ def test_solved_positions_round_trip(
         anchors=len(V),
         anchor_method=anchor_method,
         exponents=bytes(each),
+        interpolated=interpolated,
     )
     parameters, integers, positions, payloads = written(surface, V, isolated, settings)
     assert ("STEP" in payloads) == bool(any(each))
