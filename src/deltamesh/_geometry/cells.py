@@ -65,7 +65,7 @@ class Cells:
 
     def least(self, x: Floats) -> Floats:
         """Return the least of x, float64 (n, 1), in the component of each vertex."""
-        if (x == x[0]).all():
+        if not len(x) or (x == x[0]).all():
             return x
         least = np.full(len(self._component_sizes), np.inf)
         np.minimum.at(least, self.labels, x[:, 0])

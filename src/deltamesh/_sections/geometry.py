@@ -105,6 +105,7 @@ def has_scale(p: Parameters, i: Integers) -> bool:
     of_vertices, of_anchors = ratios(i), anchor_ratios(i)
     numbers = [np.abs(a) * of_vertices[: len(a)] for a in (i.values, i.refinements, i.corrections)]
     numbers += [np.abs(i.positions) * of_anchors, np.abs(i.isolated)]
+    numbers.append(np.ldexp(np.abs(i.cells).astype(np.float64), i.units[:, None, None]))
     values = max(float(a.max(initial=0)) for a in numbers)
     steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
     return bool(values * steps + origin <= 100 * LARGEST)

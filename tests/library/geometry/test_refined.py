@@ -18,7 +18,7 @@ from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.normals import vertex_normals
 from deltamesh._geometry.quantize import quantize_delta
-from deltamesh._geometry.solve import factorization
+from deltamesh._geometry.systems import Systems
 from deltamesh._graph.adjacency import adjacency
 from deltamesh._kernels.coding import delta as kernels
 from deltamesh._kernels.coding import residual
@@ -199,10 +199,9 @@ def corrected(method, V, F, bound):
     step = 0.02 * diagonal(V)
     surface = surface_of(F, len(V), 0)
     settings = Settings(method, step=step, anchors=1, largest=bound)
-    factor = factorization(surface.graph)
     none = np.zeros((0, 3))
     module = geometry_codec(method)
-    return surface, module, module.quantize(surface, V, none, settings, factor)
+    return surface, module, module.quantize(surface, V, none, settings, Systems(surface))
 
 
 @pytest.mark.parametrize("method", ["highpass", "refined"])
@@ -227,7 +226,7 @@ def test_corrections_are_where_the_error_is_too_large_and_nowhere_else(method):
     assert (read.corrections == integers.corrections).all()
     assert (read.values == integers.values).all()
     assert (read.refinements == integers.refinements).all()
-    again = module.reconstruct(surface, parameters, read, factorization(surface.graph))
+    again = module.reconstruct(surface, parameters, read, Systems(surface))
     np.testing.assert_array_equal(again, X)
 
 
