@@ -43,7 +43,7 @@ class Method:
         What positions make of deltas and anchors by default; empty without anchors.
     first_step : float
         Where the search begins: the step over the mean edge for a mean normal deviation of one
-        degree, where the coarse factor is 8; medians over scans and CAD parts. 0 without a search.
+        degree, where the coarse factor is the default; medians over scans and CAD parts. 0 without a search.
     """
 
     layout: MethodLayout
@@ -65,7 +65,7 @@ REFINED: Final = Method(
     memory_per_vertex=4000,
     options=(*RATES, *BOUNDS, *ANCHORING, "coarse"),
     solution="interpolated",
-    first_step=0.09,
+    first_step=0.117,
 )
 HIGHPASS: Final = Method(
     layout.METHODS["highpass"],

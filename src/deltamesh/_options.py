@@ -16,7 +16,7 @@ from deltamesh_formats.errors import OptionError
 CHOICES = (AUTO, *METHODS)
 ANCHOR_METHODS = tuple(sorted(filter(None, layout.ANCHOR_METHODS)))
 # The step of the deltas that get refined along the normals, in steps of these refinements.
-DEFAULT_COARSE = 8.0
+DEFAULT_COARSE = 5.0
 # What positions make of deltas and anchors: they go through the anchors, or come near to both.
 INTERPOLATED = "interpolated"
 LEAST_SQUARES = "least-squares"

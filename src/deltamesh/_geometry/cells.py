@@ -102,6 +102,6 @@ class Cells:
 
 def _sums(of: Ints, x: Floats, count: int) -> Floats:
     if count == 1:
-        return x.sum(axis=0, keepdims=True)
+        return np.asarray(x.sum(axis=0, keepdims=True))
     columns = [np.bincount(of, np.ascontiguousarray(column), count) for column in x.T]
     return np.stack(columns, axis=1) if columns else np.zeros((count, 0))

@@ -26,7 +26,7 @@ from deltamesh._kernels.mesh import laplacian
 from deltamesh_formats.array_types import Floats
 
 # Rounds of smoothing before the means of the cells are taken: the sharp edge of a cell is noise.
-ROUNDS: Final = 30
+ROUNDS: Final = 10
 # Steps, and iterations of the Poisson problems before the first one and in each.
 STEPS: Final = 2
 FIRST: Final = 5

@@ -22,7 +22,7 @@ from deltamesh_formats.container.container import Parameters
 
 # Units of what a cell has lost, by the stages of a method, in octaves above the step; that of the
 # stage which only makes normals may be coarse. Finer ones cost more bits than they save.
-UNITS: Final = {"highpass": (-2,), "refined": (4, 0)}
+UNITS: Final = {"highpass": (-2,), "refined": (5, 1)}
 
 
 def solved(

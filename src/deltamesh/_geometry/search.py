@@ -32,10 +32,10 @@ from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError, TargetError
 
 # How coarse the deltas may be, by effort, the likeliest first.
-COARSE: Final = {1: (8.0,), 2: (8.0, 4.0), 3: (8.0, 4.0, 16.0, 2.0)}
+COARSE: Final = {1: (5.0,), 2: (5.0, 3.0), 3: (5.0, 3.0, 8.0, 2.0)}
 # Where a distance, not an angle, would bound the step, four times the anchors divide distances by
 # three or so, for 0.15 bits a vertex; but not more of them than that share of the vertices.
-MORE_ANCHORS, LESS_DISTANCE = 4, 3
+MORE_ANCHORS, LESS_DISTANCE = 2, 1.35
 MOST_ANCHORS: Final = 0.016
 # ... and no component asks for more than so many times four.
 MOST_TIMES: Final = 10
