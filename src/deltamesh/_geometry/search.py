@@ -27,12 +27,16 @@ from deltamesh._geometry.step_search import fit_step
 from deltamesh._geometry.trial import Attempt, ScaleError, Trial
 from deltamesh._measures.measure import Measured
 from deltamesh._methods import AUTO, CARTESIAN, HIGHPASS, METHODS, REFINED
-from deltamesh._options import DEFAULT_COARSE, Options, Settings, settings_of
+from deltamesh._options import DEFAULT_COARSE, DEFAULT_EFFORT, Options, Settings, settings_of
 from deltamesh_formats.array_types import Floats
+from deltamesh_formats.container.layout import DELTAS, NORMALS
 from deltamesh_formats.errors import MeshError, TargetError
 
 # How coarse the deltas may be, by effort, the likeliest first.
-COARSE: Final = {1: (5.0,), 2: (5.0, 3.0), 3: (5.0, 3.0, 8.0, 2.0)}
+COARSE: Final = {1: (5.0,), 2: (5.0, 3.0, 8.0), 3: (5.0, 3.0, 8.0, 2.0)}
+# Of effort 2, one other: finer deltas pay where they take few bytes beside the refinements, and
+# coarser ones where they take many.
+FEW, MANY = 1.2, 2.9
 # Where a distance, not an angle, would bound the step, four times the anchors divide distances by
 # three or so, for 0.15 bits a vertex; but not more of them than that share of the vertices.
 MORE_ANCHORS, LESS_DISTANCE = 2, 1.35
@@ -80,6 +84,8 @@ def smallest(
     steps: Steps | None = None
     missed: list[Trial] = []
     for settings in _candidates(options, bounds):
+        if best is not None and not _may_pay(settings, best, options.effort):
+            continue
         start = _start(settings, bounds, components, best, steps)
         if best is not None and best.settings.method == settings.method:
             settings = replace(settings, anchors=best.settings.anchors)
@@ -187,6 +193,18 @@ def _candidates(options: Options, bounds: Bounds) -> Iterator[Settings]:
         yield cartesian
     for c in coarse[1:]:
         yield replace(refined, coarse=c)
+
+
+def _may_pay(settings: Settings, best: Trial, effort: int) -> bool:
+    """Return whether another coarse factor is worth a trial, from the bytes of the best one."""
+    if settings.method != REFINED.name or effort > DEFAULT_EFFORT:
+        return True
+    if best.settings.method != REFINED.name:
+        return False
+    deltas, normals = (len(best.payloads[name]) for name in (DELTAS, NORMALS))
+    if settings.coarse < best.settings.coarse:
+        return deltas < FEW * normals
+    return deltas > MANY * normals
 
 
 def _anchored(

@@ -50,8 +50,10 @@ def contents(one: Encoded):
 
 
 def ratios_of(integers, n):
-    return np.ones((n, 1)) if not len(integers.exponents) else 2.0 ** (
-        -integers.exponents[:, None] / 4
+    return (
+        np.ones((n, 1))
+        if not len(integers.exponents)
+        else 2.0 ** (-integers.exponents[:, None] / 4)
     )
 
 
@@ -59,7 +61,10 @@ def vectors_of(p, integers, L, stage):
     """What SPEC.md 5.20 says of y, anchor by anchor."""
     anchors = integers.anchors.tolist()
     of, r = poisson_oracle.nearest(L, anchors), ratios_of(integers, len(L))
-    y, rows = np.zeros((len(anchors), 3)), iter(integers.cells[stage] if len(integers.cells) else [])
+    y, rows = (
+        np.zeros((len(anchors), 3)),
+        iter(integers.cells[stage] if len(integers.cells) else []),
+    )
     parts = poisson_oracle.parts(L)
     for k, a in enumerate(anchors):
         part = next(part for part in parts if a in part)
