@@ -43,6 +43,8 @@ MORE_ANCHORS, LESS_DISTANCE = 2, 1.35
 MOST_ANCHORS: Final = 0.016
 # ... and no component asks for more than so many times four.
 MOST_TIMES: Final = 10
+# A distance bounds the step if it is so many times nearer to its bound than an angle.
+BINDING: Final = 1.1
 # With corrections, steps change by this as long as the files shrink.
 GROWTH: Final = 1.6
 
@@ -96,6 +98,8 @@ def smallest(
             settings = replace(settings, largest=bounds.max)
         try:
             found = _fit(settings, bounds, start, components, options, attempt, best, missed)
+            if found is not None and options.anchors is None:
+                found = _with_more_anchors(found, bounds, components, options, attempt)
         except ScaleError:
             if options.method != AUTO:
                 raise
@@ -193,6 +197,27 @@ def _candidates(options: Options, bounds: Bounds) -> Iterator[Settings]:
         yield cartesian
     for c in coarse[1:]:
         yield replace(refined, coarse=c)
+
+
+def _with_more_anchors(
+    found: tuple[Trial, Steps],
+    bounds: Bounds,
+    components: Components,
+    options: Options,
+    attempt: Attempt,
+) -> tuple[Trial, Steps]:
+    """Return a smaller trial, if there is one, with more anchors, where a distance bounds it."""
+    while True:
+        trial, steps = found
+        distance, angle = (float(each.max()) for each in bounds.part_excess(trial.measured))
+        count = MORE_ANCHORS * trial.parameters.anchor_count
+        if distance < BINDING * angle or not 0 < count <= MOST_ANCHORS * len(trial.vertices):
+            return found
+        settings = replace(trial.settings, anchors=count)
+        other = _fit(settings, bounds, steps, components, options, attempt, trial, [])
+        if other is None or other[0].size >= trial.size:
+            return found
+        found = other
 
 
 def _may_pay(settings: Settings, best: Trial, effort: int) -> bool:
