@@ -103,7 +103,9 @@ def build(target: str = "", flags: Sequence[str] = ()) -> Path:
         If there is no compiler, or if it fails.
     """
     library = library_of(target)
-    command = [*zig(), "-target", target, "-s"] if target else compiler() or zig()
+    # Of itself, ziglang compiles for the very processor that it runs on, but libraries get around.
+    kind = ("-target", target) if target else ("-mcpu=baseline",)
+    command = (None if target else compiler()) or [*zig(), *kind, "-s"]
     if library.suffix != ".dll":
         command += ["-fPIC"]
     _compile([*command, "-shared", *flags], library, ["-lm"])
