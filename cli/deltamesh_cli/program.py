@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 import os
 import sys
@@ -122,6 +123,7 @@ def run_and_exit() -> None:
         warnings.simplefilter("ignore")  # warnings are for programmers; -W shows them
     code = run()
     if code == DONE:
+        gc.freeze()  # Python would search all objects for garbage, for 20 ms, before it ends
         sys.exit(DONE)
     # Not sys.exit: an abandoned thread may be in the middle of a solve (deltamesh_cli.signals),
     # and flushing to a broken pipe once more would print an error.
