@@ -5,7 +5,6 @@ Each attribute is coded in all codings that suit its type and its role, and the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 from typing import Any
@@ -77,11 +76,6 @@ class CodedAttribute:
     def own_wedges(self) -> Ints | None:
         """The wedges, unless those of an attribute before serve."""
         return self.wedges if self.entry.wedges == OWN_WEDGES else None
-
-
-def attribute_arrays(coded: Iterable[CodedAttribute]) -> tuple[Ints, ...]:
-    """Return the arrays of all attributes that the digest of a file covers."""
-    return tuple(array for one in coded for array in one.arrays)
 
 
 # Any bits may be numbers, those of a signalling NaN too.
