@@ -27,7 +27,7 @@ class EncodedFile:
     Attributes
     ----------
     source_size : int
-        Bytes of the input, with the compression around it.
+        Bytes of the input, with the compression around it and the files that are read with it.
     container : Container
         The sections of the output.
     lost : tuple of str
@@ -85,7 +85,8 @@ def encode_file(
     files.write_output(target, encoded.data, force=force)
     lost = texts_of(encoded.container).lost
     draft = encoded.draft
-    return EncodedFile(len(raw), encoded.container, lost, draft.report, draft.cost)
+    size = files.source_size(source, raw, input_format)
+    return EncodedFile(size, encoded.container, lost, draft.report, draft.cost)
 
 
 def _encode(mesh: PolyMesh, progress: Progress, parameters: dict[str, Any]) -> Encoded:

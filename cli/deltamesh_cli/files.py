@@ -23,6 +23,7 @@ from deltamesh_cli.output import display_name
 from deltamesh_cli.signals import stopping_cleanly
 from deltamesh_formats.atomic import found_at, write_file
 from deltamesh_formats.errors import LimitError
+from deltamesh_formats.meshfiles.beside import read_with
 from deltamesh_formats.wrappers import DEFAULT_LIMIT, unwrapped, without_wrapper, wrapped
 
 STDIO: Final = "-"
@@ -119,6 +120,21 @@ def read_raw(name: str) -> bytes:
             return sys.stdin.buffer.read()
         with open(name, "rb") as stream:
             return stream.read()
+
+
+def source_size(name: str, raw: bytes, file_format: str | None) -> int:
+    """Return the bytes of a mesh file, and of those that are read with it, as a glTF has buffers.
+
+    Parameters
+    ----------
+    name : str
+    raw : bytes
+        All bytes of the file.
+    file_format : str or None
+        Format of the file; None if its name determines it.
+    """
+    beside = () if name == STDIO else read_with(name, file_format or "")
+    return len(raw) + sum(map(os.path.getsize, beside))
 
 
 def check_output(source: str, target: str, *, force: bool, text: bool = False) -> None:

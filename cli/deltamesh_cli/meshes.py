@@ -165,4 +165,5 @@ def load_mesh(
         return LoadedMesh(mesh, len(raw), container)
     mesh = parse_mesh(name, data, file_format, progress)
     with attempt(name, "cannot read"):
-        return LoadedMesh(checked(mesh, LARGEST), len(raw), None)
+        size = files.source_size(name, raw, file_format)
+        return LoadedMesh(checked(mesh, LARGEST), size, None)

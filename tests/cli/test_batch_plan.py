@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
@@ -141,3 +142,28 @@ def test_a_record_of_the_same_work_settles_it_and_others_do_not(folder: Path) ->
     )  # ours: redone
     (folder / "torus.ply").write_bytes(b"changed")
     assert settled_record(ENCODE, task, before, force=False, skip_existing=False) is None
+
+
+def test_the_buffers_of_a_gltf_count(folder: Path) -> None:
+    from deltamesh.batch import file_state, memory_for_mesh_file, still_done
+
+    buffer = {"uri": "data/a%20b.bin", "byteLength": 9_000_000}
+    outside = {"uri": "../secret.bin", "byteLength": 9}
+    (folder / "data").mkdir()
+    (folder / "data" / "a b.bin").write_bytes(bytes(9_000_000))
+    text = json.dumps({"buffers": [buffer, outside, {"uri": "gone.bin"}]})
+    (folder / "a.gltf").write_text(text)
+    (task,) = plan(ENCODE, "a.gltf")
+    assert isinstance(task, Task)
+    assert task.size == len(text) + 9_000_000
+    assert task.need == memory_for_mesh_file(task.size, "gltf")
+    state = {**file_state("a.gltf", "source"), **file_state("torus.dmesh", "target")}
+    assert state["source_bytes"] == task.size
+    record = {"status": DONE, "source": "a.gltf", "target": "torus.dmesh", "options": {}, **state}
+    assert still_done({**record, "version": "1"}, {}, "1")
+    (folder / "data" / "a b.bin").write_bytes(b"x" * 9_000_000)
+    assert not still_done({**record, "version": "1"}, {}, "1")
+    (folder / "a.gltf").write_text("[]")  # its reader will say so
+    (task,) = plan(ENCODE, "a.gltf")
+    assert isinstance(task, Task)
+    assert task.size == 2

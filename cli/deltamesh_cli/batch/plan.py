@@ -29,6 +29,7 @@ from deltamesh_cli.batch.work import Job, failure_record
 from deltamesh_cli.decoding import output_name_and_format
 from deltamesh_cli.failures import Failure, attempt
 from deltamesh_formats.errors import DeltameshError, FormatError
+from deltamesh_formats.meshfiles.beside import read_with
 from deltamesh_formats.meshfiles.formats import EXTENSIONS, written_format
 from deltamesh_formats.wrappers import beginning, unwrapped, without_wrapper
 
@@ -138,11 +139,12 @@ def _plan_file(job: Job, destinations: Destinations, source: str) -> PlannedFile
             if job.decode:
                 target = _decoded_name(job, source, path)
                 return Task(source, target, size, _decoding_memory(source))
+            beside = sum(map(os.path.getsize, read_with(source, job.file_format or "")))
     except Failure as failure:
         return failure_record(job, Task(source, "", size), failure)
     grown = size * (_MOST_COMPRESSED if without_wrapper(source)[1] else 1)
-    need = memory_for_mesh_file(grown, job.file_format or files.extension(source))
-    return Task(source, path + files.SUFFIX, size, need)
+    need = memory_for_mesh_file(grown + beside, job.file_format or files.extension(source))
+    return Task(source, path + files.SUFFIX, size + beside, need)
 
 
 def _decoded_name(job: Job, source: str, path: str) -> str:

@@ -14,6 +14,7 @@ import numpy as np
 
 from deltamesh_formats.atomic import PathOrFile, write_file
 from deltamesh_formats.errors import FormatError, LimitError, MeshError, OptionError
+from deltamesh_formats.meshfiles.beside import in_folder
 from deltamesh_formats.meshfiles.file_format import FileFormat, Written
 from deltamesh_formats.meshfiles.float32 import rounding_error
 from deltamesh_formats.meshfiles.formats import (
@@ -92,14 +93,15 @@ def read_mesh(
     """
     name, known = _name(source), mesh_format(source, file_format)
     if isinstance(source, (str, os.PathLike)):
-        data, beside = Path(source).read_bytes(), Path(source).parent
+        data, home = Path(source).read_bytes(), Path(source).parent
     else:
-        data, beside = source.read(), None
-    beside = beside if folder is None else Path(folder)
+        data, home = source.read(), None
+    home = home if folder is None else Path(folder)
     try:
         data = unwrapped(data)
         with np.errstate(all="ignore"):  # what overflows is refused as not finite
-            mesh = checked(replace(known.read(data, beside), format=known.name))
+            mesh = known.read(data, None if home is None else in_folder(home))
+            mesh = checked(replace(mesh, format=mesh.format or known.name))
     except (OSError, MemoryError, LimitError):
         raise
     except FormatError as error:
@@ -109,7 +111,7 @@ def read_mesh(
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
         raise MeshError(f"{name}: not readable as {known.title} ({reason})") from error
-    return marked_top_left(mesh) if known.has_top_left_textures else mesh
+    return marked_top_left(mesh) if READABLE[mesh.format].has_top_left_textures else mesh
 
 
 def written(mesh: PolyMesh, file_format: str, digits: int | None = None) -> Written:

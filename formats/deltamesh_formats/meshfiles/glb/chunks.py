@@ -10,7 +10,6 @@ import json
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
+from deltamesh_formats.meshfiles.beside import Beside
 from deltamesh_formats.meshfiles.glb.compression import (
     DRACO,
     MESHOPT,
@@ -25,7 +25,7 @@ from deltamesh_formats.meshfiles.glb.compression import (
     meshopt_bytes,
 )
 from deltamesh_formats.meshfiles.glb.extensions import check_required
-from deltamesh_formats.meshfiles.glb.outside import outside_bytes
+from deltamesh_formats.meshfiles.glb.outside import name_of_file, outside_bytes
 from deltamesh_formats.meshfiles.glb.schema import EACH, Tree, check, check_types, items, shown
 
 MAGIC: Final = b"glTF"
@@ -244,8 +244,8 @@ def _component(accessor: Tree) -> np.dtype[Any]:
     return np.dtype("<" + COMPONENTS[code])
 
 
-def read_chunks(data: bytes, folder: Path | None = None) -> Gltf:
-    """Read the chunks of a GLB, and buffers in files of a folder.
+def read_chunks(data: bytes, beside: Beside | None = None) -> Gltf:
+    """Read the chunks of a GLB, and buffers in files beside it.
 
     Raises
     ------
@@ -271,17 +271,17 @@ def read_chunks(data: bytes, folder: Path | None = None) -> Gltf:
         at += 8 + size
     if JSON_CHUNK not in chunks:
         raise MeshError("it has no JSON")
-    return read_json(chunks[JSON_CHUNK], folder, chunks.get(BINARY_CHUNK, b""))
+    return read_json(chunks[JSON_CHUNK], beside, chunks.get(BINARY_CHUNK, b""))
 
 
-def read_json(text: bytes, folder: Path | None, binary: bytes = b"") -> Gltf:
+def read_json(text: bytes, beside: Beside | None, binary: bytes = b"") -> Gltf:
     """Read the JSON of a glTF, and its buffers.
 
     Parameters
     ----------
     text : bytes
-    folder : Path, optional
-        Where buffers in other files are; None where there are none.
+    beside : callable, optional
+        The files in which other buffers are; None where there are none.
     binary : bytes
         The first buffer, if it has no URI.
 
@@ -290,6 +290,27 @@ def read_json(text: bytes, folder: Path | None, binary: bytes = b"") -> Gltf:
     MeshError
         For what is not JSON of a glTF 2.0, and one that needs an extension that is not read.
     """
+    tree = _json(text)
+    check_types(tree)
+    check_required(tree)
+    return Gltf(tree, list(_buffers(tree, beside, binary)))
+
+
+def names_beside(text: bytes) -> list[str]:
+    """Return the relative paths of the files in which the buffers of a glTF are.
+
+    Raises
+    ------
+    MeshError
+        For what is not JSON of a glTF 2.0.
+    """
+    tree = _json(text)
+    check_types(tree)
+    names = (name_of_file(buffer.get("uri", "")) for buffer in items(tree, "buffers"))
+    return [name for name in names if name]
+
+
+def _json(text: bytes) -> Tree:
     try:
         tree = json.loads(text)
     except json.JSONDecodeError as error:
@@ -300,18 +321,16 @@ def read_json(text: bytes, folder: Path | None, binary: bytes = b"") -> Gltf:
         raise MeshError("its JSON has a number that is too long, or too many brackets") from None
     if not isinstance(tree, dict):
         raise MeshError("its JSON is not an object")
-    check_types(tree)
-    check_required(tree)
-    return Gltf(tree, list(_buffers(tree, folder, binary)))
+    return tree
 
 
-def _buffers(tree: Tree, folder: Path | None, binary: bytes) -> Iterator[bytes]:
+def _buffers(tree: Tree, beside: Beside | None, binary: bytes) -> Iterator[bytes]:
     for i, buffer in enumerate(items(tree, "buffers")):
         uri = buffer.get("uri")
         if uri is None:
             yield binary if i == 0 else b""
             continue
         try:
-            yield outside_bytes(uri, folder, whole(buffer, "byteLength", 2**53 - 1))
+            yield outside_bytes(uri, beside, whole(buffer, "byteLength", 2**53 - 1))
         except MeshError as error:
             raise MeshError(f"buffer {i} {error}") from None
