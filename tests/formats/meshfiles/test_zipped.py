@@ -12,9 +12,12 @@ from cubes import OBJ, OFF, STL, is_cube
 from filetests import exact, read, refused
 from test_glb import gltf_tree
 
-from deltamesh_formats.errors import NoSurfaceError
+from deltamesh_formats.errors import MeshError, NoSurfaceError
 from deltamesh_formats.meshfiles import formats
 from deltamesh_formats.meshfiles.files import read_mesh, written
+from deltamesh_formats.meshfiles.zip_files import opened, reading
+from deltamesh_formats.meshfiles.zipped import ZIP
+from deltamesh_formats.meshfiles.zipped.reader import read as read_zip
 from deltamesh_formats.wrappers import wrapped
 
 
@@ -111,8 +114,13 @@ def test_damaged_and_encrypted_files_are_refused() -> None:
     at = data.find(b"PK\x01\x02")
     data[at + 8] |= 1
     refused(bytes(data), "zip", r"its a\.obj is damaged or encrypted")
+    with pytest.raises(MeshError, match="its a is damaged"), reading("a"):
+        raise EOFError("end")
+    assert opened(packed(a_obj=OBJ)).namelist() == ["a.obj"]
+    assert is_cube(read_zip(packed(a_obj=OBJ)))
 
 
 def test_it_is_only_read() -> None:
     assert formats.written_format("zip") is None
+    assert formats.format_of_extension(".ZIP") is ZIP
     assert formats.advice("zip") == ""
