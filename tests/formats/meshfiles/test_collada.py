@@ -160,6 +160,15 @@ def test_parts_that_are_not_readable_are_named() -> None:
 
 
 @pytest.mark.usefixtures("packages")
+def test_a_file_without_meshes_is_refused_with_what_it_has() -> None:
+    empty = FILE.format(primitive=TRIANGLES).replace('<instance_geometry url="#roof"/>', "")
+    refused(empty, "dae", "it holds no mesh: no vertices and no faces$")
+    moves = "<library_animations><animation id='a'/></library_animations><library_visual"
+    moving = empty.replace("<library_visual", moves, 1)
+    refused(moving, "dae", r"no vertices and no faces \(and animations\)$")
+
+
+@pytest.mark.usefixtures("packages")
 def test_what_is_no_collada_is_refused() -> None:
     refused(b"", "dae", "trimesh cannot read it")
     refused(b"<a/>", "dae", "trimesh cannot read it")

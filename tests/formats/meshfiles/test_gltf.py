@@ -120,6 +120,10 @@ def test_one_file_is_written_and_read_by_others(tmp_path: Path) -> None:
 def test_what_is_no_gltf_is_refused() -> None:
     refused(b"", "gltf", "its JSON is not readable")
     refused(b"[]", "gltf", "its JSON is not an object")
+    first = {"asset": {"version": "1.0"}, "scene": "defaultScene", "scenes": {}}
+    refused(json.dumps(first), "gltf", 'it is glTF version "1.0", not 2')
+    refused('{"asset": {"version": 20}}', "gltf", "it is glTF version 20, not 2")
+    refused('{"asset": {"version": "2.1"}}', "gltf", "it holds no mesh")
     refused(written(from_triangles(V.astype(float), F.astype(int)), "glb").data, "gltf", "JSON")
 
 

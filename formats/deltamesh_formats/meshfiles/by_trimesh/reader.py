@@ -83,7 +83,8 @@ def read_collada(data: bytes) -> PolyMesh:
     if not meshes:
         if broken:
             raise MeshError(f"trimesh reads no mesh of it: it has {broken[0]}")
-        return from_triangles(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
+        nothing = from_triangles(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
+        return replace(nothing, lost=tuple(dict.fromkeys(_left_out(text))))
     mesh = concatenate(meshes)
     of_face = np.repeat(np.arange(len(meshes)), [len(one.sizes) for one in meshes])
     transforms = np.array([matrix for matrix, _, _ in placed], dtype=np.float64)

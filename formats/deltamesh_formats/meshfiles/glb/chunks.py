@@ -311,6 +311,7 @@ def names_beside(text: bytes) -> list[str]:
 
 
 def _json(text: bytes) -> Tree:
+    """Return the JSON of a file, if it is that of glTF 2."""
     try:
         tree = json.loads(text)
     except json.JSONDecodeError as error:
@@ -321,6 +322,10 @@ def _json(text: bytes) -> Tree:
         raise MeshError("its JSON has a number that is too long, or too many brackets") from None
     if not isinstance(tree, dict):
         raise MeshError("its JSON is not an object")
+    asset = tree.get("asset")
+    version = asset.get("version") if isinstance(asset, dict) else None
+    if version is not None and str(version).partition(".")[0] != "2":
+        raise MeshError(f"it is glTF version {shown(version)}, not 2")
     return tree
 
 
