@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import os
 from collections.abc import Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -21,6 +20,7 @@ from deltamesh_formats.meshfiles.formats import (
     format_of_beginning,
     format_of_extension,
 )
+from deltamesh_formats.places import parent
 
 if TYPE_CHECKING:
     from deltamesh._measures.report import Report
@@ -50,7 +50,7 @@ def parse_mesh(name: str, data: bytes, file_format: str | None, progress: Progre
     with attempt(name, "cannot read", _format_hint(named, data)):
         from deltamesh_formats.meshfiles.files import read_mesh
 
-        folder = None if name == files.STDIO else os.path.dirname(name) or os.curdir
+        folder = None if name == files.STDIO else parent(name)
         return read_mesh(io.BytesIO(data), named, folder=folder)
 
 

@@ -31,6 +31,8 @@ from deltamesh_cli.failures import Failure, attempt
 from deltamesh_formats.errors import DeltameshError, FormatError
 from deltamesh_formats.meshfiles.beside import read_with
 from deltamesh_formats.meshfiles.formats import EXTENSIONS, written_format
+from deltamesh_formats.places import absolute, exists, read_bytes, read_head, status
+from deltamesh_formats.remote import is_url
 from deltamesh_formats.wrappers import beginning, unwrapped, without_wrapper
 
 # At least as many bytes as the header of a `.dmesh` file can have.
@@ -116,7 +118,7 @@ def plan_files(
     problems: list[OSError] = []
     found = {*find(names, selection, failed=problems.append)}
     found |= {*find(listed, selection, patterns=False, failed=problems.append)}
-    unique = {os.path.abspath(name): name for name in sorted(found, reverse=True)}
+    unique = {absolute(name): name for name in sorted(found, reverse=True)}
     planned = [_plan_file(job, destinations, name) for name in sorted(unique.values())]
     check_targets((one.source, one.target) for one in planned if isinstance(one, Task))
     for problem in problems:
@@ -130,21 +132,26 @@ def _plan_file(job: Job, destinations: Destinations, source: str) -> PlannedFile
     path, size = destinations.path_for(source), 0
     try:
         with attempt(source, "cannot read"):
-            status = os.stat(source)
-            size = status.st_size
-            if stat.S_ISDIR(status.st_mode):
-                raise IsADirectoryError(errno.EISDIR, "it is a folder, not a file")
-            if not stat.S_ISREG(status.st_mode):
-                raise OSError(errno.EINVAL, "it is not a file, but a pipe or a device")
+            size, _ = status(source)
+            if not is_url(source):
+                _check_regular(source)
             if job.decode:
                 target = _decoded_name(job, source, path)
                 return Task(source, target, size, _decoding_memory(source))
-            beside = sum(map(os.path.getsize, read_with(source, job.file_format or "")))
+            beside = sum(status(one)[0] for one in read_with(source, job.file_format or ""))
     except Failure as failure:
         return failure_record(job, Task(source, "", size), failure)
     grown = size * (_MOST_COMPRESSED if without_wrapper(source)[1] else 1)
     need = memory_for_mesh_file(grown + beside, job.file_format or files.extension(source))
     return Task(source, path + files.SUFFIX, size + beside, need)
+
+
+def _check_regular(source: str) -> None:
+    mode = os.stat(source).st_mode
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, "it is a folder, not a file")
+    if not stat.S_ISREG(mode):
+        raise OSError(errno.EINVAL, "it is not a file, but a pipe or a device")
 
 
 def _decoded_name(job: Job, source: str, path: str) -> str:
@@ -161,8 +168,7 @@ def _decoding_memory(source: str) -> int:
     """Return the bytes of memory that decoding a `.dmesh` file takes, according to its header."""
     from deltamesh_formats.container.reader import read_counts
 
-    with open(source, "rb") as stream:
-        data = stream.read(_BEGINNING)
+    data = read_head(source, _BEGINNING)
     try:
         return memory_for_counts(*read_counts(beginning(data, _HEADER)))
     except FormatError:  # the decoder will report the damage
@@ -173,8 +179,7 @@ def _stored_format(source: str) -> str:
     from deltamesh_formats.container.reader import read_container
 
     try:
-        with open(source, "rb") as stream:
-            meta = read_container(unwrapped(stream.read())).meta
+        meta = read_container(unwrapped(read_bytes(source))).meta
     except DeltameshError:
         return ""
     return "" if meta is None else meta.source
@@ -198,9 +203,9 @@ def settled_record(
         return before
     if before is not None and wrote_target(before):
         return None
-    if skip_existing and os.path.lexists(task.target):
+    if skip_existing and exists(task.target):
         return {"status": SKIPPED, "source": task.source, "target": task.target}
-    if force or not os.path.lexists(task.target):
+    if force or not exists(task.target):
         return None
     error = FileExistsError(errno.EEXIST, "it exists already")
     hint = "-f overwrites it, --skip-existing leaves it"

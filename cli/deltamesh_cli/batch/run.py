@@ -27,6 +27,7 @@ from deltamesh_cli.batch.report import Totals, displayed_files, names_of, report
 from deltamesh_cli.batch.work import Job, failure_record
 from deltamesh_cli.failures import Failure, attempt
 from deltamesh_cli.output import print_json
+from deltamesh_formats.places import exists, make_folder, parent
 from deltamesh_formats.temporaries import remove_temporaries
 
 if TYPE_CHECKING:
@@ -172,7 +173,7 @@ def _settle(
         if record is None:
             assert isinstance(one, Task)
             # An output that exists now may be overwritten; one that appears later may not.
-            overwrite = existing.force or os.path.lexists(one.target)
+            overwrite = existing.force or exists(one.target)
             remaining.append(replace(one, overwrite=overwrite))
             continue
         before = record is records.get(record_key(record))
@@ -225,13 +226,13 @@ def _record(job: Job, task: Task, outcome: Record | Exception) -> Record:
 
 
 def _make_folders(tasks: list[Task]) -> None:
-    for folder in sorted({os.path.dirname(task.target) for task in tasks}):
+    for folder in sorted({parent(task.target) for task in tasks}):
         _make_folder(folder)
 
 
 def _make_folder(folder: str) -> None:
     with attempt(folder, "cannot create the folder"):
-        os.makedirs(folder or os.curdir, exist_ok=True)
+        make_folder(folder)
 
 
 def _print_totals(totals: Totals, verbosity: Verbosity) -> None:

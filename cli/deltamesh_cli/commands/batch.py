@@ -205,6 +205,9 @@ def command(
     interruption, even by kill -9 or a power failure, the same command with --manifest and --resume
     completes the run.
 
+    Files, folders, patterns, lists and output folders may be URLs, such as s3://bucket/scans, with
+    the extra `remote`. Workers read and write them themselves, and need share no disk.
+
     All options of deltamesh encode apply, or with -d all options of deltamesh decode.
     """
     context = click.get_current_context()

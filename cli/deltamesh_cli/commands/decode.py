@@ -66,7 +66,7 @@ def command(
     IN is never modified. If OUT exists, it is overwritten only with -f. "-" stands for standard
     input or output. A mesh from standard input goes to standard output unless OUT is given. IN may
     be compressed with gzip or zstandard, also on standard input; OUT is compressed if its name ends
-    in .gz or .zst.
+    in .gz or .zst. IN and OUT may be URLs, with the extra `remote`.
 
     A damaged file is refused. A file that would exceed --max-vertices or --memory is refused before
     any memory is allocated, and one that decompresses to more than --memory as soon as it does. No

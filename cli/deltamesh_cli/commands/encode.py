@@ -81,6 +81,9 @@ def command(
     input or output. Reading from standard input needs --input-format, and writes to standard output
     unless OUT is given. IN may be compressed with gzip or zstandard, as scan.ply.gz or
     scan.ply.zst, also on standard input; OUT is compressed if its name ends in .gz or .zst.
+
+    IN and OUT may be URLs, such as s3://bucket/scan.ply or https://host/scan.ply, with the extra
+    `remote` (pip install 'deltamesh[remote]') and the package of the store.
     """
     target = files.chosen_output(target, output)
     if target is None:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 from deltamesh_formats.errors import OptionError
+from deltamesh_formats.places import absolute
+from deltamesh_formats.remote import files_below, is_folder, is_url, matching, without_query
 from deltamesh_formats.wrappers import without_wrapper
 
 _MAGIC = frozenset("*?[")
@@ -54,8 +56,8 @@ def find(
     Parameters
     ----------
     names : iterable of str
-        Files, folders, and patterns such as `scans/**/*.ply`. A file that is not there is
-        returned all the same: whoever opens it will say so.
+        Files, folders, patterns such as `scans/**/*.ply`, and the same as URLs. A file that is not
+        there is returned all the same: whoever opens it will say so.
     selection : Selection
     patterns : bool
         Whether `*`, `?` and `[` mean anything in names of files that are not there.
@@ -77,7 +79,7 @@ def find(
     for name in names:
         for file in _expanded(name, selection, patterns, failed or _raise):
             if _taken(file, selection):
-                found.setdefault(os.path.abspath(file), file)
+                found.setdefault(absolute(file), file)
     return sorted(found.values())
 
 
@@ -88,7 +90,9 @@ def _raise(error: OSError) -> None:
 def _expanded(
     name: str, selection: Selection, patterns: bool, failed: Callable[[OSError], None]
 ) -> Iterator[str]:
-    if os.path.isdir(name):
+    if is_url(name):
+        yield from _expanded_url(name, selection, patterns, failed)
+    elif os.path.isdir(name):
         if not (selection.recursive or selection.shallow):
             raise OptionError(f"{name!r} is a folder: -r takes the files in it")
         yield from _walk(name, selection, failed)
@@ -97,6 +101,23 @@ def _expanded(
         yield from matches or [name]
     else:
         yield name
+
+
+def _expanded_url(
+    name: str, selection: Selection, patterns: bool, failed: Callable[[OSError], None]
+) -> Iterator[str]:
+    """Yield the files that a URL stands for; a question mark begins its query."""
+    try:
+        if patterns and _MAGIC & set(without_query(name)):
+            yield from matching(name) or [name]
+        elif selection.recursive and is_folder(name):
+            for file in files_below(name):
+                if _extension(file) in selection.extensions:
+                    yield file
+        else:
+            yield name
+    except OSError as error:
+        failed(error)
 
 
 def _glob(pattern: str) -> Iterator[str]:

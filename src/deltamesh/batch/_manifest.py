@@ -15,6 +15,8 @@ from typing import Any, Final, TypeAlias
 
 from deltamesh_formats.errors import DeltameshError
 from deltamesh_formats.meshfiles.beside import read_with
+from deltamesh_formats.places import read_bytes, status
+from deltamesh_formats.remote import is_url
 
 Record: TypeAlias = dict[str, Any]
 Append: TypeAlias = Callable[[Iterable[Record]], None]
@@ -158,6 +160,9 @@ def digest_of(paths: Iterable[str]) -> str:
 
     digest = hashlib.sha256()
     for path in paths:
+        if is_url(path):
+            digest.update(read_bytes(path))
+            continue
         with open(path, "rb") as file:
             while piece := file.read(_PIECE):
                 digest.update(piece)
@@ -167,18 +172,17 @@ def digest_of(paths: Iterable[str]) -> str:
 def file_state(path: str, prefix: str) -> Record:
     """Return size, time of the last change and SHA-256 of a file, as a part of a record.
 
-    With it count the files that are read with it, such as the buffers of a glTF.
+    With it count the files that are read with it, such as the buffers of a glTF. The time is None
+    in a store that does not know it.
     """
     paths = [path, *read_with(path)]
     return {**_size_and_time(paths, prefix), f"{prefix}_sha256": digest_of(paths)}
 
 
 def _size_and_time(paths: list[str], prefix: str) -> Record:
-    stats = [os.stat(path) for path in paths]
-    return {
-        f"{prefix}_bytes": sum(one.st_size for one in stats),
-        f"{prefix}_mtime_ns": max(one.st_mtime_ns for one in stats),
-    }
+    sizes, times = zip(*map(status, paths), strict=True)
+    newest = None if None in times else max(times)
+    return {f"{prefix}_bytes": sum(sizes), f"{prefix}_mtime_ns": newest}
 
 
 def unchanged(record: Record, path: str, prefix: str) -> bool:
@@ -192,7 +196,8 @@ def unchanged(record: Record, path: str, prefix: str) -> bool:
         now = _size_and_time(paths, prefix)
         if now[f"{prefix}_bytes"] != record.get(f"{prefix}_bytes"):
             return False
-        same_time = now[f"{prefix}_mtime_ns"] == record.get(f"{prefix}_mtime_ns")
+        time = now[f"{prefix}_mtime_ns"]
+        same_time = time is not None and time == record.get(f"{prefix}_mtime_ns")
         return same_time or digest_of(paths) == record.get(f"{prefix}_sha256")
     except OSError:
         return False

@@ -91,7 +91,7 @@ def test_nothing_outside_the_folder_is_read(scene: Path, uri: str, message: str)
     (scene.parent.parent / "secret.bin").write_bytes(bytes(100))
     (scene.parent / "link.bin").symlink_to(scene.parent.parent / "secret.bin")
     with pytest.raises(MeshError, match=message):
-        outside_bytes(uri, in_folder(scene.parent), 100)
+        outside_bytes(uri, in_folder(str(scene.parent)), 100)
     tree = json.loads(scene.read_text(encoding="utf-8-sig"))
     tree["buffers"][0]["uri"] = uri
     scene.write_text(json.dumps(tree))
@@ -100,7 +100,7 @@ def test_nothing_outside_the_folder_is_read(scene: Path, uri: str, message: str)
 
 
 def test_no_more_than_asked_for_is_read(scene: Path) -> None:
-    assert outside_bytes("data/a%20b.bin", in_folder(scene.parent), 5) == gltf_tree()[1][:5]
+    assert outside_bytes("data/a%20b.bin", in_folder(str(scene.parent)), 5) == gltf_tree()[1][:5]
 
 
 def test_one_file_is_written_and_read_by_others(tmp_path: Path) -> None:
