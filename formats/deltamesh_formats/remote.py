@@ -20,6 +20,8 @@ _URL: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")
 _AT_ONCE: Final = frozenset(
     "http https s3 s3a gs gcs az abfs abfss adl oci ocilake oss r2 obs hf".split()  # noqa: SIM905
 )
+# Those of them that can refuse to replace a file, in the same request.
+_REFUSE: Final = frozenset(["s3", "s3a", "gs", "gcs"])
 # How deep folders are looked into: pages of a server may link to themselves.
 _DEEPEST: Final = 32
 _NUMBERS: Final = {
@@ -97,11 +99,12 @@ def is_folder(url: str) -> bool:
         return bool(fs.isdir(path))
 
 
-def files_below(url: str) -> list[str]:
-    """Return the URLs of the files in a folder, at any depth."""
+def files_below(url: str, *, recursive: bool = True) -> list[str]:
+    """Return the URLs of the files in a folder, and below it if the search is recursive."""
     fs, path = _store(url)
     with _faults(url):
-        return [fs.unstrip_protocol(one) for one in fs.find(path, maxdepth=_DEEPEST)]
+        found = fs.find(path, maxdepth=_DEEPEST if recursive else 1)
+        return [fs.unstrip_protocol(one) for one in found]
 
 
 def matching(pattern: str) -> list[str]:
@@ -115,7 +118,7 @@ def matching(pattern: str) -> list[str]:
 def make_folder(url: str) -> None:
     """Make a folder, and those above it, where a store has such things."""
     fs, path = _store(url)
-    if not _takes_at_once(fs):
+    if not _is_of(fs, _AT_ONCE):
         with _faults(url):
             fs.makedirs(path, exist_ok=True)
 
@@ -123,8 +126,8 @@ def make_folder(url: str) -> None:
 def write(url: str, data: bytes, *, overwrite: bool) -> None:
     """Write a file, all of its bytes or none.
 
-    Without `overwrite`, a store is asked whether there is one first. Those of objects that know how
-    refuse also one that appears meanwhile; in the others it is overwritten.
+    Without `overwrite`, a store is asked whether there is one first. S3 and Google's refuse also to
+    replace one that appears meanwhile; others may overwrite it.
 
     Raises
     ------
@@ -135,8 +138,9 @@ def write(url: str, data: bytes, *, overwrite: bool) -> None:
     with _faults(url):
         if not overwrite and fs.exists(path):
             raise FileExistsError(path)
-        if _takes_at_once(fs):
-            fs.pipe_file(path, data, mode="overwrite" if overwrite else "create")
+        if _is_of(fs, _AT_ONCE):
+            refuse = {} if overwrite or not _is_of(fs, _REFUSE) else {"mode": "create"}
+            fs.pipe_file(path, data, **refuse)
             return
         folder = posixpath.dirname(path)
         aside = posixpath.join(folder, f".deltamesh-{os.urandom(12).hex()}.tmp")
@@ -163,9 +167,9 @@ def _store(url: str) -> tuple[Any, str]:
         return fs, path
 
 
-def _takes_at_once(fs: Any) -> bool:
+def _is_of(fs: Any, protocols: frozenset[str]) -> bool:
     names = {fs.protocol} if isinstance(fs.protocol, str) else set(fs.protocol)
-    return not names.isdisjoint(_AT_ONCE)
+    return not names.isdisjoint(protocols)
 
 
 @contextmanager

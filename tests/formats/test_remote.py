@@ -151,6 +151,7 @@ def test_folders_and_patterns(store: str) -> None:
     assert remote.matching(f"{store}/*.ply") == below[:1]
     assert remote.matching(f"{store}/**/*.ply")[-1] == below[2]
     assert remote.read(below[2]) == b"x"
+    assert remote.files_below(store, recursive=False) == below[:2]
 
 
 def test_meshes_and_their_buffers(store: str) -> None:
@@ -173,6 +174,37 @@ def test_meshes_and_their_buffers(store: str) -> None:
         with pytest.raises(MeshError, match=message):
             in_folder(f"{store}/data")(name, 5)
     assert in_folder(store)("data/b.bin", 5) == buffer[:5]
+
+
+class Store:
+    """A store of objects that notes what it is asked."""
+
+    def __init__(self, protocol: str | tuple[str, ...], has: tuple[str, ...] = ()) -> None:
+        self.protocol, self.has = protocol, has
+        self.asked: list[tuple[str, dict[str, object]]] = []
+
+    def exists(self, path: str) -> bool:
+        return path in self.has
+
+    def pipe_file(self, path: str, data: bytes, **options: object) -> None:
+        self.asked.append((path, options))
+
+
+@pytest.mark.parametrize(
+    ("protocol", "options"),
+    [(("s3", "s3a"), {"mode": "create"}), ("gs", {"mode": "create"}), (("abfs", "az"), {})],
+)
+def test_a_store_of_objects_takes_a_file_at_once(
+    protocol: str | tuple[str, ...], options: dict[str, object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fs = Store(protocol, has=("b/old",))
+    monkeypatch.setattr(remote, "_store", lambda url: (fs, url.partition("://")[2]))
+    remote.write("s3://b/new", b"x", overwrite=False)
+    remote.write("s3://b/old", b"x", overwrite=True)
+    with pytest.raises(FileExistsError):
+        remote.write("s3://b/old", b"x", overwrite=False)
+    remote.make_folder("s3://b/c")  # which would be a bucket
+    assert fs.asked == [("b/new", options), ("b/old", {})]
 
 
 # ---- HTTP ---------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 from deltamesh_formats.errors import OptionError
-from deltamesh_formats.places import absolute
+from deltamesh_formats.places import absolute, parent, path_below
 from deltamesh_formats.remote import files_below, is_folder, is_url, matching, without_query
 from deltamesh_formats.wrappers import without_wrapper
 
@@ -110,14 +110,26 @@ def _expanded_url(
     try:
         if patterns and _MAGIC & set(without_query(name)):
             yield from matching(name) or [name]
-        elif selection.recursive and is_folder(name):
-            for file in files_below(name):
-                if _extension(file) in selection.extensions:
-                    yield file
-        else:
+        elif _extension(name) in selection.extensions or not is_folder(name):
             yield name
+        elif selection.recursive or selection.shallow:
+            yield from _walk_url(name, selection)
+        else:
+            raise OptionError(f"{name!r} is a folder: -r takes the files in it")
     except OSError as error:
         failed(error)
+
+
+def _walk_url(folder: str, selection: Selection) -> Iterator[str]:
+    never = path_below(selection.never) if selection.never and is_url(selection.never) else None
+    for file in files_below(folder, recursive=selection.recursive):
+        if _extension(file) not in selection.extensions:
+            continue
+        above, top = parent(file), path_below(folder)
+        while path_below(above) not in (top, never) and not _matches(above, selection.exclude):
+            above = parent(above)
+        if path_below(above) == top:
+            yield file
 
 
 def _glob(pattern: str) -> Iterator[str]:

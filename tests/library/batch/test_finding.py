@@ -153,3 +153,38 @@ def test_a_collision_through_a_link_to_a_folder_is_one(tree: Path) -> None:
     (tree / "also").symlink_to("sub")
     with pytest.raises(OptionError):
         check_targets([("x", "sub/out"), ("y", "also/out")])
+
+
+def test_folders_of_a_store_are_searched_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+    fsspec = pytest.importorskip("fsspec")
+    fs = fsspec.filesystem("memory")
+    monkeypatch.setattr(type(fs), "store", {})
+    monkeypatch.setattr(type(fs), "pseudo_dirs", [""])
+    names = ("a.ply", "b.txt", "draft/c.ply", "deep/d.PLY.gz", "deep/draft.ply", "out/e.ply")
+    fs.pipe({f"/shop/{name}": b"x" for name in names})
+
+    def found(*names: str, **rules: object) -> list[str]:
+        selection = Selection(("ply",), **rules)
+        return [name.removeprefix("memory:///shop/") for name in find(names, selection)]
+
+    top = "memory://shop"
+    assert found(top, recursive=True) == [
+        "a.ply",
+        "deep/d.PLY.gz",
+        "deep/draft.ply",
+        "draft/c.ply",
+        "out/e.ply",
+    ]
+    assert found(top, recursive=True, exclude=("draft*",), never="memory://shop/out") == [
+        "a.ply",
+        "deep/d.PLY.gz",
+    ]
+    assert found(top, recursive=True, include=("*.gz",)) == ["deep/d.PLY.gz"]
+    assert found(top, shallow=True) == ["a.ply"]
+    assert found(f"{top}/*.ply") == ["a.ply"]
+    assert found(f"{top}/none*.ply", "memory://shop/none.ply") == [
+        "memory://shop/none*.ply",
+        "memory://shop/none.ply",
+    ]
+    with pytest.raises(OptionError, match="is a folder"):
+        found(top)
