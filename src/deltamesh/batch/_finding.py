@@ -121,12 +121,16 @@ def _expanded_url(
 
 
 def _walk_url(folder: str, selection: Selection) -> Iterator[str]:
+    """Yield the files in a folder of a store; what it lists of other places is not taken."""
+    top = path_below(folder)
     never = path_below(selection.never) if selection.never and is_url(selection.never) else None
     for file in files_below(folder, recursive=selection.recursive):
         if _extension(file) not in selection.extensions:
             continue
-        above, top = parent(file), path_below(folder)
-        while path_below(above) not in (top, never) and not _matches(above, selection.exclude):
+        above = parent(file)
+        while is_url(above) and path_below(above) not in (top, never):
+            if _matches(above, selection.exclude):
+                break
             above = parent(above)
         if path_below(above) == top:
             yield file

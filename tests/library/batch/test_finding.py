@@ -188,3 +188,11 @@ def test_folders_of_a_store_are_searched_alike(monkeypatch: pytest.MonkeyPatch) 
     ]
     with pytest.raises(OptionError, match="is a folder"):
         found(top)
+
+
+def test_files_of_other_places_are_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A page of a server may name any: this ends, too."""
+    listed = ["http://h/in/a.ply", "http://other/in/b.ply", "http://h/c.ply", "x://d.ply", "e.ply"]
+    monkeypatch.setattr("deltamesh.batch._finding.is_folder", lambda url: True)
+    monkeypatch.setattr("deltamesh.batch._finding.files_below", lambda url, recursive: listed)
+    assert find(["http://h/in/"], Selection(("ply",), recursive=True)) == listed[:1]
