@@ -265,7 +265,6 @@ def test_output_in_the_tree_of_the_input_is_not_input(scans: Path) -> None:
     ("line", "told"),
     [
         ("batch", "No file, folder or --filelist is given"),
-        ("batch scans", "is a folder: -r takes the files in it"),
         ("batch -r scans --resume", "--resume needs --manifest"),
         ("batch -r scans -f --skip-existing", "--force and --skip-existing exclude each other"),
         ("batch -r scans --output-dir-flat a --output-dir-mirror b", "exclude each other"),

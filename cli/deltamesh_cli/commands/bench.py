@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable
 from dataclasses import fields
 from itertools import product
@@ -18,6 +17,7 @@ from deltamesh_cli import files, measuring, options, rate_tables
 from deltamesh_cli.encode_options import encode_options
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import DONE, process_all
+from deltamesh_cli.inputs import MESH, Choice, chosen_files
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.value_types import FILE, comma_separated, fraction
 from deltamesh_formats.errors import OptionError
@@ -70,8 +70,8 @@ def _as_list(option: click.Option) -> click.Option:
 
 
 @click.command(params=_bench_options(), epilog=epilog(_EXAMPLES, _COLUMNS))
-@click.argument("sources", type=FILE, metavar="FILE|FOLDER...", nargs=-1, required=True)
-@click.option("-r", "--recursive", is_flag=True, help="Search folders within folders as well.")
+@click.argument("sources", type=FILE, metavar="[FILE|FOLDER]...", nargs=-1)
+@chosen_files
 @click.option(
     "--drop-isolated",
     is_flag=True,
@@ -130,7 +130,7 @@ def _as_list(option: click.Option) -> click.Option:
 @options.name_formats
 def command(
     sources: tuple[str, ...],
-    recursive: bool,
+    choice: Choice,
     drop_isolated: bool,
     peers: tuple[str, ...] | None,
     peer_bits: tuple[int, ...],
@@ -165,7 +165,8 @@ def command(
     if as_csv and as_json:
         raise click.UsageError("--csv and --json exclude each other.")
     labels = [*_labels(dict(parameters)), *measuring.peer_labels(peers or (), peer_bits)]
-    paths = measuring.mesh_paths(sources, recursive)
+    choice.require(sources)
+    inputs = measuring.names_in_tables(choice.inputs(sources, MESH))
     saved_rows: list[Row] = []
     measurements: list[Measurement] = []
     codes = [DONE]
@@ -178,7 +179,7 @@ def command(
         return (measuring.labels_in(saved_rows, name) if repeat else []) or labels
 
     def measure(name: str) -> None:
-        before, path = len(measurements), paths[name]
+        before, path = len(measurements), inputs[name].checked()
         codecs = measuring.codecs_of(labels_for(name), skipped, solver=solver, threads=threads)
         bare = drop_isolated or measuring.has_peer(labels_for(name))
         with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
@@ -200,16 +201,16 @@ def command(
         process([save], lambda path: files.check_output(files.STDIO, path, force=force, text=True))
     if not any(codes):
         skipped = measuring.skip_missing_peers(
-            label for name in paths for label in labels_for(name)
+            label for name in inputs for label in labels_for(name)
         )
-        process(paths, measure)
+        process(inputs, measure)
         if as_csv:
             rate_tables.print_csv(measurements)
         if save:
             process([save], lambda path: measuring.write_rates(path, measurements, force=force))
         if check:
-            has_folder = any(map(os.path.isdir, sources))
-            rows = [row for row in saved_rows if has_folder or row["mesh"] in paths]
+            has_folder = any(one.in_folder for one in inputs.values())
+            rows = [row for row in saved_rows if has_folder or row["mesh"] in inputs]
             changed = measuring.changes(rows, measurements, tolerance, error_tolerance)
             codes.append(
                 rate_tables.report_changes(

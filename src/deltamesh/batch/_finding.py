@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-from deltamesh_formats.errors import OptionError
 from deltamesh_formats.wrappers import without_wrapper
 
 _MAGIC = frozenset("*?[")
@@ -27,11 +26,9 @@ class Selection:
         without with the last part of it. A file has to match one of `include`, if there are any,
         and none of `exclude`; a folder that matches `exclude` is not looked into.
     recursive : bool
-        Whether folders are looked into.
+        Whether folders within folders are looked into.
     never : str
         A folder that is not looked into, unless it was named: where the output goes.
-    shallow : bool
-        Whether of a folder only the files directly in it are taken, instead.
     """
 
     extensions: tuple[str, ...]
@@ -39,7 +36,6 @@ class Selection:
     exclude: tuple[str, ...] = ()
     recursive: bool = False
     never: str | None = None
-    shallow: bool = False
 
 
 def find(
@@ -65,13 +61,9 @@ def find(
     Returns
     -------
     list of str
+        A folder stands for the files directly in it or, if `selection` is recursive, at any depth.
         Links to files are files. Links to folders are not followed, unless named: a folder that
         links to itself is walked once.
-
-    Raises
-    ------
-    OptionError
-        For a folder when `selection` is neither recursive nor shallow.
     """
     found: dict[str, str] = {}
     for name in names:
@@ -89,8 +81,6 @@ def _expanded(
     name: str, selection: Selection, patterns: bool, failed: Callable[[OSError], None]
 ) -> Iterator[str]:
     if os.path.isdir(name):
-        if not (selection.recursive or selection.shallow):
-            raise OptionError(f"{name!r} is a folder: -r takes the files in it")
         yield from _walk(name, selection, failed)
     elif patterns and _MAGIC & set(name) and not os.path.lexists(name):
         matches = [path for path in _glob(name) if not os.path.isdir(path)]
@@ -122,9 +112,9 @@ def _walk(folder: str, selection: Selection, failed: Callable[[OSError], None]) 
         for entry in entries:
             path = entry.name if top == os.curdir else entry.path
             if entry.is_dir(follow_symlinks=False):
-                if selection.shallow:
+                if not selection.recursive or _matches(path, selection.exclude):
                     continue
-                if os.path.realpath(path) != never and not _matches(path, selection.exclude):
+                if os.path.realpath(path) != never:
                     waiting.append(path)
             elif _extension(path) in selection.extensions and _is_file(entry):
                 yield path
