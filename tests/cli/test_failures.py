@@ -56,6 +56,29 @@ def test_usage_errors(folder: Path, arguments: str, capsys: pytest.CaptureFixtur
     assert set(folder.iterdir()) == before
 
 
+@pytest.mark.parametrize(
+    ("line", "name"),
+    [
+        ("encode -fuze.ply", "-fuze.ply"),
+        ("encode -oze.ply", "-oze.ply"),
+        ("decode -x.ply.dmesh.zst", "-x.ply.dmesh.zst"),
+        ("info -there", "-there"),
+        ("encode --frobnicate torus.ply", None),
+        ("encode -f", None),
+        ("encode --drop=a.ply", None),
+        ("encode -- -fuze.ply -there a b", None),
+    ],
+)
+def test_names_that_begin_like_options_get_a_hint(
+    folder: Path, line: str, name: str | None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "-there").write_bytes(b"?")
+    assert cli(line) == failures.USAGE
+    error = capsys.readouterr().err
+    hint = f"Hint: if {name} is a file, put -- before it: deltamesh ... -- {name}\n"
+    assert error.endswith(hint) if name else "Hint" not in error
+
+
 def test_damaged_files_are_refused_with_the_offset_and_nothing_is_written(
     folder: Path, torus_dmesh: bytes, capsys: pytest.CaptureFixture[str]
 ) -> None:

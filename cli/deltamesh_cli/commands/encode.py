@@ -36,6 +36,11 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 @click.command(epilog=epilog(_EXAMPLES))
 @click.argument("source", type=FILE, metavar="IN")
 @options.output("IN.dmesh")
+@click.option(
+    "--force-name",
+    is_flag=True,
+    help="Write OUT even if its name does not end in .dmesh.",
+)
 @encode_options
 @options.as_json
 @options.verbosity
@@ -46,6 +51,7 @@ def command(
     target: str | None,
     output: str | None,
     force: bool,
+    force_name: bool,
     input_format: str | None,
     as_json: bool,
     quiet: bool,
@@ -77,14 +83,17 @@ def command(
     a mesh of faces are not kept. If IN has any of these, a note on standard error lists them, and
     so do the key "not_kept" of --json and deltamesh info.
 
-    IN is never modified. If OUT exists, it is overwritten only with -f. "-" stands for standard
-    input or output. Reading from standard input needs --input-format, and writes to standard output
-    unless OUT is given. IN may be compressed with gzip or zstandard, as scan.ply.gz or
-    scan.ply.zst, also on standard input; OUT is compressed if its name ends in .gz or .zst.
+    IN is never modified. OUT ends in .dmesh unless --force-name is given. If OUT exists, it is
+    overwritten only with -f. "-" stands for standard input or output. Reading from standard input
+    needs --input-format, and writes to standard output unless OUT is given. IN may be compressed
+    with gzip or zstandard, as scan.ply.gz or scan.ply.zst, also on standard input; OUT is
+    compressed if its name ends in .gz or .zst.
     """
     target = files.chosen_output(target, output)
     if target is None:
         target = source if source == files.STDIO else source + files.SUFFIX
+    elif not force_name:
+        files.check_name_of_dmesh(target)
     check_encode_options(parameters)
     if source == files.STDIO and input_format is None:
         raise click.UsageError("Reading from standard input needs --input-format.")
