@@ -111,12 +111,12 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 def _hint_at_names(arguments: Sequence[str]) -> None:
     """Say how to give names that begin with "-", if there is one among refused arguments."""
-    from deltamesh_cli.files import SUFFIX, extension  # not for every command line
+    from deltamesh_cli.files import extension, without_suffix  # not for every command line
     from deltamesh_formats.meshfiles.formats import EXTENSIONS
 
     end = arguments.index("--") if "--" in arguments else len(arguments)
     for one in arguments[:end]:
-        named = extension(one) in EXTENSIONS or one.lower().endswith(SUFFIX)
+        named = extension(one) in EXTENSIONS or without_suffix(one) is not None
         if one[:1] == "-" and "=" not in one and one != "-" and (named or os.path.lexists(one)):
             name = display_name(one)
             click.echo(
