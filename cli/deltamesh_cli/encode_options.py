@@ -25,7 +25,16 @@ from deltamesh._options import (
     check_together,
 )
 from deltamesh_cli import options
-from deltamesh_cli.value_types import anchor_count, coarse_factor, positive, whole
+from deltamesh_cli.lengths import settle_shares
+from deltamesh_cli.value_types import (
+    anchor_count,
+    coarse_factor,
+    length,
+    length_or_share,
+    positive,
+    positive_share,
+    whole,
+)
 from deltamesh_formats.errors import OptionError
 
 _BOUNDS: Final = options.combined(
@@ -53,27 +62,27 @@ _BOUNDS: Final = options.combined(
     ),
     click.option(
         "--rms-error",
-        type=positive,
+        type=length_or_share,
         metavar="LENGTH",
-        help="Upper bound on the RMS distance of the vertices from their original positions, in the"
-        " unit of the mesh.",
+        help="Upper bound on the RMS distance of the vertices from their original positions: a"
+        " number in the unit of the file, a length such as 0.05mm if the file has a unit (3MF,"
+        " glTF, COLLADA), or a share such as 0.1% of the diagonal of the bounding box.",
     ),
     click.option(
         "--rms-error-rel",
-        type=positive,
+        type=positive_share,
         metavar="FRACTION",
         help="The same bound as a fraction of the diagonal of the bounding box.",
     ),
     click.option(
         "--max-error",
-        type=positive,
+        type=length_or_share,
         metavar="LENGTH",
-        help="Upper bound on the distance of each vertex from its original position, in the unit"
-        " of the mesh.",
+        help="Upper bound on the distance of each vertex from its original position, likewise.",
     ),
     click.option(
         "--max-error-rel",
-        type=positive,
+        type=positive_share,
         metavar="FRACTION",
         help="The same bound as a fraction of the diagonal of the bounding box.",
     ),
@@ -120,9 +129,10 @@ _METHOD: Final = options.combined(
     ),
     click.option(
         "--step",
-        type=positive,
+        type=length,
         metavar="LENGTH",
-        help="Quantization step, in the unit of the mesh, instead of a quality.",
+        help="Quantization step instead of a quality: a number in the unit of the file, or a length"
+        " such as 0.05mm if the file has a unit.",
     ),
     click.option(
         "--coarse",
@@ -221,10 +231,11 @@ encode_options: Final = options.combined(
 def check_encode_options(parameters: dict[str, Any]) -> None:
     """Refuse options that exclude each other, and replace `lossless` by the method.
 
-    The parameters that remain are keywords of `deltamesh.encode`.
+    The parameters that remain are keywords of `deltamesh.encode`, but for the units of lengths.
     """
     if parameters.pop("lossless"):
         _choose_lossless(parameters)
+    settle_shares(parameters)
     try:
         check_together(parameters["method"], options.specified(parameters), options.flag_of)
     except OptionError as error:

@@ -18,6 +18,7 @@ from deltamesh_cli.encode_options import encode_options
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import DONE, process_all
 from deltamesh_cli.inputs import MESH, Choice, chosen_files
+from deltamesh_cli.lengths import refuse_units, settle_shares
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.value_types import FILE, comma_separated, fraction
 from deltamesh_formats.errors import OptionError
@@ -229,6 +230,9 @@ def _labels(parameters: dict[str, Any]) -> list[str]:
     rates = [{name: value} for name, values in lists.items() for value in values] or [{}]
     common = options.specified(parameters)
     try:
+        for rate in rates:
+            settle_shares(rate)
+            refuse_units(rate)
         return [
             label(Options(**method, **rate, **common)) for method, rate in product(methods, rates)
         ]

@@ -23,6 +23,8 @@ deltamesh encode bunny.ply                      writes bunny.ply.dmesh
 deltamesh encode bunny.ply small.dmesh --quality 3
 deltamesh encode scan.obj --normal-error 0.5 --max-error-rel 1e-3
 deltamesh encode part.stl --max-error 0.05      moves no vertex further
+deltamesh encode part.3mf --max-error 0.05mm
+deltamesh encode scan.ply --rms-error 0.05%      of the diagonal
 deltamesh encode scan.obj --method highpass --bits 6
 deltamesh encode scan.obj --step 0.01 --anchors 500
 deltamesh encode rig.obj --keep-order            keeps vertex numbers
@@ -119,7 +121,12 @@ def _object(source: str, target: str, encoded: EncodedFile) -> dict[str, object]
     """Return what was encoded for `--json`."""
     cost = None if encoded.cost is None else vars(encoded.cost)
     sizes = {"source": source, "source_bytes": encoded.source_size}
-    return {**sizes, **container_object(target, encoded.container), "bound": cost}
+    return {
+        **sizes,
+        **container_object(target, encoded.container),
+        "bound": cost,
+        "unit": encoded.unit or None,
+    }
 
 
 def _print_summary(source: str, target: str, encoded: EncodedFile) -> None:
@@ -131,6 +138,8 @@ def _print_summary(source: str, target: str, encoded: EncodedFile) -> None:
         click.echo(f"achieved: {achieved(container.meta)}")
         if container.meta.parts > 1:
             click.echo(achieved_in_worst_part(container.meta))
+    if encoded.unit:
+        click.echo(f"unit of lengths: {encoded.unit}")
     if cost is not None:
         where = "" if cost.part is None else f" in {display_name(cost.part)}"
         reached = f"{number(cost.error)} of {number(cost.bound)}"
