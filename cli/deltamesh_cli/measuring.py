@@ -7,14 +7,13 @@ from collections.abc import Collection, Iterable, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
-import click
-
 from deltamesh._progress import Progress
 from deltamesh.bench import PEER_NAMES
 from deltamesh_cli import files
 from deltamesh_cli.failures import attempt
 from deltamesh_cli.inputs import Input
 from deltamesh_cli.meshes import parse_mesh
+from deltamesh_cli.output import message
 from deltamesh_cli.signals import interruptible
 
 if TYPE_CHECKING:
@@ -101,7 +100,7 @@ def skip_missing_peers(labels: Iterable[str]) -> set[str]:
     for label, packages in absent.items():
         if packages:
             text = f"skipped: {label}: not installed: {', '.join(packages)}"
-            click.echo(f"deltamesh: {text} (pip install 'deltamesh[bench]')", err=True)
+            message(f"deltamesh: {text} (pip install 'deltamesh[bench]')")
     return {label for label, packages in absent.items() if packages}
 
 

@@ -91,6 +91,19 @@ def test_damaged_files_are_refused_with_the_offset_and_nothing_is_written(
         assert set(folder.iterdir()) == before
 
 
+def test_ctrl_c_says_how_many_files_are_done(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def action(item: int) -> None:
+        if item == 2:
+            raise KeyboardInterrupt
+
+    for items, told in (([1, 2, 3], "deltamesh: 1 of 3 files are done\n"), ([2], "")):
+        with pytest.raises(KeyboardInterrupt):
+            failures.process_all(items, action, as_json=False)
+        assert capsys.readouterr() == ("", told)
+
+
 def test_limits_refuse(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for limit in ("--max-vertices 2591", "--memory 1K"):
         for command in ("decode -f torus.dmesh", "test torus.dmesh"):

@@ -17,6 +17,7 @@ from deltamesh_cli.encode_options import encode_options
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import Failure, report_failure
 from deltamesh_cli.inputs import Choice, chosen_files
+from deltamesh_cli.output import message
 from deltamesh_cli.signals import stopping_cleanly
 from deltamesh_cli.value_types import FILE, FOLDER, positive, size, whole
 from deltamesh_formats.errors import OptionError
@@ -198,7 +199,7 @@ def command(
         planned = plan_files(job, destinations, inputs, choice)
         planned = share(planned, *rank_of(rank, world_size, slurm))
         if not planned:
-            click.echo("deltamesh: there is nothing to do", err=True)
+            message("deltamesh: there is nothing to do")
         if dry:
             context.exit(dry_run(planned, job, existing, verbosity))
         with stopping_cleanly():

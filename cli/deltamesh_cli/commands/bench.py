@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import fields
 from itertools import product
 from typing import TYPE_CHECKING, Any, Final
@@ -172,8 +172,10 @@ def command(
     measurements: list[Measurement] = []
     codes = [DONE]
 
-    def process(items: Iterable[Any], action: Callable[[Any], object]) -> None:
-        codes.append(process_all(items, action, as_json=as_json))
+    def process(
+        items: Collection[Any], action: Callable[[Any], object], kind: str = "files"
+    ) -> None:
+        codes.append(process_all(items, action, as_json=as_json, kind=kind))
 
     def labels_for(name: str) -> list[str]:
         repeat = not (peers or _on_command_line(parameters))
@@ -190,6 +192,7 @@ def command(
                 lambda codec: measurements.append(
                     measuring.measure_mesh(name, path, mesh, codec, progress)
                 ),
+                kind="codecs",
             )
         if as_json:
             rate_tables.print_objects(measurements[before:])

@@ -13,7 +13,7 @@ from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import attempt, process_all
 from deltamesh_cli.inputs import EITHER, Choice, Input, chosen_files
 from deltamesh_cli.meshes import load_mesh
-from deltamesh_cli.output import display_name, print_json
+from deltamesh_cli.output import display_name, message, print_json
 from deltamesh_cli.pairing import Folder
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.signals import interruptible
@@ -109,4 +109,4 @@ def _note_unpaired(folder: Folder, paired: list[str]) -> None:
     """Note on standard error the files of B that no A has the name of."""
     if others := folder.without(paired):
         text = f"in no A: {len(others)} files, the first {display_name(others[0])}"
-        click.echo(f"note: {display_name(folder.path)}: {text}", err=True)
+        message(f"note: {display_name(folder.path)}: {text}")

@@ -11,8 +11,8 @@ from deltamesh_cli.encode_options import check_encode_options, encode_options
 from deltamesh_cli.encoding import EncodedFile, encode_file
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import process_all_and_exit
-from deltamesh_cli.meshes import note_faces, note_memory, note_not_kept
-from deltamesh_cli.output import display_name, number, print_json
+from deltamesh_cli.meshes import memory_notes, note_faces, note_not_kept
+from deltamesh_cli.output import display_name, message, number, print_json
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.summary import container_object
 from deltamesh_cli.value_types import FILE
@@ -108,7 +108,8 @@ def command(
             encoded = encode_file(source, target, input_format, progress, parameters, force=force)
         note_not_kept(source, encoded.lost, quiet=quiet)
         note_faces(source, encoded.report, quiet=quiet)
-        note_memory(target, encoded.container, quiet=quiet)
+        for note in () if quiet else memory_notes(target, encoded.container):
+            message(f"note: {note}")
         if as_json:
             print_json(_object(source, target, encoded))
         elif not (quiet or target == files.STDIO):
