@@ -85,6 +85,14 @@ def positive_share(text: str) -> float:
     return value
 
 
+def named_error(text: str) -> tuple[str, float]:
+    """Read a name and a positive number, such as confidence=0.01."""
+    name, equals, error = text.rpartition("=")
+    if not (name and equals):
+        raise click.BadParameter(f"{text!r} is not NAME=E, such as confidence=0.01.")
+    return name, positive(error)
+
+
 def coarse_factor(text: str) -> float:
     """Read a number from 1 to `MAX_COARSE`."""
     if not 1 <= (value := _real(text)) <= MAX_COARSE:

@@ -11,7 +11,7 @@ import click
 from click.core import ParameterSource
 
 from deltamesh._methods import BOUNDS, RATES
-from deltamesh._options import Options
+from deltamesh._options import ATTRIBUTE_BOUNDS, Options
 from deltamesh.bench import PEER_NAMES
 from deltamesh_cli import files, measuring, options, rate_tables
 from deltamesh_cli.encode_options import encode_options
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 # The encode options that may be lists here, and those that have another meaning here or none.
 _LISTS: Final = ("method", *RATES, *BOUNDS)
-_NOT_SHARED: Final = ("solver", "threads", "source_format", "drop_isolated")
+_NOT_SHARED: Final = ("solver", "threads", "source_format", "drop_isolated", *ATTRIBUTE_BOUNDS)
 
 _COLUMNS: Final = """\
 Columns:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,9 +14,17 @@ from deltamesh_cli.failures import process_all_and_exit
 from deltamesh_cli.meshes import memory_notes, note_faces, note_not_kept
 from deltamesh_cli.output import display_name, message, number, print_json
 from deltamesh_cli.progress import displayed_progress
-from deltamesh_cli.summary import container_object
+from deltamesh_cli.summary import container_object, costly_lines
 from deltamesh_cli.value_types import FILE
-from deltamesh_formats.container.summary import achieved, achieved_in_worst_part, counts
+from deltamesh_formats.container.summary import (
+    achieved,
+    achieved_in_worst_part,
+    attributes_of,
+    counts,
+)
+
+if TYPE_CHECKING:
+    from deltamesh_formats.container.container import Container
 
 _EXAMPLES = """\
 deltamesh encode bunny.ply                      writes bunny.ply.dmesh
@@ -30,7 +38,8 @@ deltamesh encode scan.obj --step 0.01 --anchors 500
 deltamesh encode rig.obj --keep-order            keeps vertex numbers
 deltamesh encode part.obj --lossless             keeps every bit
 deltamesh encode part.obj --drop all             keeps the shape alone
-deltamesh encode scan.glb --drop normal --bits-uv 14
+deltamesh encode scan.glb --drop normal,tangent --bits-uv 14
+deltamesh encode scan.ply --max-attribute-error confidence=0.01
 cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 """
 
@@ -110,12 +119,25 @@ def command(
         note_faces(source, encoded.report, quiet=quiet)
         for note in () if quiet else memory_notes(target, encoded.container):
             message(f"note: {note}")
+        _note_unknown(source, encoded.container, parameters, quiet=quiet)
         if as_json:
             print_json(_object(source, target, encoded))
         elif not (quiet or target == files.STDIO):
             _print_summary(source, target, encoded)
 
     process_all_and_exit([source], encode, as_json=as_json)
+
+
+def _note_unknown(
+    source: str, container: Container, parameters: dict[str, Any], *, quiet: bool
+) -> None:
+    """Note on standard error the names of --max-attribute-error that no attribute has."""
+    given = parameters["max_attribute_error"]
+    if given and not quiet:
+        known = {name for entry in attributes_of(container) for name in (entry.name, entry.role)}
+        for name in given.keys() - known:
+            text = f"--max-attribute-error {display_name(name)}: there is no such attribute"
+            message(f"note: {display_name(source)}: {text}")
 
 
 def _object(source: str, target: str, encoded: EncodedFile) -> dict[str, object]:
@@ -139,6 +161,8 @@ def _print_summary(source: str, target: str, encoded: EncodedFile) -> None:
         click.echo(f"achieved: {achieved(container.meta)}")
         if container.meta.parts > 1:
             click.echo(achieved_in_worst_part(container.meta))
+    for line in costly_lines(container):
+        click.echo(line)
     if encoded.unit:
         click.echo(f"unit of lengths: {encoded.unit}")
     if cost is not None:
