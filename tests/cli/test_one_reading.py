@@ -41,6 +41,7 @@ def readings(monkeypatch: pytest.MonkeyPatch) -> list[int]:
         "encode torus.ply made.dmesh --json",
         "batch -q torus.ply",
         "batch -q -d torus.dmesh --output-format off",
+        "batch -q -d -f torus.dmesh",
     ],
 )
 def test_a_command_reads_a_container_once(folder: Path, readings: list[int], line: str) -> None:

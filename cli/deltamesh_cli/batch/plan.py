@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import io
 import os
 import stat
 from collections.abc import Sequence
@@ -142,14 +143,17 @@ def _decoding_memory(source: str) -> int:
 
 
 def _stored_format(source: str) -> str:
-    from deltamesh_formats.container.reader import read_container
+    """Return the format that a file stores; a compressed one is decompressed for that."""
+    from deltamesh_formats.container.reader import read_source_format
 
     try:
         with open(source, "rb") as stream:
-            meta = read_container(unwrapped(stream.read())).meta
-    except DeltameshError:
+            is_wrapped = bool(without_wrapper(source)[1])
+            return read_source_format(
+                io.BytesIO(unwrapped(stream.read())) if is_wrapped else stream
+            )
+    except DeltameshError:  # the decoder will report the damage
         return ""
-    return "" if meta is None else meta.source
 
 
 def settled_record(
