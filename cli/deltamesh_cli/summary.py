@@ -71,7 +71,7 @@ def _attribute_object(entry: Entry) -> dict[str, object]:
         "normalized": entry.normalized,
         "partly": entry.partly,
         "coding": entry.coding,
-        "bits": entry.bits if entry.coding in ("grid", "octahedral") else None,
+        "bits": (entry.bits or None) if entry.coding in ("grid", "octahedral") else None,
         "palette": entry.palette,
         "largest_error": entry.error,
         "bytes": entry.size,

@@ -147,8 +147,8 @@ def encode(
         not have is no error.
     bits_uv : int
         Texture coordinates of floats come back within half a step, which is the largest of their
-        extents over 2^bits - 1. Where a hundredth of them or less makes the extent, it is at most
-        twice that of the others.
+        extents over 2^bits - 1. A few that lie far away do not count: without a hundredth of them,
+        the extent may be less than half, and twice that counts then.
     bits_normal : int
         Unit normals come back within sqrt(2) / (2^(bits - 1) - 1) radians.
     bits_float : int, optional

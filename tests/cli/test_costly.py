@@ -92,6 +92,7 @@ def test_bounds_of_attributes(scan: Path, capsys: pytest.CaptureFixture[str]) ->
     found = capsys.readouterr()
     heat, dust = json.loads(found.out)["attributes"]
     assert 0.009 < heat["largest_error"] <= 0.01
+    assert (heat["coding"], heat["bits"]) == ("grid", None)
     assert dust["largest_error"] == 0
     assert (
         found.err == "note: scan.ply: --max-attribute-error nothing: there is no such attribute\n"

@@ -23,10 +23,11 @@ _Any = NDArray[Any]
 
 _WORD: Final = 1 << 64
 BYTE: Final = 8
-# Steps of a grid are those of the range of all values but so few or, if that is less, of a range
-# that is so many times as wide as that of the others.
-_FEW: Final = 0.01
+# A grid has the steps of the range of all values or, if that is less, of one that is so many times
+# as wide as without so large a share of them at either end; of fewer values, each counts.
 _WIDER: Final = 2.0
+_FEW: Final = 0.005
+_LEAST: Final = 16
 _MOST_STEPS: Final = (1 << MAX_LIMB_BITS) - 1
 # Grid points a unit of a colour in 0 .. 1 that has 256 levels.
 COLOUR_DENSITY: Final = 255.0
@@ -165,13 +166,21 @@ def _grid_coding(entry: Entry, values: _Any, bits: int) -> Entry | None:
     extent = float(np.ptp(V, axis=0).max())
     if not np.isfinite(extent):
         return None
-    most = float(np.ptp(np.quantile(V, (_FEW / 2, 1 - _FEW / 2), axis=0), axis=0).max())
-    usual = min(extent, _WIDER * most) or extent
+    usual = min(extent, _WIDER * _inner_extent(V)) or extent
     density = ((1 << bits) - 1) / usual if usual > 0 else 1.0
     density = min(density, _MOST_STEPS / extent if extent > 0 else 1.0)
     if not 0 < density < np.inf:
         return None
     return _measured(_on_grid(entry, V, density, bits), values, 0.51 / density)
+
+
+def _inner_extent(V: Floats) -> float:
+    """Return the largest extent without a few of the values at either end, if there are many."""
+    few = max(round(_FEW * len(V)), 1)
+    if len(V) < _LEAST:
+        return float(np.ptp(V, axis=0).max())
+    inner = np.partition(V, (few, len(V) - 1 - few), axis=0)
+    return float((inner[len(V) - 1 - few] - inner[few]).max())
 
 
 def _on_grid(entry: Entry, V: Floats, density: float, bits: int) -> Entry:

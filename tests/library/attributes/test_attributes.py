@@ -604,7 +604,12 @@ def test_an_outlier_does_not_make_all_texture_coordinates_coarse() -> None:
         step = np.ptp(plain.values, axis=0).max() / (2**12 - 1)
         finest = far / (2.0**29 - 1)
         assert entry.error <= max(2 * 0.51 * step, 0.51 * finest)
-    # Those of a mesh without outliers are as they were.
+    # One of few is no outlier, and those of a mesh without outliers are as they were.
+    few = from_triangles(*meshes.tetrahedron())
+    values = np.array([[0.0, 0.0], [1, 0], [0, 1], [1e6, 1]])
+    mesh = with_attributes(few, Attribute("uv", "vertex", values, "uv"))
+    (entry,) = entries_of(encode_mesh(mesh, Options(method="cartesian")).data)
+    assert entry.density == 4095 / 1e6
     (usual,) = entries_of(encode_mesh(sphere(plain), Options(method="cartesian")).data)
     assert usual.density == pytest.approx(1 / step)
 
