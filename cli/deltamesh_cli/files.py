@@ -58,6 +58,19 @@ def chosen_output(positional: str | None, option: str | None) -> str | None:
     return STDIO if chosen == _STDOUT else chosen
 
 
+def check_name_of_dmesh(target: str) -> None:
+    """Refuse an output of another name than one of a `.dmesh` file: it may be somebody's mesh.
+
+    A pipe or a device may have any name, and a folder is refused later.
+    """
+    is_special = os.path.exists(target) and not os.path.isfile(target)
+    if target != STDIO and without_suffix(target) is None and not is_special:
+        raise click.UsageError(
+            f"{display_name(target)} does not end in {SUFFIX}. deltamesh batch encodes several"
+            f" files; --force-name writes a {SUFFIX} file with any name."
+        )
+
+
 def check_stdout_has_one_use(target: str | None, as_json: bool) -> None:
     """Refuse a command line that sends both OUT and JSON to standard output."""
     if as_json and target == STDIO:

@@ -7,12 +7,10 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from deltamesh._progress import Progress
 from deltamesh_cli import files, options
 from deltamesh_cli.failures import attempt
-from deltamesh_cli.output import display_name
+from deltamesh_cli.output import display_name, message
 from deltamesh_cli.signals import interruptible
 from deltamesh_formats.container.layout import MAGIC
 from deltamesh_formats.meshfiles.formats import (
@@ -89,7 +87,7 @@ def note_not_kept(name: str, lost: Collection[str], *, quiet: bool) -> None:
     """Note on standard error, in one line, the content of a mesh that is not kept."""
     if lost and not quiet:
         listed = ", ".join(map(display_name, lost))
-        click.echo(f"note: {display_name(name)}: {listed} are not kept", err=True)
+        message(f"note: {display_name(name)}: {listed} are not kept")
 
 
 def note_faces(name: str, report: Report | None, *, quiet: bool) -> None:
@@ -99,18 +97,18 @@ def note_faces(name: str, report: Report | None, *, quiet: bool) -> None:
     fates = ((report.lost, "lost their area"), (report.turned, "turned over"))
     told = [f"that {fate}: {len(of)}, the first in face {of[0]}" for of, fate in fates if len(of)]
     if told:
-        click.echo(f"note: {display_name(name)}: triangles {', '.join(told)}", err=True)
+        message(f"note: {display_name(name)}: triangles {', '.join(told)}")
 
 
-def note_memory(name: str, container: Container, *, quiet: bool) -> None:
-    """Say on standard error, in one line, that decoding takes more than the default limit."""
+def memory_notes(name: str, container: Container) -> list[str]:
+    """Return a note, if decoding takes more memory than the default limit."""
     from deltamesh._limits import DEFAULT_MEMORY, memory_needed
 
     needed = memory_needed(container)
-    if needed > DEFAULT_MEMORY and not quiet:
-        text = "decoding needs more memory than its default limit"
-        least = f"give deltamesh decode --memory {-(-needed >> 30)}G"
-        click.echo(f"note: {display_name(name)}: {text}: {least}", err=True)
+    if needed <= DEFAULT_MEMORY:
+        return []
+    text = "decoding needs more memory than its default limit"
+    return [f"{display_name(name)}: {text}: give deltamesh decode --memory {-(-needed >> 30)}G"]
 
 
 def parse_container(name: str, data: bytes, problem: str) -> Container:

@@ -30,6 +30,10 @@ def silent(stage: str) -> None:
         ("a.dmesh", None, None, "", ("a.ply", "ply")),
         ("a.dmesh", None, None, "unheard", ("a.ply", "ply")),
         ("a.obj.dmesh", None, "stl", "obj", ("a.stl", "stl")),
+        # A format that is only read.
+        ("a.dae.dmesh", None, None, "dae", ("a.ply", "ply")),
+        ("a.dae.dmesh.zst", None, "obj", "dae", ("a.obj", "obj")),
+        ("a.b.dmesh", None, None, "obj", ("a.b.obj", "obj")),
         ("a.dmesh", "b.off", None, "obj", ("b.off", "off")),
         ("a.dmesh", "b.off", "obj", "ply", ("b.off", "obj")),
         ("a.dmesh", "-", None, "obj", ("-", "obj")),

@@ -9,12 +9,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
-import click
-
 from deltamesh.batch import DONE, FAILED, SKIPPED, Record
 from deltamesh_cli.failures import DONE as SUCCESS
-from deltamesh_cli.output import display_name, number, print_json, table
-from deltamesh_cli.progress import use_drawing, use_lines
+from deltamesh_cli.output import display_name, duration, message, number, print_json, table
+from deltamesh_cli.progress import messages_above, use_drawing, use_lines
 
 # Called with each record of a file that was worked on, and the size of that file in bytes.
 Advance: TypeAlias = Callable[[Record, int], None]
@@ -61,6 +59,11 @@ class Totals:
                 self.worst[name] = value, record["source"]
 
     @property
+    def count(self) -> int:
+        """The number of files."""
+        return sum(self.files.values())
+
+    @property
     def exit_code(self) -> int:
         """The worst code of all files, as for the other commands."""
         return max(self.codes, default=SUCCESS)
@@ -101,9 +104,14 @@ class Totals:
                     str(self.files[name]),
                     str(size) if size else "-",
                     str(made) if made else "-",
-                    f"{100 * made / size:.2f} %" if made and size else "-",
+                    _ratio(made, size) if made and size else "-",
                     f"{self.files[name] / seconds:.2f}" if name == DONE else "-",
                 )
+
+
+def _ratio(made: int, size: int) -> str:
+    """Return the size of outputs over that of inputs: in percent or, of what grows, how often."""
+    return f"{100 * made / size:.2f} %" if made < size else f"{made / size:.1f} times"
 
 
 def names_of(record: Record) -> str:
@@ -119,14 +127,16 @@ def _line(record: Record) -> str:
     return f"{names_of(record)}: {sizes}, {record['seconds']:.2f} s"
 
 
-def report_record(record: Record, *, as_json: bool) -> None:
+def report_record(record: Record, *, as_json: bool, quiet: bool = False) -> None:
     """Report a failure on standard error and, with `as_json`, any record on standard output.
 
-    A file without a surface is skipped, with a message, too.
+    A file without a surface is skipped, with a message, too. Unless `quiet` is set, what a user
+    should know of a file that is done is a note.
     """
     if "message" in record:
-        click.echo(record.get("traceback", ""), nl=False, err=True)
-        click.echo(f"deltamesh: {record['message']}", err=True)
+        message(f"{record.get('traceback', '')}deltamesh: {record['message']}")
+    for note in () if quiet else record.get("notes", ()):
+        message(f"note: {note}")
     if as_json:
         print_json(record)
 
@@ -146,7 +156,7 @@ def displayed_files(
         def print_line(record: Record, size: int) -> None:
             nonlocal count
             count += 1
-            click.echo(f"deltamesh: [{count}/{len(sizes)}] {_line(record)}", err=True)
+            message(f"deltamesh: [{count}/{len(sizes)}] {_line(record)}")
 
         yield print_line
     elif use_drawing(show, quiet=quiet):
@@ -156,22 +166,32 @@ def displayed_files(
         yield lambda record, size: None
 
 
+def times(elapsed: float, remaining: float | None) -> str:
+    """Return the seconds that have passed and, if they are known, those that are left, in words."""
+    left = "" if remaining is None else f", {duration(remaining)} left"
+    return f"{duration(elapsed)} elapsed{left}"
+
+
 @contextmanager
 def _bar(sizes: list[int]) -> Iterator[Advance]:
     # Imported here: rich takes 0.1 s, and most runs have no terminal to draw on.
     from rich import progress as bars
     from rich.console import Console
+    from rich.text import Text
+
+    class Times(bars.ProgressColumn):
+        def render(self, task: bars.Task) -> Text:
+            return Text(times(task.elapsed or 0.0, None if task.finished else task.time_remaining))
 
     columns = (
         bars.BarColumn(),
         bars.TextColumn("{task.fields[count]}/{task.fields[files]} files"),
         bars.TaskProgressColumn(),
-        bars.TimeElapsedColumn(),
-        bars.TextColumn("left"),
-        bars.TimeRemainingColumn(),
+        Times(),
     )
+    console = Console(stderr=True)
     # Even an empty file is some work, so each counts one byte more.
-    with bars.Progress(*columns, console=Console(stderr=True)) as bar:
+    with bars.Progress(*columns, console=console) as bar, messages_above(console):
         task = bar.add_task("", total=sum(sizes) + len(sizes), count=0, files=len(sizes))
         done = 0
 

@@ -6,6 +6,7 @@ The manifest has a line for each step, so that an interrupted run can be resumed
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
@@ -26,7 +27,9 @@ from deltamesh_cli.batch.plan import PlannedFile, settled_record
 from deltamesh_cli.batch.report import Totals, displayed_files, names_of, report_record
 from deltamesh_cli.batch.work import Job, failure_record
 from deltamesh_cli.failures import Failure, attempt
-from deltamesh_cli.output import print_json
+from deltamesh_cli.output import message, print_json
+from deltamesh_cli.progress import on_terminal
+from deltamesh_cli.signals import Stopped
 from deltamesh_formats.places import exists, make_folder, parent
 from deltamesh_formats.temporaries import remove_temporaries
 
@@ -87,15 +90,27 @@ def run_batch(
 
     def report(record: Record, before: bool) -> None:
         totals.add(record, before)
-        report_record(record, as_json=verbosity.as_json)
+        report_record(record, as_json=verbosity.as_json, quiet=verbosity.quiet or before)
 
     try:
         with _manifest(existing) as (records, append):
             remaining = _settle(planned, job, records, existing, append, report)
             _work_on(remaining, job, engine, append, report, verbosity)
-    finally:  # after Ctrl-C as well
+    except (KeyboardInterrupt, Stopped):
+        message(
+            f"deltamesh: {totals.count} of {len(planned)} files are done: {_resuming(existing)}"
+        )
+        raise
+    finally:
         _print_totals(totals, verbosity)
     return totals.exit_code
+
+
+def _resuming(existing: ExistingFiles) -> str:
+    """Return how an interrupted run is completed, in words."""
+    option = "--skip-existing" if existing.manifest is None else "--resume"
+    given = existing.skip_existing if existing.manifest is None else existing.resume
+    return f"the same command{'' if given else f' with {option}'} does the others"
 
 
 def dry_run(
@@ -109,7 +124,7 @@ def dry_run(
             assert isinstance(one, Task)
             record = {"status": "planned", "source": one.source, "target": one.target}
         totals.add(record, before=False)
-        report_record(record, as_json=verbosity.as_json)
+        report_record(record, as_json=verbosity.as_json, quiet=verbosity.quiet)
         if not verbosity.as_json and "message" not in record:
             names, status = names_of(record), record["status"]
             click.echo(names if status == "planned" else f"{names}: {status}")
@@ -203,7 +218,7 @@ def _work_on(
         verbosity.show_progress,
         [task.size for task in tasks],
         verbose=verbosity.verbose,
-        quiet=verbosity.quiet,
+        quiet=verbosity.quiet or (verbosity.as_json and on_terminal(sys.stdout)),
     )
     try:
         with display as advance, closing(engine(job, tasks, begin)) as outcomes:

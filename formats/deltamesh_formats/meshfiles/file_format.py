@@ -40,6 +40,9 @@ class FileFormat:
         Whether the writer makes text.
     bytes_per_vertex : int
         Bytes of a file, at least, for a vertex and its two triangles.
+    unit : str
+        Unit of the positions in every file, of `deltamesh_formats.polymesh.units`; "" where files
+        name one themselves, or none.
     has_top_left_textures : bool
         Whether texture coordinates begin at the top left of the picture, not at its bottom left.
     polygons, transforms : bool
@@ -68,6 +71,7 @@ class FileFormat:
     beginnings: tuple[bytes, ...] = ()
     is_text: bool = False
     bytes_per_vertex: int
+    unit: str = ""
     has_top_left_textures: bool = False
     polygons: bool = False
     transforms: bool = False

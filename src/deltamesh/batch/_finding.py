@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-from deltamesh_formats.errors import OptionError
 from deltamesh_formats.places import absolute, parent, path_below
 from deltamesh_formats.remote import files_below, is_folder, is_url, matching, without_query
 from deltamesh_formats.wrappers import without_wrapper
@@ -29,11 +28,9 @@ class Selection:
         without with the last part of it. A file has to match one of `include`, if there are any,
         and none of `exclude`; a folder that matches `exclude` is not looked into.
     recursive : bool
-        Whether folders are looked into.
+        Whether folders within folders are looked into.
     never : str
         A folder that is not looked into, unless it was named: where the output goes.
-    shallow : bool
-        Whether of a folder only the files directly in it are taken, instead.
     """
 
     extensions: tuple[str, ...]
@@ -41,7 +38,6 @@ class Selection:
     exclude: tuple[str, ...] = ()
     recursive: bool = False
     never: str | None = None
-    shallow: bool = False
 
 
 def find(
@@ -67,13 +63,9 @@ def find(
     Returns
     -------
     list of str
+        A folder stands for the files directly in it or, if `selection` is recursive, at any depth.
         Links to files are files. Links to folders are not followed, unless named: a folder that
         links to itself is walked once.
-
-    Raises
-    ------
-    OptionError
-        For a folder when `selection` is neither recursive nor shallow.
     """
     found: dict[str, str] = {}
     for name in names:
@@ -93,8 +85,6 @@ def _expanded(
     if is_url(name):
         yield from _expanded_url(name, selection, patterns, failed)
     elif os.path.isdir(name):
-        if not (selection.recursive or selection.shallow):
-            raise OptionError(f"{name!r} is a folder: -r takes the files in it")
         yield from _walk(name, selection, failed)
     elif patterns and _MAGIC & set(name) and not os.path.lexists(name):
         matches = [path for path in _glob(name) if not os.path.isdir(path)]
@@ -112,10 +102,8 @@ def _expanded_url(
             yield from matching(name) or [name]
         elif _extension(name) in selection.extensions or not is_folder(name):
             yield name
-        elif selection.recursive or selection.shallow:
-            yield from _walk_url(name, selection)
         else:
-            raise OptionError(f"{name!r} is a folder: -r takes the files in it")
+            yield from _walk_url(name, selection)
     except OSError as error:
         failed(error)
 
@@ -159,9 +147,9 @@ def _walk(folder: str, selection: Selection, failed: Callable[[OSError], None]) 
         for entry in entries:
             path = entry.name if top == os.curdir else entry.path
             if entry.is_dir(follow_symlinks=False):
-                if selection.shallow:
+                if not selection.recursive or _matches(path, selection.exclude):
                     continue
-                if os.path.realpath(path) != never and not _matches(path, selection.exclude):
+                if os.path.realpath(path) != never:
                     waiting.append(path)
             elif _extension(path) in selection.extensions and _is_file(entry):
                 yield path

@@ -31,14 +31,8 @@ def test_a_folder_is_all_meshes_in_it_sorted(tree: Path) -> None:
     assert find([str(tree / "sub/deep")], ALL) == [str(tree / "sub/deep/d.ply")]
 
 
-def test_a_folder_needs_to_be_asked_for(tree: Path) -> None:
-    with pytest.raises(OptionError, match="'sub' is a folder: -r takes"):
-        find(["b.ply", "sub"], Selection(("ply",)))
-
-
-def test_of_a_folder_only_the_files_directly_in_it(tree: Path) -> None:
-    shallow = Selection(("ply", "obj"), shallow=True)
-    assert find([".", "sub"], shallow) == ["a.PLY", "b.ply", "sub/c.obj"]
+def test_without_r_only_the_files_directly_in_a_folder(tree: Path) -> None:
+    assert find([".", "sub"], Selection(("ply", "obj"))) == ["a.PLY", "b.ply", "sub/c.obj"]
 
 
 def test_an_empty_folder_holds_nothing(tree: Path) -> None:
@@ -180,14 +174,12 @@ def test_folders_of_a_store_are_searched_alike(monkeypatch: pytest.MonkeyPatch) 
         "deep/d.PLY.gz",
     ]
     assert found(top, recursive=True, include=("*.gz",)) == ["deep/d.PLY.gz"]
-    assert found(top, shallow=True) == ["a.ply"]
+    assert found(top) == ["a.ply"]
     assert found(f"{top}/*.ply") == ["a.ply"]
     assert found(f"{top}/none*.ply", "memory://shop/none.ply") == [
         "memory://shop/none*.ply",
         "memory://shop/none.ply",
     ]
-    with pytest.raises(OptionError, match="is a folder"):
-        found(top)
 
 
 def test_files_of_other_places_are_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -22,6 +22,7 @@ from deltamesh_formats.meshfiles.plain_text import utf8
 from deltamesh_formats.meshfiles.welding import welded
 from deltamesh_formats.polymesh.concatenation import concatenate
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, from_triangles
+from deltamesh_formats.polymesh.units import METRES
 
 # Beginnings of elements that trimesh leaves out, or changes, and what is lost with them.
 _LEFT_OUT: Final = {
@@ -44,14 +45,7 @@ _INDICES: Final = re.compile(rb"<(?:\w+:)?(?:p|vcount)[\s>]")
 _NODE_NAME: Final = re.compile(rb"<(?:\w+:)?node\s[^>]*\bname=")
 _UP_AXIS: Final = re.compile(rb"<(?:\w+:)?up_axis>\s*([XZ])_UP\s*<")
 _TRIANGLES: Final = re.compile(rb"<vcount>[\s3]*</vcount>")
-_UNITS: Final = {
-    1.0: "meter",
-    0.01: "centimeter",
-    0.001: "millimeter",
-    1e-6: "micron",
-    0.0254: "inch",
-    0.3048: "foot",
-}
+_UNITS: Final = {length: name for name, length in METRES.items()}
 _UNIT: Final = re.compile(r"(?:([0-9.e+-]+) \* )?meters")
 
 

@@ -31,6 +31,7 @@ GLB: Final = FileFormat(
     extensions=("glb",),
     beginnings=(b"glTF",),
     bytes_per_vertex=24,  # three float32, six 16-bit indices
+    unit="meter",
     has_top_left_textures=True,
     transforms=True,
     gaps=("vertex", "corner"),
