@@ -23,7 +23,8 @@ from deltamesh_formats.meshfiles.float32 import (
     rounding_losses,
     single_positions,
 )
-from deltamesh_formats.meshfiles.glb.chunks import BINARY_CHUNK, COMPONENTS, JSON_CHUNK, MAGIC
+from deltamesh_formats.meshfiles.glb.accessors import COMPONENTS
+from deltamesh_formats.meshfiles.glb.chunks import BINARY_CHUNK, JSON_CHUNK, MAGIC
 from deltamesh_formats.meshfiles.glb.extensions import QUANTIZED
 from deltamesh_formats.meshfiles.glb.semantics import is_quantized, semantic_of
 from deltamesh_formats.meshfiles.glb.vertex_groups import Groups, grouped
