@@ -82,7 +82,8 @@ def check_input(name: str) -> None:
     Failure
         If it is missing, a folder, or a terminal.
     """
-    with attempt(name, "cannot read"):
+    hint = "deltamesh batch takes folders" if os.path.isdir(name) else ""
+    with attempt(name, "cannot read", hint):
         if name != STDIO:
             if stat.S_ISDIR(os.stat(name).st_mode):
                 raise IsADirectoryError(errno.EISDIR, "it is a folder, not a file")
