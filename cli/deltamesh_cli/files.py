@@ -85,9 +85,10 @@ def check_input(name: str) -> None:
     Failure
         If it is missing, a folder, or a terminal.
     """
-    with attempt(name, "cannot read"):
-        if is_url(name):
-            return
+    if is_url(name):
+        return  # who reads it will say so
+    hint = "deltamesh batch takes folders" if os.path.isdir(name) else ""
+    with attempt(name, "cannot read", hint):
         if name != STDIO:
             if stat.S_ISDIR(os.stat(name).st_mode):
                 raise IsADirectoryError(errno.EISDIR, "it is a folder, not a file")

@@ -151,9 +151,11 @@ def _attribute_hint(entries: list[Entry]) -> str:
     """Return the options that make these attributes smaller."""
     names = dict.fromkeys(entry.name for entry in entries)
     hint = f"--drop {shlex.quote(','.join(names))}"
-    exact = [entry for entry in entries if entry.coding == "exact"]
+    exact = [entry.name for entry in entries if entry.coding == "exact"]
     if exact:
-        hint += f", or --max-attribute-error {shlex.quote(f'{exact[0].name}=E')}"
+        hint += f", or --max-attribute-error {shlex.quote(f'{exact[0]}=E')}"
+    elif any(entry.role == "uv" and entry.coding == "grid" for entry in entries):
+        hint += ", or --max-uv-error E"
     return display_name(hint)
 
 

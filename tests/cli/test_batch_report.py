@@ -75,6 +75,15 @@ def test_notes_of_what_is_done_are_told_unless_it_is_quiet(
     assert capsys.readouterr() == ("", "")
 
 
+def test_files_that_lose_something_are_counted() -> None:
+    assert "not kept" not in totals().as_text()
+    found = totals()
+    found.add(record(not_kept=["textures", "skins"]), False)
+    found.add(record(source="b.glb", not_kept=["lights"]), False)
+    last = found.as_text().splitlines()[-1]
+    assert last == "not kept is something of 2 files, such as textures of a.ply"
+
+
 def test_what_grows_is_told_in_times() -> None:
     found = Totals()
     found.add(record(source_bytes=100, target_bytes=6684), False)

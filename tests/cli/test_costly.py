@@ -69,6 +69,20 @@ def test_attributes_that_cost_much_are_told(scan: Path, capsys: pytest.CaptureFi
     assert "ATTR" not in sizes()
 
 
+def test_texture_coordinates_that_cost_much_get_a_hint(
+    scan: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    uv = Attribute("uv", "vertex", RNG.random((len(V), 2)).astype(np.float32), "uv")
+    mesh = replace(from_triangles(V, F), attributes=(uv,))
+    Path("scan.ply").write_bytes(mesh_bytes(mesh, "ply"))
+    assert cli("encode scan.ply --method cartesian") == 0
+    (line,) = costly(capsys)
+    assert line.endswith("; --drop uv, or --max-uv-error E")
+    before = sizes()["uv"]
+    assert cli("encode -f scan.ply --method cartesian --max-uv-error 0.01") == 0
+    assert sizes()["uv"] < before * 0.7
+
+
 def test_names_to_drop_are_separated_by_commas(scan: Path) -> None:
     assert cli("encode scan.ply -q --drop heat,nothing") == 0
     assert "heat" not in sizes()

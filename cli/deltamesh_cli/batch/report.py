@@ -36,6 +36,8 @@ class Totals:
         Number of failed files by exit code.
     worst : dict
         The largest error of each kind, and the file that has it.
+    losing : dict
+        What is not kept, of each file of which something is not.
     """
 
     files: Counter[str] = field(default_factory=Counter)
@@ -43,6 +45,7 @@ class Totals:
     target_bytes: Counter[str] = field(default_factory=Counter)
     codes: Counter[int] = field(default_factory=Counter)
     worst: dict[str, tuple[float, str]] = field(default_factory=dict)
+    losing: dict[str, list[str]] = field(default_factory=dict)
     start: float = field(default_factory=time.perf_counter)
 
     def add(self, record: Record, before: bool) -> None:
@@ -53,6 +56,8 @@ class Totals:
         self.target_bytes[status] += record.get("target_bytes") or 0
         if record["status"] == FAILED:
             self.codes[record["exit_code"]] += 1
+        if record.get("not_kept"):
+            self.losing[record["source"]] = record["not_kept"]
         for name in _ERRORS:
             value = (record.get("errors") or {}).get(name)
             if value is not None and value > self.worst.get(name, (-1.0, ""))[0]:
@@ -91,6 +96,10 @@ class Totals:
                 for name, (value, file) in self.worst.items()
             ]
             blocks.append(table([("worst", "", "file"), *rows]))
+        if self.losing:
+            file, (first, *_) = next(iter(self.losing.items()))
+            example = f"{display_name(first)} of {display_name(file)}"
+            blocks.append(f"not kept is something of {len(self.losing)} files, such as {example}")
         return "\n\n".join(blocks)
 
     def _rows(self) -> Iterator[tuple[str, ...]]:

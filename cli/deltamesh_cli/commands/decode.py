@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -75,7 +76,7 @@ def command(
     target = files.chosen_output(target, output)
     if target is None and source == files.STDIO:
         target = files.STDIO
-    if target is None and files.without_suffix(source) is None:
+    if target is None and not (files.without_suffix(source) or os.path.isdir(source)):
         name = display_name(source)
         raise click.UsageError(f"{name} does not end in {files.SUFFIX}: OUT is needed.")
     known = written_format(files.extension(target or ""))
