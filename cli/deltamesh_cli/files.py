@@ -72,9 +72,9 @@ def check_input(name: str) -> None:
     Failure
         If it is missing, a folder, or a terminal.
     """
+    if is_url(name):
+        return  # who reads it will say so
     with attempt(name, "cannot read"):
-        if is_url(name):
-            return
         if name != STDIO:
             if stat.S_ISDIR(os.stat(name).st_mode):
                 raise IsADirectoryError(errno.EISDIR, "it is a folder, not a file")
