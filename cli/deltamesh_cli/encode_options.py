@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any, Final
 
 import click
@@ -25,8 +26,25 @@ from deltamesh._options import (
     check_together,
 )
 from deltamesh_cli import options
-from deltamesh_cli.value_types import anchor_count, coarse_factor, positive, whole
+from deltamesh_cli.lengths import settle_shares
+from deltamesh_cli.value_types import (
+    anchor_count,
+    coarse_factor,
+    length,
+    length_or_share,
+    named_error,
+    positive,
+    positive_share,
+    whole,
+)
 from deltamesh_formats.errors import OptionError
+
+
+def _listed_names(texts: Iterable[str]) -> list[str]:
+    """Return names in texts, between commas and, since a name may have commas, as a whole."""
+    names = [name for text in texts for name in (text, *map(str.strip, text.split(",")))]
+    return list(dict.fromkeys(names))
+
 
 _BOUNDS: Final = options.combined(
     click.option(
@@ -53,27 +71,27 @@ _BOUNDS: Final = options.combined(
     ),
     click.option(
         "--rms-error",
-        type=positive,
+        type=length_or_share,
         metavar="LENGTH",
-        help="Upper bound on the RMS distance of the vertices from their original positions, in the"
-        " unit of the mesh.",
+        help="Upper bound on the RMS distance of the vertices from their original positions: a"
+        " number in the unit of the file, a length such as 0.05mm if the file has a unit (3MF,"
+        " glTF, COLLADA), or a share such as 0.1% of the diagonal of the bounding box.",
     ),
     click.option(
         "--rms-error-rel",
-        type=positive,
+        type=positive_share,
         metavar="FRACTION",
         help="The same bound as a fraction of the diagonal of the bounding box.",
     ),
     click.option(
         "--max-error",
-        type=positive,
+        type=length_or_share,
         metavar="LENGTH",
-        help="Upper bound on the distance of each vertex from its original position, in the unit"
-        " of the mesh.",
+        help="Upper bound on the distance of each vertex from its original position, likewise.",
     ),
     click.option(
         "--max-error-rel",
-        type=positive,
+        type=positive_share,
         metavar="FRACTION",
         help="The same bound as a fraction of the diagonal of the bounding box.",
     ),
@@ -120,9 +138,10 @@ _METHOD: Final = options.combined(
     ),
     click.option(
         "--step",
-        type=positive,
+        type=length,
         metavar="LENGTH",
-        help="Quantization step, in the unit of the mesh, instead of a quality.",
+        help="Quantization step instead of a quality: a number in the unit of the file, or a length"
+        " such as 0.05mm if the file has a unit.",
     ),
     click.option(
         "--coarse",
@@ -177,18 +196,19 @@ _CONTENT: Final = options.combined(
     click.option(
         "--drop",
         multiple=True,
-        callback=lambda context, parameter, names: list(names) or None,
+        callback=lambda context, parameter, texts: _listed_names(texts) or None,
         metavar="NAME",
         help="Leave out everything with this name: an attribute, a role (uv, normal, colour), a"
         " kind of parts (object, mesh, group, material, smoothing), a key of metadata, transforms,"
-        " or all. The option may be repeated; names that IN does not have are ignored.",
+        " or all. Several names are separated by commas, or the option is repeated; names that IN"
+        " does not have are ignored.",
     ),
     click.option(
         "--bits-uv",
         type=whole(1, MAX_BITS_UV),
         metavar="B",
-        help="Bits of texture coordinates: the larger of their extents has 2^B steps."
-        f"  [default: {DEFAULT_BITS_UV}]",
+        help="Bits of texture coordinates: the larger of their extents, but for a few outliers, has"
+        f" 2^B steps.  [default: {DEFAULT_BITS_UV}]",
     ),
     click.option(
         "--bits-normal",
@@ -196,6 +216,29 @@ _CONTENT: Final = options.combined(
         metavar="B",
         help="Bits of unit normals: each side of the unfolded octahedron has 2^B steps."
         f"  [default: {DEFAULT_BITS_NORMAL}]",
+    ),
+    click.option(
+        "--bits-float",
+        type=whole(1, MAX_BITS_UV),
+        metavar="B",
+        help="Bits of all other attributes of floating-point numbers, likewise.  [default: every"
+        " bit is kept]",
+    ),
+    click.option(
+        "--max-uv-error",
+        type=positive,
+        metavar="E",
+        help="Largest error of each texture coordinate, instead of --bits-uv.",
+    ),
+    click.option(
+        "--max-attribute-error",
+        type=named_error,
+        multiple=True,
+        callback=lambda context, parameter, pairs: dict(pairs) or None,
+        metavar="NAME=E",
+        help="Largest error of each floating-point number of the attributes with this name or role"
+        " (uv, normal, colour); of unit normals, the largest angle in degrees. The option may be"
+        " repeated.",
     ),
     click.option(
         "--lossless-attributes",
@@ -221,10 +264,11 @@ encode_options: Final = options.combined(
 def check_encode_options(parameters: dict[str, Any]) -> None:
     """Refuse options that exclude each other, and replace `lossless` by the method.
 
-    The parameters that remain are keywords of `deltamesh.encode`.
+    The parameters that remain are keywords of `deltamesh.encode`, but for the units of lengths.
     """
     if parameters.pop("lossless"):
         _choose_lossless(parameters)
+    settle_shares(parameters)
     try:
         check_together(parameters["method"], options.specified(parameters), options.flag_of)
     except OptionError as error:

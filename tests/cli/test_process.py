@@ -30,7 +30,10 @@ def test_pipes(folder: Path) -> None:
 
 
 def test_a_reader_that_has_gone_is_no_news(folder: Path) -> None:
-    command = [*PROGRAM, "info", *["torus.dmesh"] * 200]
+    names = [f"{number}.dmesh" for number in range(200)]
+    for name in names:
+        (folder / name).write_bytes((folder / "torus.dmesh").read_bytes())
+    command = [*PROGRAM, "info", *names]
     with children.started(command, stdout=subprocess.PIPE) as child:
         assert child.process.stdout is not None
         child.process.stdout.readline()

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -15,7 +15,7 @@ from deltamesh._measures.margins import SHARE
 from deltamesh._streams.floats import bits_of, from_bits
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.attribute_table import Entry
-from deltamesh_formats.container.layout import MAX_LIMB_BITS
+from deltamesh_formats.container.layout import MAX_LIMB_BITS, MAX_NORMAL_BITS, MIN_NORMAL_BITS
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import Attribute
 
@@ -23,6 +23,12 @@ _Any = NDArray[Any]
 
 _WORD: Final = 1 << 64
 BYTE: Final = 8
+# A grid has the steps of the range of all values or, if that is less, of one that is so many times
+# as wide as without so large a share of them at either end; of fewer values, each counts.
+_WIDER: Final = 2.0
+_FEW: Final = 0.005
+_LEAST: Final = 16
+_MOST_STEPS: Final = (1 << MAX_LIMB_BITS) - 1
 # Grid points a unit of a colour in 0 .. 1 that has 256 levels.
 COLOUR_DENSITY: Final = 255.0
 
@@ -43,6 +49,10 @@ class AttributeSettings:
         Positions of the vertices as a decoder makes them.
     tolerance : float
         The largest distance between the positions that two decoders make.
+    bits_float : int or None
+        Bits of the largest extent of other floats; None to keep them bit for bit.
+    errors : mapping of str to float
+        The largest errors of attributes, by their names and roles.
     """
 
     bits_uv: int
@@ -50,6 +60,13 @@ class AttributeSettings:
     lossless: bool
     positions: Floats
     tolerance: float
+    bits_float: int | None = None
+    errors: Mapping[str, float] = field(default_factory=dict)
+
+    def error_of(self, attribute: Attribute | Entry) -> float:
+        """Return the largest error that an attribute may have; infinite if nothing says so."""
+        names = (attribute.name, attribute.role)
+        return min(self.errors.get(name, math.inf) for name in names)
 
 
 def candidate_codings(
@@ -58,7 +75,8 @@ def candidate_codings(
     """Yield the codings that may suit the values (r, width) of an attribute.
 
     At least one of them is lossless. Texture coordinates and unit normals, and colours within
-    0 .. 1, may lose something; the meaning of other values is unknown.
+    0 .. 1, may lose something; the meaning of other values is unknown, and so they do if the
+    settings say so.
     """
     a = attribute
     entry = Entry(a.name, a.domain, a.role, values.dtype, a.width, a.normalized, "exact")
@@ -76,16 +94,48 @@ def _unmixed_codings(entry: Entry, values: _Any, settings: AttributeSettings) ->
     yield entry
     if values.dtype.kind == "c" or not values.size:
         return
+    if (error := settings.error_of(entry)) < math.inf:
+        coding = _bounded_coding(entry, values, error)
+    elif settings.lossless:
+        coding = _colour_coding(entry, values) if entry.role == "colour" else None
+        coding = coding if coding is not None and _is_lossless(coding, values) else None
+    else:
+        coding = _rounded_coding(entry, values, settings)
+    if coding is not None:
+        yield coding
+
+
+def _rounded_coding(entry: Entry, values: _Any, settings: AttributeSettings) -> Entry | None:
+    """Return the coding of floats that suits their role, or the one that was asked for."""
+    coding = None
     if entry.role == "colour":
-        levels = _colour_coding(entry, values)
-        if levels is not None and (not settings.lossless or _is_lossless(levels, values)):
-            yield levels
-    if entry.role == "uv" and not settings.lossless:
-        grid = _grid_coding(entry, values, settings.bits_uv)
-        if grid is not None:
-            yield grid
-    if entry.role == "normal" and not settings.lossless and is_unit(values):
-        yield replace(entry, coding="octahedral", bits=settings.bits_normal)
+        coding = _colour_coding(entry, values)
+    elif entry.role == "uv":
+        coding = _grid_coding(entry, values, settings.bits_uv)
+    elif entry.role == "normal" and is_unit(values):
+        coding = replace(entry, coding="octahedral", bits=settings.bits_normal)
+    if coding is None and settings.bits_float is not None:
+        return _grid_coding(entry, values, settings.bits_float)
+    return coding
+
+
+def _bounded_coding(entry: Entry, values: _Any, error: float) -> Entry | None:
+    """Return the coding within an error, of normals an angle in degrees; None if there is none."""
+    if entry.role == "normal" and is_unit(values):
+        for bits in range(MIN_NORMAL_BITS, MAX_NORMAL_BITS + 1):
+            if half(bits) > 0 and math.degrees(math.sqrt(2) / half(bits)) <= error:
+                return replace(entry, coding="octahedral", bits=bits)
+        return None
+    V = values.astype(np.float64)
+    if not np.isfinite(V).all():
+        return None
+    # A writer may round by a share of half a step more, and floats by their last bit.
+    density = 0.501 * (1 + SHARE) / error
+    extent = float(np.ptp(V, axis=0).max())
+    if not (0 < density < np.inf and extent * density < 1 << MAX_LIMB_BITS):
+        return None
+    found = _on_grid(entry, V, density, 0)
+    return _measured(found, values, error)
 
 
 def _integer_codings(entry: Entry, values: _Any) -> list[Entry]:
@@ -106,17 +156,36 @@ def _integer_codings(entry: Entry, values: _Any) -> list[Entry]:
 
 
 def _grid_coding(entry: Entry, values: _Any, bits: int) -> Entry | None:
-    """Return the grid of 2^bits - 1 steps over the largest extent, None if it does not fit."""
+    """Return the grid of 2^bits - 1 steps over the largest extent, None if it does not fit.
+
+    A few values that lie far away do not make the steps of all others coarse.
+    """
     V = values.astype(np.float64)
     if not V.size or not np.isfinite(V).all():
         return None
     extent = float(np.ptp(V, axis=0).max())
-    density = ((1 << bits) - 1) / extent if extent > 0 else 1.0
-    if not (0 < density < np.inf and np.isfinite(extent)):
+    if not np.isfinite(extent):
         return None
+    usual = min(extent, _WIDER * _inner_extent(V)) or extent
+    density = ((1 << bits) - 1) / usual if usual > 0 else 1.0
+    density = min(density, _MOST_STEPS / extent if extent > 0 else 1.0)
+    if not 0 < density < np.inf:
+        return None
+    return _measured(_on_grid(entry, V, density, bits), values, 0.51 / density)
+
+
+def _inner_extent(V: Floats) -> float:
+    """Return the largest extent without a few of the values at either end, if there are many."""
+    few = max(round(_FEW * len(V)), 1)
+    if len(V) < _LEAST:
+        return float(np.ptp(V, axis=0).max())
+    inner = np.partition(V, (few, len(V) - 1 - few), axis=0)
+    return float((inner[len(V) - 1 - few] - inner[few]).max())
+
+
+def _on_grid(entry: Entry, V: Floats, density: float, bits: int) -> Entry:
     origin = tuple(V.min(axis=0).tolist())
-    found = replace(entry, coding="grid", origin=origin, density=density, bits=bits)
-    return _measured(found, values, 0.51 / density)
+    return replace(entry, coding="grid", origin=origin, density=density, bits=bits)
 
 
 def _colour_coding(entry: Entry, values: _Any) -> Entry | None:

@@ -103,7 +103,8 @@ def encode_attributes(
         values = _native(attribute.values[rows])
         encoder = _Encoder(values, of_elements, domains, settings, [c.own_wedges for c in coded])
         candidates = map(encoder.encode, candidate_codings(attribute, values, settings))
-        one, streams = min(candidates, key=lambda candidate: candidate[0].entry.size)
+        within = (c for c in candidates if c[0].entry.error <= settings.error_of(attribute))
+        one, streams = min(within, key=lambda candidate: candidate[0].entry.size)
         coded.append(one)
         payload += streams
     return write_table(tuple(one.entry for one in coded)) + b"".join(payload), tuple(coded)

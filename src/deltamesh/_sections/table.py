@@ -130,6 +130,8 @@ def _attribute_settings(draft: Draft) -> AttributeSettings:
         lossless=options.lossless_attributes or options.exact,
         positions=V,
         tolerance=POSITION_TOLERANCE * diagonal(V) if solved else 0.0,
+        bits_float=options.bits_float,
+        errors=options.attribute_errors,
     )
 
 
