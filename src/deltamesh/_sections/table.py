@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final, Protocol
 
-from deltamesh._attributes.codings import AttributeSettings
+from deltamesh._attributes.candidates import AttributeSettings
 from deltamesh._attributes.domains import Domains
 from deltamesh._attributes.section import decode_attributes, encode_attributes
 from deltamesh._content import Content
