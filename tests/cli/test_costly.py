@@ -6,11 +6,13 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import click
 import meshes
 import numpy as np
 import pytest
 from commandline import cli
 
+from deltamesh_cli.content_options import content_options
 from deltamesh_formats.meshfiles.files import mesh_bytes
 from deltamesh_formats.polymesh.mesh import Attribute, from_triangles
 
@@ -81,6 +83,19 @@ def test_texture_coordinates_that_cost_much_get_a_hint(
     before = sizes()["uv"]
     assert cli("encode -f scan.ply --method cartesian --max-uv-error 0.01") == 0
     assert sizes()["uv"] < before * 0.7
+
+
+def test_names_between_commas_are_names_and_so_is_the_whole() -> None:
+    @click.command
+    @content_options
+    def command(**parameters: object) -> None: ...
+
+    def dropped(*arguments: str) -> object:
+        return command.make_context("x", list(arguments)).params["drop"]
+
+    assert dropped() is None
+    assert dropped("--drop", "uv") == ["uv"]
+    assert dropped("--drop", "a, b", "--drop", "b,c") == ["a, b", "a", "b", "b,c", "c"]
 
 
 def test_names_to_drop_are_separated_by_commas(scan: Path) -> None:

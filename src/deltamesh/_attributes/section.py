@@ -12,13 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._attributes.codings import (
-    AttributeSettings,
-    candidate_codings,
-    from_codes,
-    margin_of,
-    to_codes,
-)
+from deltamesh._attributes.candidates import AttributeSettings, candidate_codings
+from deltamesh._attributes.codings import from_codes, margin_of, to_codes
 from deltamesh._attributes.domains import Domains
 from deltamesh._attributes.normals.coding import (
     Normals,

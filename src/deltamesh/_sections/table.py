@@ -25,7 +25,7 @@ from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import payload_of
 
 if TYPE_CHECKING:
-    from deltamesh._attributes.codings import AttributeSettings
+    from deltamesh._attributes.candidates import AttributeSettings
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def _encode_attributes(draft: Draft) -> tuple[bytes, Draft]:
 
 
 def _attribute_settings(draft: Draft) -> AttributeSettings:
-    from deltamesh._attributes.codings import AttributeSettings
+    from deltamesh._attributes.candidates import AttributeSettings
 
     options, trial = draft.options, draft.chosen
     V = trial.vertices[draft.content.structure.points]

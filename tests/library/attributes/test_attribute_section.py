@@ -11,7 +11,7 @@ from drafts import stages_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh._attributes.codings import AttributeSettings
+from deltamesh._attributes.candidates import AttributeSettings
 from deltamesh._attributes.domains import Domains
 from deltamesh._attributes.section import (
     CodedAttribute,

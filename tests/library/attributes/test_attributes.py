@@ -16,7 +16,7 @@ from hypothesis.extra import numpy as nps
 
 from deltamesh import decode, encode
 from deltamesh._attributes import owners
-from deltamesh._attributes.codings import AttributeSettings, candidate_codings
+from deltamesh._attributes.candidates import AttributeSettings, candidate_codings
 from deltamesh._attributes.wedges import encode_wedges
 from deltamesh._options import Options
 from deltamesh._pipeline import Encoded, encode_mesh
