@@ -35,13 +35,14 @@ from deltamesh_formats.errors import MeshError, TargetError
 # How coarse the deltas may be, by effort, the likeliest first.
 COARSE: Final = {1: (5.0,), 2: (5.0, 3.0, 8.0), 3: (5.0, 3.0, 8.0, 2.0)}
 # Of effort 2, one other: finer deltas pay where they take few bytes beside the refinements, and
-# coarser ones where they take many.
+# coarser ones, rarely, where they take many: that is tried where a trial takes no second.
 FEW, MANY = 1.2, 2.9
-# Where a distance, not an angle, would bound the step, four times the anchors divide distances by
-# three or so, for 0.15 bits a vertex; but not more of them than that share of the vertices.
+CHEAP: Final = 60_000
+# Where a distance, not an angle, would bound the step, twice the anchors divide distances by that,
+# for 0.08 bits a vertex and more; but not more of them than that share of the vertices.
 MORE_ANCHORS, LESS_DISTANCE = 2, 1.35
 MOST_ANCHORS: Final = 0.016
-# ... and no component asks for more than so many times four.
+# ... and no component asks for more than so many times two.
 MOST_TIMES: Final = 10
 # A distance bounds the step if it is so many times nearer to its bound than an angle.
 BINDING: Final = 1.1
@@ -229,7 +230,7 @@ def _may_pay(settings: Settings, best: Trial, effort: int) -> bool:
     deltas, normals = (len(best.payloads[name]) for name in (DELTAS, NORMALS))
     if settings.coarse < best.settings.coarse:
         return deltas < FEW * normals
-    return deltas > MANY * normals
+    return deltas > MANY * normals and len(best.vertices) <= CHEAP
 
 
 def _anchored(
