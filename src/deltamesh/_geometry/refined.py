@@ -96,9 +96,9 @@ def reconstruct(
     surface: Surface, parameters: Parameters, integers: Integers, systems: Systems
 ) -> Floats:
     """Solve for the coarse deltas, correct them along the normals, and solve again."""
-    W, N = _bent(surface, systems, parameters, integers)
-    each = parameters.step * steps.ratios(integers)
-    fine = highpass.deltas(parameters, integers) + (each * integers.refinements) * N
+    W, fine = _bent(surface, systems, parameters, integers)
+    fine *= parameters.step * steps.ratios(integers) * integers.refinements
+    fine += highpass.deltas(parameters, integers)
     W = solved(fine, parameters, integers, systems, start=W)
     return all_positions(W, parameters, integers)
 
