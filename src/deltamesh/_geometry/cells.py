@@ -101,7 +101,9 @@ class Cells:
         return result
 
     def _means(self, x: Floats) -> Floats:
-        return self._spread(_sums(self.labels, x, len(self._component_sizes)) / self._component_sizes)
+        return self._spread(
+            _sums(self.labels, x, len(self._component_sizes)) / self._component_sizes
+        )
 
     def _spread(self, rows: Floats) -> Floats:
         """Return the row of the component of each vertex, float64 (n, c), maybe all one row."""

@@ -213,7 +213,10 @@ def test_more_levels_than_there_may_be_are_refused() -> None:
 def test_arrays_of_other_sizes_are_refused() -> None:
     with pytest.raises(ValueError):  # noqa: PT011
         multigrid.aggregate(LEVEL.indptr, LEVEL.indices, LEVEL.inverse[:-1])
-    for rows in (np.zeros((LEVEL.nodes, COORDINATES - 1)), np.zeros((LEVEL.nodes - 1, COORDINATES))):
+    for rows in (
+        np.zeros((LEVEL.nodes, COORDINATES - 1)),
+        np.zeros((LEVEL.nodes - 1, COORDINATES)),
+    ):
         with pytest.raises(ValueError):  # noqa: PT011
             Hierarchy([LEVEL]).solve(rows, rows.copy(), 1.0, 1)
 
