@@ -74,7 +74,7 @@ def quantize(
     )
     parameters = replace(parameters, dead_zone=DEAD_ZONE, normal_dead_zone=NORMAL_DEAD_ZONE)
     coarse = highpass.deltas(parameters, integers)
-    left = delta - coarse
+    left = np.subtract(delta, coarse, out=delta)
     if parameters.interpolated:
         integers = smoothed(left, parameters, integers, systems)
     W, N = _bent(surface, systems, parameters, integers, vertices, ROUGHLY)
@@ -88,7 +88,8 @@ def quantize(
         # The anchors have moved a little, and the normals with them.
         _, N = _bent(surface, systems, parameters, integers, W)
         W = near
-    W = solved(coarse + (each * fine) * N, parameters, integers, systems, start=W)
+    coarse += (each * fine) * N
+    W = solved(coarse, parameters, integers, systems, start=W)
     return highpass.corrected(W, vertices, parameters, integers, settings)
 
 
