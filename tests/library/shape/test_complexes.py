@@ -153,7 +153,7 @@ def test_any_complex_is_decoded_from_the_specification(mesh, method):
     vertices, faces, _ = spec_decoder.decode(data)
     mesh = decode(data)
     assert (faces == mesh.faces).all()
-    assert np.abs(vertices - mesh.vertices).max() <= 1e-6
+    assert (np.abs(vertices - mesh.vertices) <= tolerances_of(data, mesh)).all()
 
 
 @pytest.mark.parametrize("name", CLEAN)
