@@ -84,6 +84,18 @@ def parts(matrix):
     return found
 
 
+def vectors(matrix, anchors, integers, unit, steps):
+    """The y of each anchor's cell (SPEC.md 5.20), from integers, the unit, and steps (n, 1)."""
+    of, whole, rows = nearest(matrix, anchors), parts(matrix), iter(integers)
+    y = np.zeros((len(anchors), 3))
+    for k, a in enumerate(anchors):
+        own = next(part for part in whole if a in part)
+        if len(set(own.tolist()) & set(anchors)) > 1:
+            y[k] = 2.0**unit * steps[a] * next(rows) / of.count(k)
+    assert next(rows, None) is None
+    return y
+
+
 def completed(matrix, anchors, delta, y):
     """Delta and the y of each cell, less the mean of both over the component."""
     d = delta + y[nearest(matrix, anchors)]

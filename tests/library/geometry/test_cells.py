@@ -13,9 +13,7 @@ from deltamesh._geometry.cells import Cells
 from deltamesh._graph.adjacency import adjacency, components
 
 MESHES = meshes.every()
-CASES = [
-    (name, share) for name in MESHES for share in (0.0, 0.1, 1.0) if name != "with_isolated"
-]
+CASES = [(name, share) for name in MESHES for share in (0.0, 0.1, 1.0) if name != "with_isolated"]
 
 
 def cells_of(F, n: int, share: float = 0.1) -> Cells:
@@ -37,9 +35,7 @@ def test_cells_have_the_nearest_vertices(name: str, share: float) -> None:
     anchors = cells.anchors.tolist()
     assert cells.of.tolist() == poisson_oracle.nearest(L, anchors)
     assert cells.of[cells.anchors].tolist() == list(range(len(anchors)))
-    assert cells.sizes.ravel().tolist() == [
-        cells.of.tolist().count(k) for k in range(len(anchors))
-    ]
+    assert cells.sizes.ravel().tolist() == [cells.of.tolist().count(k) for k in range(len(anchors))]
     parts = [set(part.tolist()) for part in poisson_oracle.parts(L)]
     alone = [a for part in parts if len(own := part & set(anchors)) == 1 for a in own]
     assert cells.shared.tolist() == [k for k, a in enumerate(anchors) if a not in alone]

@@ -185,8 +185,6 @@ def test_inputs_stay_as_they_are() -> None:
         np.testing.assert_array_equal(array, copy)
 
 
-
-
 def test_too_many_edges_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(poisson, "MOST_ENTRIES", 100)
     with pytest.raises(LimitError, match="480 edges are too many"):

@@ -50,24 +50,20 @@ def contents(one: Encoded):
 
 
 def ratios_of(integers, n):
-    return np.ones((n, 1)) if not len(integers.exponents) else 2.0 ** (
-        -integers.exponents[:, None] / 4
+    return (
+        np.ones((n, 1))
+        if not len(integers.exponents)
+        else 2.0 ** (-integers.exponents[:, None] / 4)
     )
 
 
 def vectors_of(p, integers, L, stage):
     """What SPEC.md 5.20 says of y, anchor by anchor."""
     anchors = integers.anchors.tolist()
-    of, r = poisson_oracle.nearest(L, anchors), ratios_of(integers, len(L))
-    y, rows = np.zeros((len(anchors), 3)), iter(integers.cells[stage] if len(integers.cells) else [])
-    parts = poisson_oracle.parts(L)
-    for k, a in enumerate(anchors):
-        part = next(part for part in parts if a in part)
-        if len(integers.cells) and len(set(part.tolist()) & set(anchors)) > 1:
-            unit = 2.0 ** integers.units[stage] * p.step * r[a]
-            y[k] = unit * next(rows) / of.count(k)
-    assert next(rows, None) is None
-    return y
+    if not len(integers.cells):
+        return np.zeros((len(anchors), 3))
+    each = p.step * ratios_of(integers, len(L))
+    return poisson_oracle.vectors(L, anchors, integers.cells[stage], integers.units[stage], each)
 
 
 def dense(surface, p, integers):
