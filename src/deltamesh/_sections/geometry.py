@@ -67,7 +67,7 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
         return Trial(settings, parameters, integers, payloads, decoded, measure(decoded))
 
     def as_decoded(trial: Trial) -> Trial:
-        # The iterations of a search have begun elsewhere: what they find is as near to the solution.
+        # A search begins its iterations elsewhere: what they find is as near to the solution.
         if not trial.parameters.interpolated:
             return trial
         coder, payloads = geometry_codec(trial.settings.method), trial.payloads

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import spec_decoder
 import strategies
-from graphs import points_of
+from graphs import points_of, tolerances_of
 from hypothesis import given
 from hypothesis import strategies as st
 
