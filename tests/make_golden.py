@@ -56,6 +56,7 @@ from deltamesh_formats.polymesh.mesh import from_triangles
 
 TABLE = REFUSED / "expected.tsv"
 THROUGH = {"solution": "interpolated"}
+CORRECTED = {"normal_error": 8.0, "max_error_rel": 1.5e-3}
 
 
 # ---- Files that must decode --------------------------------------------------------------------
@@ -103,8 +104,9 @@ def machine_part():
 def golden():
     """Name, mesh and options of each golden file; the name begins with the method."""
     sphere, torus = meshes.icosphere(2), meshes.torus(9, 7)
-    patch, isolated = meshes.grid(15, 15), meshes.with_isolated()
+    patch, isolated = meshes.grid(10, 10), meshes.with_isolated()
     far = sphere[0] * 50 + [4e6, -3e5, 12.5], sphere[1]
+    parts = meshes.union(meshes.icosphere(1), meshes.torus(7, 5), meshes.tetrahedron())
     return [
         ("highpass-farthest", sphere, {"bits": 8, "anchors": 5}),
         ("highpass-greedy", sphere, {"bits": 6, "anchors": 9, "anchor_method": "greedy"}),
@@ -118,37 +120,28 @@ def golden():
         ("highpass-step", torus, {"step": 0.01, "source_format": "ply"}),
         ("highpass-20-bits", torus, {"bits": 20}),
         ("highpass-0-bits", sphere, {"bits": 0, "anchors": 12}),
-        ("highpass-corrected", patch, {"anchors": 1, "normal_error": 8.0, "max_error_rel": 2e-3}),
+        ("highpass-corrected", patch, {"anchors": 1} | CORRECTED),
         ("refined-default", torus, {}),
         ("refined-fine", sphere, {"coarse": 2.5, "bits": 9, "anchors": 4}),
-        ("refined-corrected", patch, {"anchors": 1, "normal_error": 8.0, "max_error_rel": 2e-3}),
-        (
-            "refined-corrected-isolated",
-            meshes.with_isolated(patch),
-            {"anchors": 1, "normal_error": 8.0, "max_error_rel": 2e-3},
-        ),
+        ("refined-corrected", patch, {"anchors": 1} | CORRECTED),
+        ("refined-corrected-isolated", meshes.with_isolated(patch), {"anchors": 1} | CORRECTED),
         ("refined-quality", torus, {"quality": 4}),
         ("highpass-0-bits-greedy", torus, {"bits": 0, "anchors": 12, "anchor_method": "greedy"}),
         ("highpass-far-away", far, {"bits": 10}),
-        ("highpass-interpolated", sphere, THROUGH | {"bits": 8, "anchors": 7}),
+        ("highpass-interpolated", torus, THROUGH | {"bits": 8, "anchors": 7}),
         (
             "highpass-interpolated-components",
-            meshes.union(sphere, torus, meshes.tetrahedron()),
+            parts,
             THROUGH | {"bits": 9, "anchors": 11, "anchor_method": "greedy"},
         ),
         ("highpass-interpolated-20-bits", torus, THROUGH | {"bits": 20, "anchors": 3}),
-        (
-            "highpass-interpolated-corrected",
-            patch,
-            THROUGH | {"anchors": 2, "normal_error": 8.0, "max_error_rel": 1e-3},
-        ),
-        ("refined-interpolated", sphere, {"step": 0.02, "anchors": 9}),
+        ("refined-interpolated", torus, {"step": 0.02, "anchors": 9}),
         (
             "refined-interpolated-components",
-            meshes.union(sphere, torus, meshes.tetrahedron()),
+            parts,
             {"step": 0.03, "anchors": 12, "anchor_method": "random", "seed": 11},
         ),
-        ("refined-interpolated-boundary", patch, {"step": 0.003, "anchors": 6}),
+        ("refined-interpolated-boundary", meshes.grid(7, 9), {"step": 0.003, "anchors": 6}),
         (
             "refined-interpolated-everything",
             surface_with_everything(),
@@ -471,8 +464,7 @@ def one_sided_anchors():
 
 def corrected_file():
     """A file with FIXS."""
-    options = {"anchors": 1, "normal_error": 8.0, "max_error_rel": 2e-3}
-    return encoded(meshes.grid(15, 15), method="refined", **options)
+    return encoded(meshes.grid(10, 10), method="refined", anchors=1, **CORRECTED)
 
 
 def long_varint(data):
@@ -902,8 +894,8 @@ def zero_vectors(count):
 
 
 def cells_after_corrections():
-    options = {"anchors": 2, "normal_error": 8.0, "max_error_rel": 2e-3} | THROUGH
-    return exchanged(encoded(meshes.grid(15, 15), **options), "CELL", "FIXS")
+    one = encoded(meshes.grid(15, 15), anchors=2, **CORRECTED, **THROUGH)
+    return exchanged(one, "CELL", "FIXS")
 
 
 def huge_cells():
