@@ -43,8 +43,7 @@ class Method:
         What positions make of deltas and anchors by default; empty without anchors.
     first_step : float
         Where the search begins: the step over the mean edge for a mean normal deviation of one
-        degree, where the coarse factor is the default; medians over scans and CAD parts. 0 without
-        a search.
+        degree, at the default coarse factor; medians over scans and CAD parts. 0 without a search.
     """
 
     layout: MethodLayout

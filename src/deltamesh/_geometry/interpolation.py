@@ -23,8 +23,8 @@ from deltamesh_formats.errors import SolveError
 # some hundred times the errors.
 TOLERANCE: Final = 1e-3
 NORMAL_TOLERANCE: Final = 1e-4
-# Where the tolerance is below what doubles can tell apart, an error of that share of the extent.
-ROUNDING: Final = 1e-9
+# Where doubles cannot keep that, errors may be those of rounding, up to that share of the extent.
+ROUNDING: Final = 1e-6
 
 
 class Interpolation:
@@ -78,10 +78,15 @@ class Interpolation:
         with np.errstate(over="ignore", invalid="ignore"):
             x = np.zeros_like(delta) if start is None else (start - shift) / scale
             x[anchors] = (positions - shift[anchors]) / scale[anchors]
-            x, bound = self._poisson.solve(delta / scale, x, tolerance)
-            largest = float(np.abs(x).max(initial=0.0))
-            if bound <= max(tolerance, ROUNDING * largest):
+            scaled = delta / scale
+            x, bound = self._poisson.solve(scaled, x, tolerance)
+            if bound <= tolerance or self._is_rounding(bound, scaled, x):
                 return x * scale + shift
         raise SolveError(
             "the Poisson problem has no solution in double precision: more anchors help"
         )
+
+    def _is_rounding(self, bound: float, b: Floats, x: Floats) -> bool:
+        """Return whether a bound is one that only more digits could better, and tolerable."""
+        least = ROUNDING * float(np.abs(x).max(initial=0.0))
+        return bound <= min(self._poisson.rounding(b, x), least)

@@ -29,6 +29,9 @@ from deltamesh_formats.errors import LimitError
 MOST_ENTRIES: Final = (1 << 31) - 2
 # Iterations that no surface needs.
 MOST_ITERATIONS: Final = 1000
+# What rounding takes from a residual, in units of the terms of its sum.
+ROUNDINGS: Final = 4
+EPSILON: Final = float(np.finfo(np.float64).eps)
 
 
 class Poisson:
@@ -56,6 +59,7 @@ class Poisson:
         free[fixed] = False
         inverse = np.divide(1, diagonal, out=np.zeros_like(diagonal), where=free)
         shorts = indptr.astype(np.int32), indices.astype(np.int32)
+        self._diagonal = diagonal
         self._hierarchy = Hierarchy(_levels(*shorts, diagonal, inverse))
 
     def solve(
@@ -86,6 +90,11 @@ class Poisson:
         start[:, : x.shape[1]] = x
         bound, _ = self._hierarchy.solve(rows, start, float(tolerance), most)
         return start[:, : x.shape[1]].copy(), bound
+
+    def rounding(self, b: Floats, x: Floats) -> float:
+        """Return a bound on the error that solutions near x, float64 (n, 3), have by rounding."""
+        terms = np.abs(b).max(axis=1) + 2 * self._diagonal * float(np.abs(x).max(initial=0.0))
+        return self._hierarchy.barrier * ROUNDINGS * EPSILON * float(terms.max(initial=0.0))
 
 
 def _levels(indptr: Shorts, indices: Shorts, diagonal: Singles, inverse: Singles) -> list[Level]:

@@ -32,6 +32,7 @@ def solved(
     systems: Systems,
     stage: int = -1,
     start: Floats | None = None,
+    tolerance: float | None = None,
 ) -> Floats:
     """Return the vertices of the faces that deltas and anchors make.
 
@@ -43,6 +44,8 @@ def solved(
         Of the method; the last by default.
     start : float64 (n, 3), optional
         Something near, which saves time where anchors are interpolated.
+    tolerance : float, optional
+        See `Interpolation.solve`. Default: that of a decoder.
     """
     grid = parameters.anchor_step * steps.anchor_ratios(integers)
     anchors = from_grid(integers.positions, np.array(parameters.origin), grid)
@@ -52,7 +55,7 @@ def solved(
     lost = vectors(parameters, integers, system.cells, stage)
     each = parameters.step * steps.ratios(integers)
     is_last = stage in (-1, len(UNITS[parameters.method]) - 1)
-    tolerance = TOLERANCE if is_last else NORMAL_TOLERANCE
+    tolerance = tolerance or (TOLERANCE if is_last else NORMAL_TOLERANCE)
     return system.solve(system.cells.completed(delta, lost), anchors, each, tolerance, start)
 
 

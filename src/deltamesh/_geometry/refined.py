@@ -45,6 +45,8 @@ NORMAL_DEAD_ZONE = 0.05
 COARSE_CARRY = (1.0, 0.2)
 FINE_CARRY = (0.7, 0.8)
 PLAIN = (0.0, 0.0)
+# The tolerance of normals that only steer what is rounded, in steps.
+ROUGHLY = 0.03
 
 
 def quantize(
@@ -75,7 +77,7 @@ def quantize(
     left = delta - coarse
     if parameters.interpolated:
         integers = smoothed(left, parameters, integers, systems)
-    W, N = _bent(surface, systems, parameters, integers, vertices)
+    W, N = _bent(surface, systems, parameters, integers, vertices, ROUGHLY)
     fine = quantize_delta(
         left, graph, each, carries[1], normals=N, zone=NORMAL_DEAD_ZONE, along=True
     )
@@ -107,10 +109,11 @@ def _bent(
     parameters: Parameters,
     integers: Integers,
     start: Floats | None = None,
+    tolerance: float | None = None,
 ) -> tuple[Floats, Floats]:
-    """Return the surface that the coarse deltas make, and its normals."""
+    """Return the surface that the coarse deltas make, and its normals; see `solved`."""
     coarse = highpass.deltas(parameters, integers)
-    W = solved(coarse, parameters, integers, systems, stage=0, start=start)
+    W = solved(coarse, parameters, integers, systems, stage=0, start=start, tolerance=tolerance)
     return W, vertex_normals(W, surface.faces, highpass.coarse_steps(parameters, integers))
 
 

@@ -29,7 +29,7 @@ from deltamesh._sections.draft import Cost, Draft
 from deltamesh._shape.complexes import distinct_faces
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Container, Parameters
-from deltamesh_formats.errors import LimitError, MeshError
+from deltamesh_formats.errors import LimitError, MeshError, SolveError
 
 
 def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
@@ -37,7 +37,7 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
     options = draft.options
     try:
         return _encode(draft, options)
-    except LimitError as error:
+    except (LimitError, SolveError) as error:
         if options.method != AUTO or options.bits == 0:
             raise MeshError(f"{error}; try method cartesian") from error
         return _encode(draft, replace(options, method=CARTESIAN.name, coarse=None))

@@ -74,7 +74,9 @@ def test_text_tells_the_parameters_that_the_method_has() -> None:
     text = container_text(file_of(replace(HIGHPASS, anchor_method="random", seed=9)))
     assert "anchors: 200, random, seed 9" in text
     through = replace(HIGHPASS, interpolated=True)
-    assert f"anchors: 200, random, seed {HIGHPASS.seed}, interpolated" in container_text(file_of(through))
+    assert f"anchors: 200, random, seed {HIGHPASS.seed}, interpolated" in container_text(
+        file_of(through)
+    )
     assert (through.solution, CARTESIAN.solution) == ("interpolated", None)
     text = container_text(file_of(replace(HIGHPASS, bits=None), STEP=b"\3\0\x28\x02labels"))
     assert "step 0.001 down to 9.766e-07, error diffusion" in text
