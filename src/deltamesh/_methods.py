@@ -64,7 +64,7 @@ REFINED: Final = Method(
     memory=256 << 20,
     memory_per_vertex=4000,
     options=(*RATES, *BOUNDS, *ANCHORING, "coarse"),
-    solution="interpolated",
+    solution=layout.INTERPOLATED,
     first_step=0.117,
 )
 HIGHPASS: Final = Method(
@@ -72,7 +72,7 @@ HIGHPASS: Final = Method(
     memory=256 << 20,
     memory_per_vertex=4000,
     options=(*RATES, *BOUNDS, *ANCHORING),
-    solution="least-squares",
+    solution=layout.LEAST_SQUARES,
     first_step=0.12,
 )
 CARTESIAN: Final = Method(

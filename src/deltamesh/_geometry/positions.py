@@ -166,6 +166,8 @@ def all_positions(vertices: Floats, parameters: Parameters, integers: Integers) 
 
 def grid_points(vertices: Floats, parameters: Parameters, integers: Integers) -> Floats:
     """Return where each vertex would be as an anchor, float64 (n, 3)."""
+    if not len(vertices):
+        return vertices
     origin, ratios = vertices.min(axis=0), steps.ratios(integers)
     extra: Ints = steps.extra_bits(integers.exponents, len(vertices))
     each = parameters.anchor_step * ratios

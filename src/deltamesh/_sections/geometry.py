@@ -66,11 +66,24 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
         payloads = partial(coder.encode, surface, parameters, integers)
         return Trial(settings, parameters, integers, payloads, decoded, measure(decoded))
 
+    def as_decoded(trial: Trial) -> Trial:
+        # A search begins its iterations elsewhere: what they find is as near to the solution.
+        if not trial.parameters.interpolated:
+            return trial
+        coder, payloads = geometry_codec(trial.settings.method), trial.payloads
+        found = coder.reconstruct(surface, trial.parameters, trial.integers, systems)
+        return replace(trial, encode=lambda: payloads, vertices=found, measured=measure(found))
+
     scale = diagonal(V)
     bounds = bounds_of(options, scale)
     components = components_of(V[:used], surface.faces, named.parts, measure.diagonals)
     furthest = furthest_at_rate(scale)
-    trial = smallest(options, bounds, components, attempt, named.name, furthest)
+    search = partial(smallest, options, bounds, components, name_of=named.name, furthest=furthest)
+    trial = search(attempt)
+    decoded = as_decoded(trial)
+    if bounds is not None and bounds.excess(decoded.measured) > 1 >= bounds.excess(trial.measured):
+        decoded = search(lambda settings: as_decoded(attempt(settings)))
+    trial = decoded
     report = report_of(trial.measured, named)
     cost = None if bounds is None else _cost(bounds.binding(trial.measured), named)
     content = replace(draft.content, integers=trial.integers)

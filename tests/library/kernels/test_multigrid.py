@@ -185,8 +185,8 @@ def test_graphs_that_are_none_are_refused(changes) -> None:
         multigrid.aggregate(wrong.indptr, wrong.indices, wrong.inverse)
     with pytest.raises(ValueError, match="contradict"):
         multigrid.coarsen(wrong, 1)
+    rows = np.zeros((LEVEL.nodes, LANES))
     with pytest.raises(ValueError, match="contradict"):
-        rows = np.zeros((LEVEL.nodes, LANES))
         Hierarchy([wrong]).solve(rows, rows.copy(), 1.0, 1)
 
 
