@@ -111,9 +111,9 @@ def test_the_stored_system_is_consistent_but_for_rounding(name: str, method: str
     assert np.abs(squares - x).max() < {"refined": 0.2, "highpass": 0.04}[method] * p.step
     # Without the vectors it is not so: the rows of the anchors have to be given up.
     bare = replace(integers, cells=NO_CELLS, units=NONE)
-    L, d, points, x = dense(surface, p, bare)
+    L, d, points, through = dense(surface, p, bare)
     without = oracle.least_squares(L, integers.anchors, d, points)
-    assert rms(without - x) > 2 * rms(squares - x)
+    assert rms(without - through) > 1.5 * rms(squares - x)
 
 
 @pytest.mark.parametrize("method", METHODS)
