@@ -13,16 +13,26 @@ from typing import Final
 
 import numpy as np
 
+from deltamesh._geometry.interpolation import TOLERANCE
 from deltamesh._measures.measure import Measured
 from deltamesh._measures.parts import QUALITY_NORMAL, QUALITY_RMS
 from deltamesh._methods import ANGLE_BOUNDS, BOUNDS, DISTANCE_BOUNDS, RATES
 from deltamesh._options import DEFAULT_QUALITY, Options
 from deltamesh_formats.array_types import Floats
+from deltamesh_formats.container.container import Parameters
 from deltamesh_formats.errors import TargetError
 
-# Positions may differ by that between machines and solvers, in diagonals of the bounding box of
-# their component (SPEC.md 5.4); that of the whole mesh is at least as long.
+# Positions of least squares may differ by that between machines and solvers, in diagonals of the
+# bounding box of their component (SPEC.md 5.4); that of the whole mesh is at least as long.
 POSITION_TOLERANCE: Final = 1e-9
+
+
+def tolerance_of(parameters: Parameters, scale: float) -> float:
+    """Return by how much positions may differ between machines, in a mesh of this diagonal."""
+    if parameters.solution is None:
+        return 0.0
+    of_steps = TOLERANCE * parameters.step if parameters.interpolated else 0.0
+    return max(of_steps, POSITION_TOLERANCE * scale)
 
 
 @dataclass(frozen=True)

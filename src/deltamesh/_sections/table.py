@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 from deltamesh._attributes.domains import Domains
 from deltamesh._content import Content
-from deltamesh._geometry.bounds import POSITION_TOLERANCE
+from deltamesh._geometry.bounds import tolerance_of
 from deltamesh._measures.metrics import diagonal
 from deltamesh._parts import decode_parts, encode_parts
 from deltamesh._sections import geometry
@@ -123,13 +123,12 @@ def _attribute_settings(draft: Draft) -> AttributeSettings:
 
     options, trial = draft.options, draft.chosen
     V = trial.vertices[draft.content.structure.points]
-    solved = layout.METHODS[trial.parameters.method].anchored
     return AttributeSettings(
         bits_uv=options.bits_uv,
         bits_normal=options.bits_normal,
         lossless=options.lossless_attributes or options.exact,
         positions=V,
-        tolerance=POSITION_TOLERANCE * diagonal(V) if solved else 0.0,
+        tolerance=tolerance_of(trial.parameters, diagonal(V)),
         bits_float=options.bits_float,
         errors=options.attribute_errors,
     )

@@ -13,6 +13,7 @@ import stepped
 from graphs import tolerances_of_points
 
 from deltamesh._geometry import highpass, positions
+from deltamesh._geometry.bounds import tolerance_of
 from deltamesh._geometry.cells import Cells
 from deltamesh._geometry.integers import NO_CELLS, NONE
 from deltamesh._geometry.methods import geometry_codec
@@ -20,7 +21,7 @@ from deltamesh._geometry.systems import Systems
 from deltamesh._options import Options, Settings
 from deltamesh._pipeline import Encoded, encode_mesh, read_content
 from deltamesh._shape.surface import surface_of
-from deltamesh_formats.container.container import Section
+from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.mesh import from_triangles
 
@@ -221,6 +222,15 @@ def test_vectors_that_are_too_large_are_refused() -> None:
         positions.with_vectors(y, p, integers, cells, -1)
     nothing = positions.with_vectors(0 * y, p, replace(integers, cells=NO_CELLS), cells, -1)
     assert len(nothing.cells) == len(nothing.units) == 0
+
+
+def test_by_how_much_positions_may_differ() -> None:
+    plain = Parameters("highpass", anchor_method="farthest", step=0.01)
+    through = replace(plain, interpolated=True)
+    assert tolerance_of(plain, 2.0) == 2e-9
+    assert tolerance_of(through, 2.0) == pytest.approx(1e-5)
+    assert tolerance_of(replace(through, step=1e-9), 2.0) == 2e-9
+    assert tolerance_of(Parameters("cartesian", step=0.01), 2.0) == 0
 
 
 def test_what_is_made_for_anchors_is_remembered() -> None:
