@@ -13,26 +13,16 @@ from typing import Final
 
 import numpy as np
 
-from deltamesh._geometry.interpolation import TOLERANCE
 from deltamesh._measures.measure import Measured
 from deltamesh._measures.parts import QUALITY_NORMAL, QUALITY_RMS
 from deltamesh._methods import ANGLE_BOUNDS, BOUNDS, DISTANCE_BOUNDS, RATES
 from deltamesh._options import DEFAULT_QUALITY, Options
 from deltamesh_formats.array_types import Floats
-from deltamesh_formats.container.container import Parameters
 from deltamesh_formats.errors import TargetError
 
-# Positions of least squares may differ by that between machines and solvers, in diagonals of the
-# bounding box of their component (SPEC.md 5.4); that of the whole mesh is at least as long.
+# Positions may differ by that between machines and solvers, in diagonals of the bounding box of
+# their component (SPEC.md 5.4); that of the whole mesh is at least as long.
 POSITION_TOLERANCE: Final = 1e-9
-
-
-def tolerance_of(parameters: Parameters, scale: float) -> float:
-    """Return by how much positions may differ between machines, in a mesh of this diagonal."""
-    if parameters.solution is None:
-        return 0.0
-    of_steps = TOLERANCE * parameters.step if parameters.interpolated else 0.0
-    return max(of_steps, POSITION_TOLERANCE * scale)
 
 
 @dataclass(frozen=True)
@@ -97,10 +87,10 @@ class Bounds:
         return min(self.normal_deviation, self.dihedral) < math.inf
 
     def _of_whole(self, measured: Measured) -> tuple[_Bounded, ...]:
-        e = measured.errors
+        e, doubt = measured.errors, measured.doubt
         return (
-            _Bounded("RMS distance", np.array([e.rms]), self.rms, is_length=True),
-            _Bounded("maximum distance", np.array([e.max]), self.max, is_length=True),
+            _Bounded("RMS distance", np.array([e.rms + doubt]), self.rms, is_length=True),
+            _Bounded("maximum distance", np.array([e.max + doubt]), self.max, is_length=True),
             _Bounded("normal deviation", np.array([e.normal_deviation]), self.normal_deviation),
             _Bounded("dihedral deviation", np.array([e.dihedral]), self.dihedral),
         )
@@ -109,11 +99,11 @@ class Bounds:
         e = measured.parts
         if e is None:
             return ()
-        relative = "RMS distance over the diagonal"
+        relative, doubt = "RMS distance over the diagonal", measured.doubt
         return (
             _Bounded(relative, e.relative_rms, self.part_rms, is_length=True),
-            _Bounded("RMS distance", e.rms, self.rms, is_length=True),
-            _Bounded("maximum distance", e.max, self.max, is_length=True),
+            _Bounded("RMS distance", e.rms + doubt, self.rms, is_length=True),
+            _Bounded("maximum distance", e.max + doubt, self.max, is_length=True),
             _Bounded("normal deviation", e.normal_deviation, self.part_normal),
             _Bounded("dihedral deviation", e.dihedral, self.part_dihedral),
         )

@@ -6,6 +6,7 @@ taken from the sum of the deltas over the cell, in units that suit the stage.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Final
 
@@ -154,6 +155,14 @@ def smoothed(
     """Return the integers with vectors of the first stage that need no solve."""
     y = systems.fit(integers.anchors).smooth(left)
     return with_vectors(y, parameters, integers, systems.cells(integers.anchors), 0)
+
+
+def doubt(parameters: Parameters) -> float:
+    """Return how far the vertices of another decoder may be from those of this one.
+
+    Where anchors are weighed in least squares that is a share of the diagonal, see `bounds`.
+    """
+    return math.sqrt(3) * TOLERANCE * parameters.step if parameters.interpolated else 0.0
 
 
 def all_positions(vertices: Floats, parameters: Parameters, integers: Integers) -> Floats:

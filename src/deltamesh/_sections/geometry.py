@@ -12,6 +12,7 @@ from deltamesh._geometry.bounds import Binding, Bounds, bounds_of, furthest_at_r
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.part_search import components_of
+from deltamesh._geometry.positions import doubt
 from deltamesh._geometry.search import smallest
 from deltamesh._geometry.steps import anchor_ratios, ratios
 from deltamesh._geometry.systems import Systems
@@ -64,7 +65,8 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
             reason = f"coordinates of {largest:g} are too large for method {settings.method}"
             raise ScaleError(f"{reason}: try lossless")
         payloads = partial(coder.encode, surface, parameters, integers)
-        return Trial(settings, parameters, integers, payloads, decoded, measure(decoded))
+        measured = replace(measure(decoded), doubt=doubt(parameters))
+        return Trial(settings, parameters, integers, payloads, decoded, measured)
 
     def as_decoded(trial: Trial) -> Trial:
         # A search begins its iterations elsewhere: what they find is as near to the solution.
@@ -72,7 +74,8 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
             return trial
         coder, payloads = geometry_codec(trial.settings.method), trial.payloads
         found = coder.reconstruct(surface, trial.parameters, trial.integers, systems)
-        return replace(trial, encode=lambda: payloads, vertices=found, measured=measure(found))
+        measured = replace(measure(found), doubt=trial.measured.doubt)
+        return replace(trial, encode=lambda: payloads, vertices=found, measured=measured)
 
     scale = diagonal(V)
     bounds = bounds_of(options, scale)

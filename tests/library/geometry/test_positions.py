@@ -13,7 +13,6 @@ import stepped
 from graphs import tolerances_of_points
 
 from deltamesh._geometry import highpass, positions
-from deltamesh._geometry.bounds import tolerance_of
 from deltamesh._geometry.cells import Cells
 from deltamesh._geometry.integers import NO_CELLS, NONE
 from deltamesh._geometry.methods import geometry_codec
@@ -226,11 +225,10 @@ def test_vectors_that_are_too_large_are_refused() -> None:
 
 def test_by_how_much_positions_may_differ() -> None:
     plain = Parameters("highpass", anchor_method="farthest", step=0.01)
-    through = replace(plain, interpolated=True)
-    assert tolerance_of(plain, 2.0) == 2e-9
-    assert tolerance_of(through, 2.0) == pytest.approx(1e-5)
-    assert tolerance_of(replace(through, step=1e-9), 2.0) == 2e-9
-    assert tolerance_of(Parameters("cartesian", step=0.01), 2.0) == 0
+    assert positions.doubt(plain) == 0
+    assert positions.doubt(replace(plain, interpolated=True)) == pytest.approx(3**0.5 * 1e-5)
+    one = encoded("torus", "refined").draft.chosen
+    assert one.measured.doubt == positions.doubt(one.parameters) > 0
 
 
 def test_what_is_made_for_anchors_is_remembered() -> None:
