@@ -74,7 +74,8 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
             return trial
         coder, payloads = geometry_codec(trial.settings.method), trial.payloads
         found = coder.reconstruct(surface, trial.parameters, trial.integers, systems)
-        return replace(trial, encode=lambda: payloads, vertices=found, measured=measure(found))
+        measured = replace(measure(found), doubt=trial.measured.doubt)
+        return replace(trial, encode=lambda: payloads, vertices=found, measured=measured)
 
     scale = diagonal(V)
     bounds = bounds_of(options, scale)
