@@ -78,14 +78,14 @@ REFINED: Final = Method(
     layout.METHODS["refined"],
     memory=None,
     options=(*RATES, *BOUNDS, *ANCHORING, "coarse"),
-    solution="interpolated",
+    solution=layout.INTERPOLATED,
     first_step=0.117,
 )
 HIGHPASS: Final = Method(
     layout.METHODS["highpass"],
     memory=None,
     options=(*RATES, *BOUNDS, *ANCHORING),
-    solution="least-squares",
+    solution=layout.LEAST_SQUARES,
     first_step=0.12,
 )
 CARTESIAN: Final = Method(

@@ -16,7 +16,7 @@ from deltamesh_formats.polymesh.permutations import distinct, inverse
 
 
 def in_coding_order(draft: ShapeDraft, cut: Cut, coded: CodedManifold) -> ShapeDraft:
-    """Return the draft with a coded manifold in place of its cut, with stitches and provenance.
+    """Return the draft with a coded manifold in place of its cut, stitches and provenance.
 
     Points are numbered as the vertices of the manifold meet them; the points that it does not have
     come last, in the lexicographic order of their positions.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import meshes
 import numpy as np
 import oracle
-import poisson_oracle
 import pytest
 import strategies
 from hypothesis import given
