@@ -9,7 +9,7 @@
    Two passes sort without comparing: in the second one, vertices come to the rows of their
    neighbours in ascending order. */
 int dm_gather_neighbours(const int64_t *a, const int64_t *b, int64_t count, int64_t n,
-                         int64_t *indptr, int64_t *indices, int64_t *entries, int32_t *rows,
+                         int64_t *indptr, int32_t *indices, int64_t *entries, int32_t *rows,
                          int64_t *place)
 {
     if (n < 0 || n > INT32_MAX || !dm_all_in(a, count, 0, n) || !dm_all_in(b, count, 0, n))
@@ -38,7 +38,7 @@ int dm_gather_neighbours(const int64_t *a, const int64_t *b, int64_t count, int6
         for (int64_t k = indptr[v]; k < indptr[v + 1]; k++) {
             const int64_t w = rows[k];
             if (place[w] == indptr[w] || indices[place[w] - 1] != v)
-                indices[place[w]++] = v;
+                indices[place[w]++] = (int32_t)v;
         }
     int64_t end = 0;
     for (int64_t v = 0; v < n; v++) {

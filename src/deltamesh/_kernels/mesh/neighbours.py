@@ -6,7 +6,7 @@ from ctypes import byref
 
 import numpy as np
 
-from deltamesh._kernels.core import address, call, ints, ints_out, number, scratch
+from deltamesh._kernels.core import address, call, ints, ints_out, number, scratch, shorts_out
 from deltamesh_formats.array_types import Ints
 
 
@@ -16,7 +16,7 @@ def gather(a: Ints, b: Ints, n: int) -> tuple[Ints, Ints]:
     a, b : int64 (h,), the vertices at both ends of half-edges, in any order; loops do not count.
     """
     count, entries = len(a), number()
-    indptr, indices = np.empty(n + 1, dtype=np.int64), np.empty(2 * count, dtype=np.int64)
+    indptr, indices = np.empty(n + 1, dtype=np.int64), np.empty(2 * count, dtype=np.int32)
     call(
         "dm_gather_neighbours",
         ints(a, count),
@@ -24,12 +24,12 @@ def gather(a: Ints, b: Ints, n: int) -> tuple[Ints, Ints]:
         count,
         n,
         ints_out(indptr, n + 1),
-        ints_out(indices, 2 * count),
+        shorts_out(indices, 2 * count),
         byref(entries),
         address(np.empty(2 * count, dtype=np.int32)),
         scratch(n),
     )
-    return indptr, indices[: entries.value].copy()
+    return indptr, indices[: entries.value].astype(np.int64)
 
 
 def label_components(indptr: Ints, indices: Ints, label: Ints) -> int:
