@@ -355,8 +355,8 @@ DM_API int dm_solve_poisson(const int64_t *sizes, const int64_t *entries, int64_
                             const float *diagonal, const float *inverse, const int32_t *aggregate,
                             const double *factor, int64_t dense, const double *b, double *x,
                             double tolerance, int64_t most, double *barrier, double *bound,
-                            int64_t *iterations, double *r, double *p, double *q, float *cycle_b,
-                            float *cycle_x);
+                            int64_t *iterations, double *w, double *r, double *p, double *q,
+                            float *cycle_b, float *cycle_x);
 
 /* supernodes.c */
 DM_API int dm_plan(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,

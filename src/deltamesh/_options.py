@@ -17,10 +17,7 @@ CHOICES = (AUTO, *METHODS)
 ANCHOR_METHODS = tuple(sorted(filter(None, layout.ANCHOR_METHODS)))
 # The step of the deltas that get refined along the normals, in steps of these refinements.
 DEFAULT_COARSE = 5.0
-# What positions make of deltas and anchors: they go through the anchors, or come near to both.
-INTERPOLATED = "interpolated"
-LEAST_SQUARES = "least-squares"
-SOLUTIONS = (INTERPOLATED, LEAST_SQUARES)
+SOLUTIONS = (INTERPOLATED, LEAST_SQUARES) = (layout.INTERPOLATED, layout.LEAST_SQUARES)
 MAX_COARSE = 64.0
 SOLVERS = ("auto", "core", "rslab", "pardiso", "scipy")
 DEFAULT_QUALITY, MAX_QUALITY = 5, 9

@@ -38,8 +38,8 @@ def smoothed(matrix, x, rounds):
 def aggregates(rows, free):
     """Which aggregate each node is in, and how many there are.
 
-    First each free node with no neighbour in one and a free neighbour makes one of itself and all of
-    these; then those left go where the first of their neighbours is that is in one so far.
+    First each free node with no neighbour in one and a free neighbour makes one of itself and all
+    of these; then those left go where the first of their neighbours is that is in one so far.
     """
     found, count = {}, 0
     for v, around in enumerate(rows):
@@ -57,11 +57,11 @@ def aggregates(rows, free):
 
 def coarsened(matrix, of, count):
     """P^T A P, with a column of P for each aggregate."""
-    P = np.zeros((len(matrix), count))
+    indicators = np.zeros((len(matrix), count))
     for v, k in enumerate(of):
         if k >= 0:
-            P[v, k] = 1
-    return P.T @ matrix @ P
+            indicators[v, k] = 1
+    return indicators.T @ matrix @ indicators
 
 
 def factor(matrix):
@@ -82,6 +82,18 @@ def parts(matrix):
         found.append(np.flatnonzero(reached))
         left -= set(found[-1].tolist())
     return found
+
+
+def vectors(matrix, anchors, integers, unit, steps):
+    """The y of each anchor's cell (SPEC.md 5.20), from integers, the unit, and steps (n, 1)."""
+    of, whole, rows = nearest(matrix, anchors), parts(matrix), iter(integers)
+    y = np.zeros((len(anchors), 3))
+    for k, a in enumerate(anchors):
+        own = next(part for part in whole if a in part)
+        if len(set(own.tolist()) & set(anchors)) > 1:
+            y[k] = 2.0**unit * steps[a] * next(rows) / of.count(k)
+    assert next(rows, None) is None
+    return y
 
 
 def completed(matrix, anchors, delta, y):

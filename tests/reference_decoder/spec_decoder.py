@@ -1331,7 +1331,7 @@ def normals(x, faces, step):
         for v in face:
             s[v] += cross
             m[v] += np.linalg.norm(cross)
-    return s / (np.linalg.norm(s, axis=1, keepdims=True) + 1e-6 * (m + step**2))
+    return s / (np.linalg.norm(s, axis=1, keepdims=True) + 1e-3 * (m + step**2))
 
 
 def positions(p, faces, near, exact):

@@ -136,6 +136,14 @@ def golden() -> list[tuple[str, meshes.Arrays, dict[str, object], Exponents, dic
             across,
             {},
         ),
+        (
+            "highpass-steps-interpolated",
+            meshes.torus(9, 7),
+            {"step": 0.05, "anchors": 8, "solution": "interpolated"},
+            across,
+            {},
+        ),
+        ("refined-steps-interpolated", scene(), fine | {"anchors": 12}, by_size, {}),
         ("refined-steps", scene(isolated=True), fine, by_size, {}),
         (
             "refined-steps-corrected",

@@ -14,6 +14,8 @@ from deltamesh_formats.container.layout import (
     CHECK,
     CRC_SIZE,
     ID_SIZE,
+    INTERPOLATED,
+    LEAST_SQUARES,
     MAX_BITS,
     METHODS,
     RANDOM,
@@ -75,6 +77,13 @@ class Parameters:
     normal_dead_zone: float = 0.0
     single: bool = False
     interpolated: bool = False
+
+    @property
+    def solution(self) -> str | None:
+        """Name of what positions make of deltas and anchors; None without anchors."""
+        if self.anchor_method is None:
+            return None
+        return INTERPOLATED if self.interpolated else LEAST_SQUARES
 
 
 @dataclass(frozen=True)

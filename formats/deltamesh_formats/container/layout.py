@@ -202,6 +202,9 @@ RANDOM: Final = "random"
 FLAG_DIFFUSION: Final = 1
 FLAG_SINGLE: Final = 2
 FLAG_INTERPOLATED: Final = 4
+# What positions make of deltas and anchors: they go through the anchors, or come near to both.
+INTERPOLATED: Final = "interpolated"
+LEAST_SQUARES: Final = "least-squares"
 ANCHOR_METHODS: Final[Mapping[str | None, int]] = {
     "farthest": 0,
     RANDOM: 1,

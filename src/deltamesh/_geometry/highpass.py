@@ -18,6 +18,7 @@ from deltamesh._geometry.integers import NONE, Integers, Quantized
 from deltamesh._geometry.positions import (
     UNITS,
     all_positions,
+    doubt,
     fitted,
     grid_points,
     placed,
@@ -124,7 +125,7 @@ def corrected(
         If a correction takes more than 2^30 steps.
     """
     error = vertices - W
-    far = safe_lengths(error) > settings.largest
+    far = safe_lengths(error) > settings.largest - doubt(parameters)
     if parameters.step and far.any():
         each = parameters.step * steps.ratios(integers)
         fixes = to_grid(np.where(far[:, None], error, 0.0), np.zeros(3), each)

@@ -6,6 +6,7 @@ taken from the sum of the deltas over the cell, in units that suit the stage.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Final
 
@@ -156,6 +157,14 @@ def smoothed(
     return with_vectors(y, parameters, integers, systems.cells(integers.anchors), 0)
 
 
+def doubt(parameters: Parameters) -> float:
+    """Return how far the vertices of another decoder may be from those of this one.
+
+    Where anchors are weighed in least squares that is a share of the diagonal, see `bounds`.
+    """
+    return math.sqrt(3) * TOLERANCE * parameters.step if parameters.interpolated else 0.0
+
+
 def all_positions(vertices: Floats, parameters: Parameters, integers: Integers) -> Floats:
     """Return the solution with its corrections, then the isolated vertices."""
     if len(integers.corrections):
@@ -166,6 +175,8 @@ def all_positions(vertices: Floats, parameters: Parameters, integers: Integers) 
 
 def grid_points(vertices: Floats, parameters: Parameters, integers: Integers) -> Floats:
     """Return where each vertex would be as an anchor, float64 (n, 3)."""
+    if not len(vertices):
+        return vertices
     origin, ratios = vertices.min(axis=0), steps.ratios(integers)
     extra: Ints = steps.extra_bits(integers.exponents, len(vertices))
     each = parameters.anchor_step * ratios

@@ -227,7 +227,7 @@ def _may_pay(settings: Settings, best: Trial, effort: int) -> bool:
         return True
     if best.settings.method != REFINED.name:
         return False
-    deltas, normals = (len(best.payloads[name]) for name in (DELTAS, NORMALS))
+    deltas, normals = (len(best.payloads.get(name, b"")) for name in (DELTAS, NORMALS))
     if settings.coarse < best.settings.coarse:
         return deltas < FEW * normals
     return deltas > MANY * normals and len(best.vertices) <= CHEAP

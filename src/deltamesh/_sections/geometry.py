@@ -12,6 +12,7 @@ from deltamesh._geometry.bounds import Binding, Bounds, bounds_of, furthest_at_r
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.part_search import components_of
+from deltamesh._geometry.positions import doubt
 from deltamesh._geometry.search import smallest
 from deltamesh._geometry.steps import anchor_ratios, ratios
 from deltamesh._geometry.systems import Systems
@@ -64,13 +65,28 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
             reason = f"coordinates of {largest(V):g} are too large for method {settings.method}"
             raise ScaleError(f"{reason}: try lossless")
         payloads = partial(coder.encode, surface, parameters, integers)
-        return Trial(settings, parameters, integers, payloads, decoded, measure(decoded))
+        measured = replace(measure(decoded), doubt=doubt(parameters))
+        return Trial(settings, parameters, integers, payloads, decoded, measured)
+
+    def as_decoded(trial: Trial) -> Trial:
+        # A search begins its iterations elsewhere: what they find is as near to the solution.
+        if not trial.parameters.interpolated:
+            return trial
+        coder, payloads = geometry_codec(trial.settings.method), trial.payloads
+        found = coder.reconstruct(surface, trial.parameters, trial.integers, systems)
+        measured = replace(measure(found), doubt=trial.measured.doubt)
+        return replace(trial, encode=lambda: payloads, vertices=found, measured=measured)
 
     scale = diagonal(V)
     bounds = bounds_of(options, scale)
     components = components_of(V[:used], surface.faces, named.parts, measure.diagonals)
     furthest = furthest_at_rate(scale)
-    trial = smallest(options, bounds, components, attempt, named.name, furthest)
+    search = partial(smallest, options, bounds, components, name_of=named.name, furthest=furthest)
+    trial = search(attempt)
+    decoded = as_decoded(trial)
+    if bounds is not None and bounds.excess(decoded.measured) > 1 >= bounds.excess(trial.measured):
+        decoded = search(lambda settings: as_decoded(attempt(settings)))
+    trial = decoded
     report = report_of(trial.measured, named)
     cost = None if bounds is None else _cost(bounds.binding(trial.measured), named)
     content = replace(draft.content, integers=trial.integers)

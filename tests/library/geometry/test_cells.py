@@ -45,10 +45,10 @@ def test_cells_have_the_nearest_vertices(name: str, share: float) -> None:
 def test_sums_and_fluxes_are_products_with_the_indicators(name: str, share: float) -> None:
     cells, L = case(name, share)
     rng, k = np.random.default_rng(1), len(cells.anchors)
-    P = np.eye(k)[cells.of]
+    indicators = np.eye(k)[cells.of]
     x, r = rng.normal(size=(len(L), 4)), rng.normal(size=(k, 4))
-    np.testing.assert_allclose(cells.sums(x), P.T @ x, atol=1e-11)
-    np.testing.assert_allclose(cells.fluxes(r), P.T @ L @ P @ r, atol=1e-11)
+    np.testing.assert_allclose(cells.sums(x), indicators.T @ x, atol=1e-11)
+    np.testing.assert_allclose(cells.fluxes(r), indicators.T @ L @ indicators @ r, atol=1e-11)
 
 
 @pytest.mark.parametrize(("name", "share"), CASES)
@@ -67,7 +67,7 @@ def test_completed_deltas_sum_to_nothing(name: str, share: float) -> None:
 
 
 def test_what_components_have_of_their_own() -> None:
-    V, F = MESHES["two_components"]
+    V = MESHES["two_components"][0]
     cells, L = case("two_components", 0.1)
     x = np.random.default_rng(3).uniform(1, 2, (len(V), 1))
     for part in poisson_oracle.parts(L):

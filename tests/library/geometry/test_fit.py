@@ -34,9 +34,9 @@ def test_smooth_vectors_are_means_of_what_is_smoothed(name: str, share: float) -
     V, F = MESHES[name]
     cells, L = cells_of(F, len(V), share), oracle.laplacian(F, len(V))
     q = rounding(L)
-    P = np.eye(len(cells.anchors))[cells.of]
+    indicators = np.eye(len(cells.anchors))[cells.of]
     sums, sizes = (
-        P.T @ poisson_oracle.smoothed(L, x, fit.ROUNDS) for x in (q, np.ones((len(V), 1)))
+        indicators.T @ poisson_oracle.smoothed(L, x, fit.ROUNDS) for x in (q, np.ones((len(V), 1)))
     )
     np.testing.assert_allclose(Fit(cells).smooth(q), sums / sizes, atol=1e-12)
 
@@ -48,17 +48,19 @@ def test_two_steps_do_for_the_mean_errors_of_all_cells(name: str, share: float) 
     V, F = LARGE[name]
     cells, L = cells_of(F, len(V), share), oracle.laplacian(F, len(V))
     q, k = rounding(L), len(cells.anchors)
-    P, inverse = np.eye(k)[cells.of], np.linalg.pinv(L)
+    indicators, inverse = np.eye(k)[cells.of], np.linalg.pinv(L)
     y, e = Fit(cells).exact(q)
     left = inverse @ cells.completed(q, -y)
     # What the steps know of the errors is near to what they are.
     assert rms(left - e) < 0.1 * rms(left)
-    best = np.linalg.lstsq(P.T @ inverse @ P, P.T @ inverse @ q, rcond=None)[0]
+    best = np.linalg.lstsq(
+        indicators.T @ inverse @ indicators, indicators.T @ inverse @ q, rcond=None
+    )[0]
     none, least = rms(inverse @ q), rms(inverse @ cells.completed(q, -best))
     smooth = rms(inverse @ cells.completed(q, -Fit(cells).smooth(q)))
     assert rms(left) < smooth < none
     assert rms(left) <= 1.15 * least
-    means = [np.abs(P.T @ x / cells.sizes).max() for x in (left, inverse @ q)]
+    means = [np.abs(indicators.T @ x / cells.sizes).max() for x in (left, inverse @ q)]
     assert means[0] < 0.3 * means[1]
 
 
