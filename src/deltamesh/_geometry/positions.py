@@ -44,7 +44,7 @@ def solved(
     stage : int
         Of the method; the last by default.
     start : float64 (n, 3), optional
-        Something near, which saves time where anchors are interpolated.
+        Something near, which saves time where anchors are interpolated, and takes the result.
     tolerance : float, optional
         See `Interpolation.solve`. Default: that of a decoder.
     """
