@@ -23,6 +23,8 @@ from deltamesh_formats.errors import SolveError
 # some hundred times the errors.
 TOLERANCE: Final = 1e-3
 NORMAL_TOLERANCE: Final = 1e-4
+# Where attributes follow, whose normals are predicted from positions, both are so much finer.
+FINER: Final = 1e-3
 # Where doubles cannot keep that, errors may be those of rounding, up to that share of the extent.
 ROUNDING: Final = 1e-6
 
