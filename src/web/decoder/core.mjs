@@ -17,16 +17,18 @@ export const at = (address) => ({ address });
 /** Place for a number that a call sets. */
 export const place = () => ({ value: 0n });
 
-/** Return a core: an instance of its own of a module, of its bytes, or of a promise of either. */
-export async function loadCore(source) {
+/** Return a module: of its bytes, of a Response of them, of a promise of either, or itself. */
+export async function compiled(source) {
   let given = await source;
   if (typeof Response !== "undefined" && given instanceof Response) given = await given.arrayBuffer();
-  const isModule = given instanceof WebAssembly.Module;
-  const instance = isModule
-    ? await WebAssembly.instantiate(given)
-    : (await WebAssembly.instantiate(given)).instance;
-  instance.exports._initialize?.();
-  return new Core(instance.exports);
+  return given instanceof WebAssembly.Module ? given : WebAssembly.compile(given);
+}
+
+/** Return a core: an instance of its own of what `compiled` takes. */
+export async function loadCore(source) {
+  const { exports } = await WebAssembly.instantiate(await compiled(source));
+  exports._initialize?.();
+  return new Core(exports);
 }
 
 /** The core: calls of its functions, and its models by name. */

@@ -45,8 +45,8 @@ export function inspect(bytes) {
  *
  * `maxVertices` and `memory`, in bytes, are the limits. Of the mesh, `positions` has three numbers
  * a vertex; `corners` and `offsets` the vertices of each polygon; `triangles` those of each
- * triangle, and `triangleCorners` their places among `corners`; `attributes` and `parts` what else
- * there is.
+ * triangle, `triangleCorners` their places among `corners`, `trianglePolygons` their polygons;
+ * `anchors` the vertices whose positions are stored; `attributes` and `parts` what else there is.
  */
 export function decode(core, bytes, { maxVertices = MAX_VERTICES, memory = MEMORY } = {}) {
   const container = readContainer(bytes);
@@ -103,7 +103,8 @@ function checkDigest({ digest, sections }, content) {
 }
 
 /** Return the mesh of a content and of the positions of its points. */
-function meshOf(container, { structure, domains, attributes, parts, order }, points) {
+function meshOf(container, content, points) {
+  const { structure, domains, integers, attributes, parts, order } = content;
   const { points: pointOf, polygons } = structure;
   const positions = gathered(points, pointOf, 3);
   const made = attributes.map((one) => restored(one, domains, positions));
@@ -115,10 +116,20 @@ function meshOf(container, { structure, domains, attributes, parts, order }, poi
     parts: (parts?.divisions ?? []).map((one) => ({ ...one })),
     metadata: parts?.metadata ?? new Map(),
     lost: parts?.lost ?? [],
+    anchors: anchorsOf(integers.anchors, pointOf),
     precision: container.parameters.single ? "float32" : "float64",
   };
   if (order) reorder(mesh, order);
   return Object.assign(mesh, fansOf(mesh.corners, mesh.offsets));
+}
+
+/** Return the first vertex at each point that is an anchor. */
+function anchorsOf(anchors, pointOf) {
+  const first = new Map();
+  pointOf.forEach((point, v) => {
+    if (!first.has(point)) first.set(point, v);
+  });
+  return anchors.map((point) => first.get(point));
 }
 
 /** Bring a mesh into the order of its source. */
@@ -129,6 +140,7 @@ function reorder(mesh, order) {
   mesh.positions = gathered(mesh.positions, order.vertices, 3);
   mesh.corners = places.map((c) => rank[mesh.corners[c]]);
   mesh.offsets = offsets;
+  mesh.anchors = mesh.anchors.map((v) => rank[v]);
   for (const attribute of mesh.attributes) {
     const elements = taken[attribute.domain];
     const numbers = attribute.has?.length ?? domainSize(mesh, attribute.domain);

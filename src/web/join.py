@@ -1,0 +1,77 @@
+"""Joining of the modules and the core into one page that is complete in itself.
+
+`src/core/build.py` calls it. There is no bundler: the modules of `src/web` import and export by
+name only, one statement for each module, so that every module becomes a function that returns what
+it exports.
+"""
+
+from __future__ import annotations
+
+import base64
+import re
+import zlib
+from pathlib import Path
+
+SOURCES = Path(__file__).parent
+ENTRY = SOURCES / "viewer" / "app.mjs"
+
+_IMPORT = re.compile(r'^import \{([^}]*)\} from "(\.[^"]+)";[^\n]*\n', re.MULTILINE)
+_REEXPORT = re.compile(r'^export \{([^}]*)\} from "(\.[^"]+)";\n', re.MULTILINE)
+_EXPORT = re.compile(r"^export (?=(?:async )?(?:function|class|const) (\w+))", re.MULTILINE)
+# Of the alphabet of base 85, what HTML has a use for.
+_SAFE = str.maketrans("<>&", ".,:")
+_COMMENT = re.compile(r"^\s*(?://[^\n]*|/\*\*.*?\*/)\n", re.MULTILINE | re.DOTALL)
+
+
+def joined(entry: Path = ENTRY) -> str:
+    """Return the text of a script whose global `deltamesh` has what a module exports."""
+    parts: dict[Path, str] = {}
+    _add(entry.resolve(), parts)
+    body = "".join(parts.values())
+    return f'"use strict";(() => {{\nconst $ = {{}};\n{body}globalThis.deltamesh = {_at(entry)};\n}})();\n'
+
+
+def _at(module: Path) -> str:
+    return f'$["{module.resolve().relative_to(SOURCES.resolve()).as_posix()}"]'
+
+
+def _add(module: Path, parts: dict[Path, str]) -> None:
+    """Add a module to the parts, after those that it imports."""
+    if module in parts:
+        return
+    text = module.read_text(encoding="utf-8")
+    for pattern in (_IMPORT, _REEXPORT):
+        for _, name in pattern.findall(text):
+            _add((module.parent / name).resolve(), parts)
+    returned = _EXPORT.findall(text)
+    for names, name in _REEXPORT.findall(text):
+        source = _at(module.parent / name)
+        returned += [f"{one.strip()}: {source}.{one.strip()}" for one in names.split(",")]
+
+    def imported(match: re.Match[str]) -> str:
+        source = _at(module.parent / match[2])
+        return f"const {{{match[1].replace(' as ', ': ')}}} = {source};\n"
+
+    text = _EXPORT.sub("", _REEXPORT.sub("", _IMPORT.sub(imported, text)))
+    text = "\n".join(line.strip() for line in _COMMENT.sub("", text).splitlines() if line.strip())
+    parts[module] = f"{_at(module)} = (() => {{\n{text}\nreturn {{ {', '.join(returned)} }};\n}})();\n"
+
+
+def packed(data: bytes) -> str:
+    """Return bytes deflated, in base 85, which takes 6 % less than base 64."""
+    deflater = zlib.compressobj(9, zlib.DEFLATED, -15, 9)
+    return base64.b85encode(deflater.compress(data) + deflater.flush()).decode().translate(_SAFE)
+
+
+def page(core: bytes) -> str:
+    """Return the page with the core, and places for `{title}`, `{facts}` and `{meshes}`."""
+    viewer = SOURCES / "viewer"
+    text = (viewer / "page.html").read_text(encoding="utf-8")
+    known = {
+        "style": (viewer / "page.css").read_text(encoding="utf-8").strip(),
+        "core": packed(core),
+        "program": packed(joined().encode()),
+    }
+    for name, value in known.items():
+        text = text.replace(f"{{{name}}}", value)
+    return text
