@@ -24,6 +24,7 @@ COMMANDS: Final = {
     "info": "Describe .dmesh files without decoding them.",
     "test": "Check that .dmesh files are intact.",
     "compare": "Measure how far mesh B is from mesh A.",
+    "view": "Show a mesh in the browser, beside its original.",
     "bench": "Measure file sizes, errors and times of meshes.",
     "completion": "Print a script that completes command lines.",
 }

@@ -3,6 +3,9 @@
 `python src/core/build.py` writes a shared library beside the modules that load it; an installation
 does the same (`hatch_build.py`). The compiler is the one that CC names, else the system's, else the
 one of the package ziglang, which also compiles for other systems and for WebAssembly.
+
+With ziglang, it also makes what runs in browsers, of `src/web`: a page that is complete in itself
+(`--page`), beside the module that fills it in, and a package for the npm registry (`--npm FOLDER`).
 """
 
 from __future__ import annotations
@@ -11,15 +14,20 @@ import argparse
 import hashlib
 import importlib.util
 import os
+import re
 import shlex
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from types import ModuleType
 
 SOURCES = Path(__file__).parent
 FOLDER = SOURCES.parent / "deltamesh" / "_kernels"
+WEB = SOURCES.parent / "web"
+PAGE = SOURCES.parent / "deltamesh" / "_page" / "page.html"
 
 # No contraction: a fused multiply-add rounds once where the others round twice.
 FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden")
@@ -40,10 +48,19 @@ TARGETS = {
 # A module of WebAssembly without a beginning of its own, whose user asks it for memory.
 WASM = ("-target", "wasm32-wasi", "-mexec-model=reactor", "-s")
 WASM_EXPORTS = ("-Wl,--export-dynamic", "-Wl,--export=malloc", "-Wl,--export=free")
+# One without any library, and small: it travels in every page.
+BARE = ("-target", "wasm32-freestanding", "-mcpu=generic+bulk_memory", "-nostdlib", "-s")
+BARE_OPTIONS = ("-Os", "-Wl,--no-entry", "-Wl,-z,stack-size=1048576", "-Wl,--export=__heap_base")
+# Functions of the core in modules of JavaScript, quoted or as exports.
+CALLED = re.compile(r'(?:"|exports\.)(dm_\w+)')
 
 
 class BuildError(Exception):
     """Failure of a build, with the reason."""
+
+
+class NoCompilerError(BuildError):
+    """The compiler that a build needs is not installed."""
 
 
 def compiler() -> list[str] | None:
@@ -59,15 +76,12 @@ def zig() -> list[str]:
 
     Raises
     ------
-    BuildError
+    NoCompilerError
         If it is not installed.
     """
     if importlib.util.find_spec("ziglang"):
         return [sys.executable, "-m", "ziglang", "cc"]
-    raise BuildError(
-        "deltamesh needs a C compiler to be installed from source, and found none: no CC in the "
-        "environment, no cc, gcc or clang on PATH, no package ziglang"
-    )
+    raise NoCompilerError("the package ziglang is not installed")
 
 
 def digest() -> str:
@@ -103,11 +117,22 @@ def build(target: str = "", flags: Sequence[str] = ()) -> Path:
         If there is no compiler, or if it fails.
     """
     library = library_of(target)
-    command = [*zig(), "-target", target, "-s"] if target else compiler() or zig()
+    command = [*zig(), "-target", target, "-s"] if target else _any_compiler()
     if library.suffix != ".dll":
         command += ["-fPIC"]
     _compile([*command, "-shared", *flags], library, ["-lm"])
     return library
+
+
+def _any_compiler() -> list[str]:
+    """Return the command of the system's compiler, else that of ziglang."""
+    try:
+        return compiler() or zig()
+    except NoCompilerError as error:
+        raise NoCompilerError(
+            "deltamesh needs a C compiler to be installed from source, and found none: no CC in "
+            f"the environment, no cc, gcc or clang on PATH, and {error}"
+        ) from None
 
 
 def build_wasm(module: Path) -> Path:
@@ -118,6 +143,60 @@ def build_wasm(module: Path) -> Path:
     BuildError
     """
     _compile([*zig(), *WASM], module, WASM_EXPORTS)
+    return module
+
+
+def build_bare_wasm(module: Path) -> Path:
+    """Compile the core as WebAssembly that has the functions that `src/web` calls, and no others.
+
+    Raises
+    ------
+    BuildError
+    """
+    texts = [path.read_text(encoding="utf-8") for path in sorted(WEB.glob("decoder/*.mjs"))]
+    names = sorted({name for text in texts for name in CALLED.findall(text)})
+    library = WEB / "freestanding"
+    exports = [f"-Wl,--export={name}" for name in names]
+    linked = [*BARE_OPTIONS, *exports, str(library / "string.c")]
+    _compile([*zig(), *BARE, f"-I{library}"], module, linked)
+    return module
+
+
+def build_page(page: Path = PAGE) -> Path:
+    """Make the page that shows meshes, with the core in it; return its path.
+
+    Raises
+    ------
+    BuildError
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        core = build_bare_wasm(Path(folder) / "core.wasm").read_bytes()
+    unfinished = page.with_name(f"{page.name}.{os.getpid()}")
+    unfinished.write_text(_joining().page(core), encoding="utf-8", newline="\n")
+    unfinished.replace(page)
+    return page
+
+
+def build_package(folder: Path) -> Path:
+    """Make a package for the npm registry: a new folder with the modules and the core.
+
+    Raises
+    ------
+    BuildError
+    """
+    ignored = shutil.ignore_patterns("*.py", "*.css", "*.html", "freestanding", "__pycache__")
+    shutil.copytree(WEB, folder, ignore=ignored)
+    build_bare_wasm(folder / "core.wasm")
+    return folder
+
+
+def _joining() -> ModuleType:
+    """Return the module `src/web/join.py`, which is in no package."""
+    spec = importlib.util.spec_from_file_location("join_web", WEB / "join.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
     return module
 
 
@@ -144,10 +223,19 @@ def main() -> None:
     )
     parser.add_argument("--target", choices=TARGETS, default="", help="compile for it, by ziglang")
     parser.add_argument("--wasm", type=Path, metavar="FILE", help="write WebAssembly, by ziglang")
+    parser.add_argument("--page", action="store_true", help="make the page, by ziglang")
+    parser.add_argument("--npm", type=Path, metavar="FOLDER", help="make a package, by ziglang")
     arguments = parser.parse_args()
     flags = STRICT * arguments.strict + SANITIZED * arguments.sanitize
     try:
-        print(build_wasm(arguments.wasm) if arguments.wasm else build(arguments.target, flags))
+        if arguments.wasm:
+            print(build_wasm(arguments.wasm))
+        elif arguments.page:
+            print(build_page())
+        elif arguments.npm:
+            print(build_package(arguments.npm))
+        else:
+            print(build(arguments.target, flags))
     except BuildError as error:
         sys.exit(str(error))
 

@@ -1,5 +1,6 @@
 // Calls of the compiled core, WebAssembly, on typed arrays; and its entropy decoder.
-import { FormatError, LimitError } from "./errors.mjs";
+import { FormatError } from "./errors.mjs";
+import { Heap } from "./heap.mjs";
 
 const CORRUPT = 1;
 const INVALID = 2;
@@ -27,7 +28,6 @@ export async function compiled(source) {
 /** Return a core: an instance of its own of what `compiled` takes. */
 export async function loadCore(source) {
   const { exports } = await WebAssembly.instantiate(await compiled(source));
-  exports._initialize?.();
   return new Core(exports);
 }
 
@@ -35,6 +35,7 @@ export async function loadCore(source) {
 export class Core {
   constructor(exports) {
     this.exports = exports;
+    this.heap = new Heap(exports.memory, exports.__heap_base.value);
     this.models = new Map();
     this.names = new Map();
   }
@@ -44,22 +45,16 @@ export class Core {
     return new Uint8Array(this.exports.memory.buffer, address, size);
   }
 
-  allocate(size) {
-    const address = this.exports.malloc(Math.max(size, 8)) >>> 0;
-    if (!address) throw new LimitError(`no memory for ${size} bytes`);
-    return address;
-  }
-
   /** Return what `run` returns; it gets a function that allocates memory, which is freed then. */
   withMemory(run) {
     const taken = [];
     try {
       return run((size) => {
-        taken.push(this.allocate(size));
+        taken.push(this.heap.allocate(size));
         return taken[taken.length - 1];
       });
     } finally {
-      taken.forEach((address) => this.exports.free(address));
+      taken.forEach((address) => this.heap.release(address));
     }
   }
 

@@ -127,9 +127,9 @@ function factored(core, matrix, values, plan) {
   const n = order.length;
   const [tile, widest] = ["DM_TILE", "DM_WIDEST"].map((name) => core.constant(name));
   const taken = [];
-  const free = () => taken.splice(0).forEach((address) => core.exports.free(address));
+  const free = () => taken.splice(0).forEach((address) => core.heap.release(address));
   const allocate = (size) => {
-    taken.push(core.allocate(size));
+    taken.push(core.heap.allocate(size));
     return taken[taken.length - 1];
   };
   try {

@@ -50,9 +50,9 @@ class Viewer {
   /** Open the files that the page holds. */
   async openOwn() {
     for (const element of document.querySelectorAll("script.mesh")) {
-      const { name, role } = element.dataset;
+      const { name, role, size } = element.dataset;
       const bytes = globalThis.deltameshBytes(element.textContent);
-      await this.open(name, bytes, role);
+      await this.open(name, bytes, role, Number(size));
     }
     if (!this.panels.length && !document.querySelector("script.mesh")) {
       this.controls.say("Drop a .dmesh, OBJ or PLY file here.");
@@ -60,9 +60,8 @@ class Viewer {
   }
 
   /** Open a file; whatever is wrong with it becomes a message. */
-  async open(name, bytes, role = "") {
+  async open(name, bytes, role = "", size = bytes.length) {
     this.controls.say(`${name}: decoding …`);
-    const size = bytes.length;
     try {
       const other = readMeshFile(name, bytes);
       const { mesh, about } = other ? { mesh: other, about: null } : await this.decode(bytes);

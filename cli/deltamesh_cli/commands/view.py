@@ -1,0 +1,156 @@
+"""`deltamesh view`: one page that shows a mesh in the browser, beside its original."""
+
+from __future__ import annotations
+
+import os
+import webbrowser
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from deltamesh._progress import Progress
+from deltamesh_cli import files, options
+from deltamesh_cli.comparing import Comparison, compare_meshes, comparison_tables
+from deltamesh_cli.epilogs import epilog
+from deltamesh_cli.failures import attempt, process_all_and_exit
+from deltamesh_cli.meshes import LoadedMesh, load_mesh
+from deltamesh_cli.output import display_name, print_json
+from deltamesh_cli.progress import displayed_progress
+from deltamesh_cli.signals import interruptible
+from deltamesh_cli.value_types import FILE
+
+if TYPE_CHECKING:
+    from deltamesh._page.filling import PageFile
+
+# Bits of a coordinate of an original: a two-hundredth of a degree on meshes of a million faces.
+_BITS = 20
+_EXAMPLES = """\
+deltamesh view bunny.ply.dmesh                  writes bunny.ply.dmesh.html
+deltamesh view bunny.ply.dmesh bunny.ply        with its errors in colours
+deltamesh view --no-open -o page.html scan.obj
+"""
+
+
+@click.command(epilog=epilog(_EXAMPLES))
+@click.argument("source", type=FILE, metavar="FILE")
+@click.argument("original", type=FILE, metavar="[ORIGINAL]", required=False)
+@click.option(
+    "-o", "--output", type=FILE, metavar="PAGE", help="The file to write.  [default: FILE.html]"
+)
+@click.option("-f", "--force", is_flag=True, help="Overwrite PAGE if it exists.")
+@click.option(
+    "--open/--no-open", "opened", default=True, help="Open PAGE in the browser.  [default: open]"
+)
+@options.input_format
+@options.solver
+@options.threads
+@options.limits
+@options.as_json
+@options.verbosity
+@options.debug
+def command(
+    source: str,
+    original: str | None,
+    output: str | None,
+    force: bool,
+    opened: bool,
+    input_format: str | None,
+    as_json: bool,
+    quiet: bool,
+    verbose: bool,
+    show_progress: bool | None,
+    **parameters: Any,
+) -> None:
+    """Show a mesh in the browser, beside its original.
+
+    FILE and ORIGINAL are .dmesh files or mesh files, and may be compressed with gzip or zstandard.
+    One page is written that is complete in itself: it holds the meshes as .dmesh files, decodes
+    them, and fetches nothing. It can be mailed, or opened years later without a network.
+
+    The page shows flat or smooth surfaces, edges, anchors, colours, texture coordinates as a
+    checker, and parts, which can be hidden. With ORIGINAL, both meshes are seen side by side from
+    the same place, or in turn, and errors are shown in colours: of distances, of face normals and
+    of dihedral angles. Other .dmesh, OBJ and PLY files can be dropped on it.
+
+    If the vertices of both correspond, the page holds the positions of ORIGINAL rounded to a
+    millionth of its size; the numbers beside them are of ORIGINAL itself.
+    """
+    target = output or f"{source}.html"
+    if files.STDIO in (source, original):
+        raise click.UsageError("FILE and ORIGINAL are names of files.")
+
+    def view(name: str) -> None:
+        files.check_output(name, target, force=force, text=True)
+        with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
+            mesh = load_mesh(name, input_format, progress, **parameters)
+            other = None
+            if original is not None:
+                other = load_mesh(original, input_format, progress, **parameters)
+            with attempt(name, "cannot show"):
+                page = interruptible(lambda: _page(name, mesh, original, other, progress))
+            data = page.encode()
+            files.write_output(target, data, force=force)
+        if as_json:
+            print_json({"file": name, "page": target, "bytes": len(data)})
+        elif not quiet and target != files.STDIO:
+            click.echo(f"{display_name(target)}: {len(data)} bytes")
+        if opened and target != files.STDIO:
+            _open(target, quiet)
+
+    process_all_and_exit([source], view, as_json=as_json)
+
+
+def _page(
+    name: str,
+    mesh: LoadedMesh,
+    original: str | None,
+    other: LoadedMesh | None,
+    progress: Progress,
+) -> str:
+    """Return the page of a mesh and, if there is one, its original."""
+    from deltamesh._page.filling import page_of
+
+    held = [_page_file(name, mesh, progress)]
+    title, rows = os.path.basename(name), ()
+    if original is not None and other is not None:
+        comparison = compare_meshes(other, mesh, progress)
+        held.insert(0, _original(original, comparison, progress))
+        rows = tuple(row for rows in comparison_tables(comparison) for row in rows)
+    progress("page")
+    return page_of(held, title, rows)
+
+
+def _page_file(name: str, loaded: LoadedMesh, progress: Progress) -> PageFile:
+    """Return a mesh as the page holds it: a `.dmesh` as it is, others to the last bit."""
+    import deltamesh
+    from deltamesh._page.filling import PageFile
+    from deltamesh_formats.container.writer import write_container
+
+    if loaded.container is not None:
+        data = write_container(loaded.container)
+    else:
+        data = deltamesh.encode(loaded.mesh, method="lossless", keep_order=True, progress=progress)
+    return PageFile(os.path.basename(name), data, "", loaded.size)
+
+
+def _original(name: str, comparison: Comparison, progress: Progress) -> PageFile:
+    """Return an original as the page holds it, with the vertices and faces of the other mesh."""
+    import deltamesh
+    from deltamesh._page.alignment import aligned, shown
+    from deltamesh._page.filling import PageFile
+    from deltamesh_formats.container.layout import METHODS
+
+    match, container = comparison.match, comparison.b.container
+    mesh = shown(comparison.a.mesh) if match is None else aligned(comparison.b.mesh, match)
+    keywords: dict[str, Any] = {"method": "cartesian", "bits": _BITS}
+    if container is None or METHODS[container.parameters.method].exact:
+        keywords = {"method": "lossless"}
+    data = deltamesh.encode(mesh, keep_order=True, progress=progress, **keywords)
+    return PageFile(os.path.basename(name), data, "original", comparison.a.size)
+
+
+def _open(target: str, quiet: bool) -> None:
+    """Open a page in the browser of the system, if it has one."""
+    if not webbrowser.open(Path(target).resolve().as_uri()) and not quiet:
+        click.echo(f"note: {display_name(target)}: no browser was found to open it", err=True)

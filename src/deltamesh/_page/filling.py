@@ -1,0 +1,86 @@
+"""Filling of the page with files, and with what is said of them."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, Literal
+
+from deltamesh_formats.errors import DeltameshError
+
+PAGE: Final = Path(__file__).with_name("page.html")
+# As the page has base 85: without the letters that HTML has a use for.
+_SAFE: Final = str.maketrans("<>&", ".,:")
+
+
+@dataclass(frozen=True)
+class PageFile:
+    """A file that the page holds.
+
+    Attributes
+    ----------
+    name : str
+        What the page calls it.
+    data : bytes
+        A `.dmesh` file.
+    role : {"", "original"}
+        Whether errors are measured against it.
+    size : int
+        Bytes that the page says it has: those of the file that it stands for.
+    """
+
+    name: str
+    data: bytes
+    role: Literal["", "original"]
+    size: int
+
+
+def page_of(
+    files: Sequence[PageFile], title: str, compared: Sequence[tuple[str, ...]] = ()
+) -> str:
+    """Return the page as HTML.
+
+    Parameters
+    ----------
+    files : sequence of PageFile
+        In the order in which they are seen, from the left.
+    title : str
+    compared : sequence of tuples of str
+        Rows of a table of differences: a name and its values.
+
+    Raises
+    ------
+    DeltameshError
+        If this installation was made without the page.
+    """
+    facts = json.dumps({"compared": list(compared)})
+    text = _template()
+    for name, value in (
+        ("title", html.escape(title)),
+        # In a script, only "</" could end it.
+        ("facts", facts.replace("</", "<\\/")),
+        ("meshes", "\n".join(map(_element, files))),
+    ):
+        text = text.replace(f"{{{name}}}", value, 1)
+    return text
+
+
+def _template() -> str:
+    try:
+        return PAGE.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise DeltameshError(
+            "this installation was made without the page: install ziglang, then deltamesh from"
+            " source again, or run `python src/core/build.py --page` in a checkout"
+        ) from None
+
+
+def _element(file: PageFile) -> str:
+    text = base64.b85encode(file.data).decode().translate(_SAFE)
+    name = html.escape(file.name, quote=True)
+    attributes = f'data-name="{name}" data-role="{file.role}" data-size="{file.size}"'
+    return f'<script type="text/plain" class="mesh" {attributes}>{text}</script>'

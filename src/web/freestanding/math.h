@@ -1,0 +1,11 @@
+/* What the core asks of <math.h>, where there is no library: instructions of WebAssembly. */
+#ifndef DELTAMESH_FREESTANDING_MATH_H
+#define DELTAMESH_FREESTANDING_MATH_H
+
+#define INFINITY __builtin_inf()
+#define fabs(x) __builtin_fabs(x)
+#define isfinite(x) __builtin_isfinite(x)
+#define rint(x) __builtin_rint(x)
+#define sqrt(x) __builtin_sqrt(x)
+
+#endif
