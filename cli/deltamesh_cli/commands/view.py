@@ -112,13 +112,13 @@ def _page(
     from deltamesh._page.filling import page_of
 
     held = [_page_file(name, mesh, progress)]
-    title, rows = os.path.basename(name), ()
+    tables: list[list[tuple[str, ...]]] = []
     if original is not None and other is not None:
         comparison = compare_meshes(other, mesh, progress)
         held.insert(0, _original(original, comparison, progress))
-        rows = tuple(row for rows in comparison_tables(comparison) for row in rows)
+        tables = comparison_tables(comparison)
     progress("page")
-    return page_of(held, title, rows)
+    return page_of(held, os.path.basename(name), tables)
 
 
 def _page_file(name: str, loaded: LoadedMesh, progress: Progress) -> PageFile:

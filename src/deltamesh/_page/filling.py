@@ -40,7 +40,7 @@ class PageFile:
 
 
 def page_of(
-    files: Sequence[PageFile], title: str, compared: Sequence[tuple[str, ...]] = ()
+    files: Sequence[PageFile], title: str, compared: Sequence[Sequence[tuple[str, ...]]] = ()
 ) -> str:
     """Return the page as HTML.
 
@@ -49,8 +49,8 @@ def page_of(
     files : sequence of PageFile
         In the order in which they are seen, from the left.
     title : str
-    compared : sequence of tuples of str
-        Rows of a table of differences: a name and its values.
+    compared : sequence of sequences of tuples of str
+        Tables of differences; each row is a name and its values.
 
     Raises
     ------

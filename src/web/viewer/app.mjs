@@ -55,20 +55,21 @@ class Viewer {
       await this.open(name, bytes, role, Number(size));
     }
     if (!this.panels.length && !document.querySelector("script.mesh")) {
-      this.controls.say("Drop a .dmesh, OBJ or PLY file here.");
+      this.controls.invite("Drop a .dmesh, OBJ or PLY file here.");
     }
   }
 
   /** Open a file; whatever is wrong with it becomes a message. */
   async open(name, bytes, role = "", size = bytes.length) {
-    this.controls.say(`${name}: decoding …`);
+    const done = this.controls.wait(`${name}: decoding …`);
     try {
       const other = readMeshFile(name, bytes);
       const { mesh, about } = other ? { mesh: other, about: null } : await this.decode(bytes);
       this.#add(new Panel({ name, role: role || (other ? "original" : ""), mesh, about, size }));
-      this.controls.say("");
     } catch (error) {
       this.controls.say(`${name}: ${error.message}`, true);
+    } finally {
+      done();
     }
   }
 
@@ -163,7 +164,7 @@ class Viewer {
 
   #drawNow() {
     const { canvas, renderer, camera } = this;
-    this.controls.label(this.seen);
+    this.controls.label(this.seen, canvas.clientHeight > canvas.clientWidth);
     if (!renderer) return;
     const ratio = window.devicePixelRatio || 1;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.round(x * ratio));

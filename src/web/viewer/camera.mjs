@@ -8,6 +8,7 @@ const FARTHEST = 50;
 /** Camera that looks at a target from a distance; meshes are of about one unit around 0. */
 export class Camera {
   constructor() {
+    this.upwards = "y";
     this.reset();
   }
 
@@ -15,8 +16,9 @@ export class Camera {
   reset() {
     this.target = [0, 0, 0];
     this.distance = 2.1;
-    this.back = unit([0.45, 0.35, 1]);
-    this.up = unit(cross(this.back, cross([0, 1, 0], this.back)));
+    const axis = this.upwards === "y" ? [0, 1, 0] : [0, 0, 1];
+    this.back = unit(this.upwards === "y" ? [0.45, 0.35, 1] : [0.45, -1, 0.35]);
+    this.up = unit(cross(this.back, cross(axis, this.back)));
   }
 
   get right() {

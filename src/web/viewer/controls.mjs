@@ -16,12 +16,25 @@ export class Controls {
     this.update();
   }
 
-  /** Write a message over the picture; "" for none. */
+  /** Write a message over the picture; return a function that takes it away. */
   say(text, isFault = false) {
-    const message = find("#message");
+    const message = document.createElement("p");
     message.textContent = text;
-    message.hidden = !text;
     message.classList.toggle("fault", isFault);
+    message.addEventListener("click", () => message.remove());
+    find("#message").append(message);
+    return () => message.remove();
+  }
+
+  /** Write a message while something is done; return a function that takes it away. */
+  wait(text) {
+    this.hint?.();
+    return this.say(text);
+  }
+
+  /** Write what a page without meshes waits for. */
+  invite(text) {
+    this.hint = this.say(text);
   }
 
   /** Write what is under the pointer. */
@@ -49,7 +62,7 @@ export class Controls {
     const { panels } = this.viewer;
     const tables = panels.map((panel) => tableOf(factsOf(panel), titleOf(panel)));
     const { compared = [] } = this.facts;
-    const comparison = compared.length ? [tableOf(compared, "difference")] : [];
+    const comparison = compared.map((rows, i) => tableOf(rows, i ? "" : "difference"));
     find("#numbers").replaceChildren(...comparison, ...tables);
   }
 
@@ -108,14 +121,19 @@ export class Controls {
     find("#legend .high").textContent = `${short(most)} and more`;
   }
 
-  /** Label the panels that are seen. */
-  label(seen) {
+  /** Label the panels that are seen, one above the other or side by side. */
+  label(seen, isTall) {
     const names = find("#names");
+    names.classList.toggle("tall", isTall);
     const texts = seen.map(titleOf);
     if (names.dataset.shown === JSON.stringify(texts)) return;
     names.dataset.shown = JSON.stringify(texts);
-    const spans = texts.map((text) => Object.assign(document.createElement("span"), { textContent: text })); // prettier-ignore
-    names.replaceChildren(...spans);
+    const labels = texts.map((text) => {
+      const label = document.createElement("div");
+      label.append(Object.assign(document.createElement("span"), { textContent: text }));
+      return label;
+    });
+    names.replaceChildren(...labels);
   }
 
   /** Bring buttons into the state of the viewer. */
@@ -123,6 +141,7 @@ export class Controls {
     const { look, layout, panels } = this.viewer;
     for (const name of ["flat", "wire", "anchors"]) press(find(`#${name}`), look[name]);
     for (const name of ["side", "single", "flicker"]) press(find(`#${name}`), layout === name);
+    find("#upwards").textContent = `${this.viewer.camera.upwards} up`;
     find("#colouring").value = look.colouring;
     find("#layouts").hidden = panels.length < 2;
     find("#anchors").disabled = !panels.some(({ mesh }) => mesh.anchors.length);
@@ -134,6 +153,7 @@ export class Controls {
     for (const name of ["flat", "wire", "anchors"]) on(`#${name}`, () => this.#toggle(name));
     for (const name of ["side", "single", "flicker"]) on(`#${name}`, () => viewer.setLayout(name));
     on("#reset", () => this.#reset());
+    on("#upwards", () => this.#turnUpwards());
     on("#theme", () => this.#theme());
     on("#help", () => find("#keys").showModal());
     on("#panel", () => document.body.classList.toggle("narrow"));
@@ -158,6 +178,14 @@ export class Controls {
   #reset() {
     this.viewer.camera.reset();
     this.viewer.draw();
+  }
+
+  /** Let the next axis point upwards, z or y. */
+  #turnUpwards() {
+    const { camera } = this.viewer;
+    camera.upwards = camera.upwards === "y" ? "z" : "y";
+    this.#reset();
+    this.update();
   }
 
   #theme() {
@@ -189,6 +217,7 @@ export class Controls {
       x: () => viewer.setLayout(viewer.layout === "flicker" ? "single" : "flicker"),
       " ": () => this.#flip(),
       r: () => camera.reset(),
+      z: () => this.#turnUpwards(),
       t: () => this.#theme(),
       "?": () => find("#keys").showModal(),
       ArrowLeft: turn(-20, 0),

@@ -17,9 +17,11 @@ export function factsOf({ mesh, about, size }) {
     ["faces", short(mesh.offsets.length - 1)],
     ["triangles", short(mesh.triangles.length / 3)],
     ["file", `${short(size)} bytes`],
-    ["bits per vertex", vertices ? short((8 * size) / vertices) : "–"],
   ];
-  if (about) rows.push(...codingFacts(about));
+  // A mesh of another file is in the page as one of ours, of which there is nothing to say.
+  if (about?.size === size) {
+    rows.push(["bits per vertex", short((8 * size) / vertices)], ...codingFacts(about));
+  }
   const names = mesh.attributes.map(({ name, domain, type, width }) => `${name} (${domain}, ${width} × ${type})`);
   if (names.length) rows.push(["attributes", names.join(", ")]);
   for (const { kind, names: parts } of mesh.parts) rows.push([`${kind}s`, short(parts.length)]);

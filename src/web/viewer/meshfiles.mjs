@@ -1,8 +1,10 @@
 // Readers of OBJ and PLY files that are dropped: positions and polygons, with colours of vertices.
+import { MAGIC } from "../decoder/layout.mjs";
 import { fansOf } from "../decoder/triangles.mjs";
 
-/** Return the mesh in a file, by the end of its name; null for other files. */
+/** Return the mesh in a file, by the end of its name; null for `.dmesh` files, and unknown ones. */
 export function readMeshFile(name, bytes) {
+  if (bytes[0] === MAGIC[0]) return null;
   const end = name.toLowerCase().split(".").pop();
   const readers = { obj: readObj, ply: readPly };
   return readers[end] ? readers[end](bytes) : null;

@@ -1,5 +1,9 @@
 // What is drawn of a mesh: numbers for each corner of its triangles.
 
+// Cosine of the angle above which two triangles do not belong to one smooth surface.
+const CREASE = 0.6;
+const MOST_AROUND = 64;
+
 /** Return the box of positions: its middle, and its longest side. */
 export function boxOf(positions) {
   const low = [Infinity, Infinity, Infinity];
@@ -34,24 +38,40 @@ function packedNormals(mesh, corners) {
   const { triangles } = mesh;
   const packed = new Int8Array(4 * triangles.length);
   const given = mesh.attributes.find(({ role, width, has }) => role === "normal" && width === 3 && !has);
-  const values = given ? cornerValues(mesh, given) : null;
-  const sums = values ? null : normalSums(triangles, corners, mesh.positions.length);
+  const values = given ? cornerValues(mesh, given) : creasedNormals(mesh, corners);
   for (let c = 0; c < triangles.length; c++) {
-    const source = values ?? sums;
-    const at = 3 * (values ? c : triangles[c]);
-    const size = Math.hypot(source[at], source[at + 1], source[at + 2]) || 1;
-    for (let a = 0; a < 3; a++) packed[4 * c + a] = Math.round((127 * source[at + a]) / size);
+    const size = Math.hypot(values[3 * c], values[3 * c + 1], values[3 * c + 2]) || 1;
+    for (let a = 0; a < 3; a++) packed[4 * c + a] = Math.round((127 * values[3 * c + a]) / size);
   }
   return packed;
 }
 
-/** Return the sums of the normals of the triangles around each vertex, by their areas. */
-export function normalSums(triangles, corners, length) {
-  const sums = new Float32Array(length);
-  for (let t = 0; t < triangles.length; t += 3) {
-    const n = triangleNormal(corners, t);
-    for (let k = 0; k < 3; k++) {
-      for (let a = 0; a < 3; a++) sums[3 * triangles[t + k] + a] += n[a];
+/** Return sums of the normals of the triangles around each corner that do not bend away from its. */
+function creasedNormals({ triangles, positions }, corners) {
+  const count = triangles.length;
+  const faces = new Float32Array(count);
+  const sizes = new Float32Array(count / 3);
+  for (let t = 0; t < count; t += 3) {
+    const normal = triangleNormal(corners, t);
+    faces.set(normal, t);
+    sizes[t / 3] = Math.hypot(...normal);
+  }
+  const first = new Int32Array(positions.length / 3).fill(-1);
+  const next = new Int32Array(count);
+  for (let c = count - 1; c >= 0; c--) {
+    next[c] = first[triangles[c]];
+    first[triangles[c]] = c;
+  }
+  const sums = new Float32Array(3 * count);
+  for (let c = 0; c < count; c++) {
+    const own = c - (c % 3);
+    let seen = 0;
+    // A vertex of very many triangles would take too long.
+    for (let d = first[triangles[c]]; d >= 0 && seen < MOST_AROUND; d = next[d], seen++) {
+      const t = d - (d % 3);
+      const along = faces[own] * faces[t] + faces[own + 1] * faces[t + 1] + faces[own + 2] * faces[t + 2];
+      if (along < CREASE * sizes[own / 3] * sizes[t / 3]) continue;
+      for (let a = 0; a < 3; a++) sums[3 * c + a] += faces[t + a];
     }
   }
   return sums;

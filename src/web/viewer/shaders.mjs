@@ -56,7 +56,7 @@ void main() {
   float diffuse = max(dot(n, lamp), 0.0);
   float shine = pow(max(dot(reflect(-lamp, n), eye), 0.0), 24.0);
   vec3 colour = base() * (0.32 + 0.72 * diffuse) + 0.06 * shine;
-  if (!gl_FrontFacing) colour *= vec3(0.78, 0.62, 0.55);
+  if (!gl_FrontFacing) colour *= vec3(0.86, 0.8, 0.76);
   if (wire > 0.0) {
     vec3 change = max(fwidth(sides), vec3(1e-9));
     vec3 far = sides / change;
