@@ -45,12 +45,10 @@ TARGETS = {
     "aarch64-macos.11.0": "macosx_11_0_arm64",
     "x86_64-windows-gnu": "win_amd64",
 }
-# A module of WebAssembly without a beginning of its own, whose user asks it for memory.
-WASM = ("-target", "wasm32-wasi", "-mexec-model=reactor", "-s")
-WASM_EXPORTS = ("-Wl,--export-dynamic", "-Wl,--export=malloc", "-Wl,--export=free")
-# One without any library, and small: it travels in every page.
-BARE = ("-target", "wasm32-freestanding", "-mcpu=generic+bulk_memory", "-nostdlib", "-s")
-BARE_OPTIONS = ("-Os", "-Wl,--no-entry", "-Wl,-z,stack-size=1048576", "-Wl,--export=__heap_base")
+# A module of WebAssembly without any library, and small, for it travels in every page; whoever calls
+# it looks after its memory.
+WASM = ("-target", "wasm32-freestanding", "-mcpu=generic+bulk_memory", "-nostdlib", "-s")
+WASM_OPTIONS = ("-Os", "-Wl,--no-entry", "-Wl,-z,stack-size=1048576", "-Wl,--export=__heap_base")
 # Functions of the core in modules of JavaScript, quoted or as exports.
 CALLED = re.compile(r'(?:"|exports\.)(dm_\w+)')
 
@@ -135,31 +133,30 @@ def _any_compiler() -> list[str]:
         ) from None
 
 
-def build_wasm(module: Path) -> Path:
+def build_wasm(module: Path, names: Sequence[str] = ()) -> Path:
     """Compile the core as WebAssembly, with ziglang; return the path of the module.
 
-    Raises
-    ------
-    BuildError
-    """
-    _compile([*zig(), *WASM], module, WASM_EXPORTS)
-    return module
-
-
-def build_bare_wasm(module: Path) -> Path:
-    """Compile the core as WebAssembly that has the functions that `src/web` calls, and no others.
+    Parameters
+    ----------
+    module : Path
+    names : sequence of str
+        Functions that it has. Default: all.
 
     Raises
     ------
     BuildError
     """
-    texts = [path.read_text(encoding="utf-8") for path in sorted(WEB.glob("decoder/*.mjs"))]
-    names = sorted({name for text in texts for name in CALLED.findall(text)})
     library = WEB / "freestanding"
-    exports = [f"-Wl,--export={name}" for name in names]
-    linked = [*BARE_OPTIONS, *exports, str(library / "string.c")]
-    _compile([*zig(), *BARE, f"-I{library}"], module, linked)
+    exports = [f"-Wl,--export={name}" for name in names] or ["-Wl,--export-dynamic"]
+    linked = [*WASM_OPTIONS, *exports, str(library / "string.c")]
+    _compile([*zig(), *WASM, f"-I{library}"], module, linked)
     return module
+
+
+def called_functions() -> list[str]:
+    """Return the names of the functions of the core that `src/web` calls."""
+    texts = [path.read_text(encoding="utf-8") for path in WEB.glob("decoder/*.mjs")]
+    return sorted({name for text in texts for name in CALLED.findall(text)})
 
 
 def build_page(page: Path = PAGE) -> Path:
@@ -170,7 +167,7 @@ def build_page(page: Path = PAGE) -> Path:
     BuildError
     """
     with tempfile.TemporaryDirectory() as folder:
-        core = build_bare_wasm(Path(folder) / "core.wasm").read_bytes()
+        core = build_wasm(Path(folder) / "core.wasm", called_functions()).read_bytes()
     unfinished = page.with_name(f"{page.name}.{os.getpid()}")
     unfinished.write_text(_joining().page(core), encoding="utf-8", newline="\n")
     unfinished.replace(page)
@@ -184,9 +181,10 @@ def build_package(folder: Path) -> Path:
     ------
     BuildError
     """
-    ignored = shutil.ignore_patterns("*.py", "*.css", "*.html", "freestanding", "__pycache__")
+    ignored = shutil.ignore_patterns("*.py", "freestanding", "viewer", "__pycache__")
     shutil.copytree(WEB, folder, ignore=ignored)
-    build_bare_wasm(folder / "core.wasm")
+    shutil.copy(WEB.parents[1] / "LICENSE", folder)
+    build_wasm(folder / "core.wasm", called_functions())
     return folder
 
 

@@ -1,7 +1,7 @@
 // Values of attributes from the integers that are coded, and which integers stand for none.
 import { numberSize } from "./attribute_table.mjs";
 import { FormatError } from "./errors.mjs";
-import { fromHalfBits } from "./halves.mjs";
+import { fromHalfBits, halfOf } from "./halves.mjs";
 import { doubled, wordsOf } from "./integers.mjs";
 import { MAX_LIMB_BITS } from "./layout.mjs";
 
@@ -62,8 +62,9 @@ export function fromCodes(entry, codes) {
   const Numbers = ARRAYS[type];
   if (coding === "exact") return fromBits(type, codes);
   if (coding === "grid") {
+    const round = type === "float16" ? halfOf : (x) => x;
     const grid = doubled(codes);
-    return Numbers.from(grid, (g, i) => entry.origin[i % width] + g / entry.density);
+    return Numbers.from(grid, (g, i) => round(entry.origin[i % width] + g / entry.density));
   }
   const integers = integersOf(entry, codes);
   return integers.constructor === Numbers ? integers : Numbers.from(integers, Number);

@@ -1,10 +1,10 @@
 // Unit normals as pairs of small integers, relative to the decoded surface (SPEC.md 5.17).
 import { FormatError, located } from "./errors.mjs";
-import { doubled } from "./integers.mjs";
+import { halfOf } from "./halves.mjs";
+import { doubled, widened } from "./integers.mjs";
 import { codeThree, codeVectors } from "./labels.mjs";
 import { MAX_NORMAL_BITS, MIN_NORMAL_BITS } from "./layout.mjs";
 import { extentOf } from "./normals.mjs";
-import { widened } from "./integers.mjs";
 
 const [RELATIVE, ABSOLUTE, ZERO] = [0, 1, 2];
 const [AREA, ANGLE, , NONE] = [0, 1, 2, 3];
@@ -62,13 +62,15 @@ export function normalVectors(codes, entry, weights, owners, domains, positions)
       : surfaceNormals(domains, owners, entry.domain, positions, weights);
   const h = half(entry.bits);
   const Numbers = entry.type === "float64" ? Float64Array : Float32Array;
+  const round = entry.type === "float16" ? halfOf : (x) => x;
   const vectors = new Numbers(3 * count);
   for (let i = 0; i < 3 * count; i += 3) {
     const [state, a, b] = numbers.subarray(i, i + 3);
     if (state === ZERO) continue;
     const direction = fromOctahedral(a, b, h);
     const isRelative = state === RELATIVE;
-    vectors.set(isRelative ? normalized(turned(direction, sums.subarray(i, i + 3))) : direction, i);
+    const own = isRelative ? normalized(turned(direction, sums.subarray(i, i + 3))) : direction;
+    vectors.set(own.map(round), i);
   }
   return vectors;
 }
