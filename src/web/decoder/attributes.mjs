@@ -212,7 +212,7 @@ export function restored({ entry, owners, labels, codes, weights }, domains, pos
   const table = isNormal
     ? normalVectors(codes, entry, weights, owners, domains, positions)
     : fromCodes(entry, codes);
-  const width = isNormal ? 3 : table.length / Math.max(codes.length / entry.columns, 1) || 0;
+  const width = entry.columns / entry.limbs;
   const values = new table.constructor(owners.ofElements.length * width);
   const has = new Uint8Array(owners.ofElements.length);
   owners.ofElements.forEach((owner, i) => {

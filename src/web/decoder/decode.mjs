@@ -137,23 +137,18 @@ function reorder(mesh, order) {
   const [places, offsets] = permutedCorners(mesh.offsets, order);
   const rank = inverse(order.vertices);
   const taken = { vertex: order.vertices, corner: places, face: order.polygons };
+  const sizes = { vertex: rank.length, corner: places.length, face: order.polygons.length };
   mesh.positions = gathered(mesh.positions, order.vertices, 3);
   mesh.corners = places.map((c) => rank[mesh.corners[c]]);
   mesh.offsets = offsets;
   mesh.anchors = mesh.anchors.map((v) => rank[v]);
   for (const attribute of mesh.attributes) {
     const elements = taken[attribute.domain];
-    const numbers = attribute.has?.length ?? domainSize(mesh, attribute.domain);
-    const width = numbers ? attribute.values.length / numbers : 0;
+    const width = attribute.values.length / (sizes[attribute.domain] || 1);
     attribute.values = gathered(attribute.values, elements, width);
     if (attribute.has) attribute.has = gathered(attribute.has, elements, 1);
   }
   for (const one of mesh.parts) one.ofFace = gathered(one.ofFace, order.polygons, 1);
-}
-
-function domainSize(mesh, domain) {
-  const counts = { vertex: mesh.positions.length / 3, corner: mesh.corners.length };
-  return counts[domain] ?? mesh.offsets.length - 1;
 }
 
 /** Return rows of an array, each of so many numbers. */

@@ -31,7 +31,9 @@ export class DMESHLoader extends Loader {
 
 /** Return the geometry of a mesh; vertices are told apart where corners or faces have attributes. */
 export function geometryOf(mesh) {
-  const shown = mesh.attributes.filter(({ role, has }) => NAMES[role] && !has);
+  const whole = mesh.attributes.filter(({ has }) => !has);
+  const first = Object.keys(NAMES).map((role) => whole.find((one) => one.role === role));
+  const shown = first.filter((one) => one);
   const isSplit = shown.some(({ domain }) => domain !== "vertex");
   const order = trianglesByPart(mesh);
   const corners = order.flatMap((t) => [3 * t, 3 * t + 1, 3 * t + 2]);
