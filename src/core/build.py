@@ -45,8 +45,8 @@ TARGETS = {
     "aarch64-macos.11.0": "macosx_11_0_arm64",
     "x86_64-windows-gnu": "win_amd64",
 }
-# A module of WebAssembly without any library, and small, for it travels in every page; whoever calls
-# it looks after its memory.
+# A module of WebAssembly without any library, and small, for it travels in every page; whoever
+# calls it looks after its memory.
 WASM = ("-target", "wasm32-freestanding", "-mcpu=generic+bulk_memory", "-nostdlib", "-s")
 WASM_OPTIONS = ("-Os", "-Wl,--no-entry", "-Wl,-z,stack-size=1048576", "-Wl,--export=__heap_base")
 # Functions of the core in modules of JavaScript, quoted or as exports.

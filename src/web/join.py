@@ -28,7 +28,8 @@ def joined(entry: Path = ENTRY) -> str:
     parts: dict[Path, str] = {}
     _add(entry.resolve(), parts)
     body = "".join(parts.values())
-    return f'"use strict";(() => {{\nconst $ = {{}};\n{body}globalThis.deltamesh = {_at(entry)};\n}})();\n'
+    end = f"globalThis.deltamesh = {_at(entry)};"
+    return f'"use strict";(() => {{\nconst $ = {{}};\n{body}{end}\n}})();\n'
 
 
 def _at(module: Path) -> str:
@@ -54,7 +55,9 @@ def _add(module: Path, parts: dict[Path, str]) -> None:
 
     text = _EXPORT.sub("", _REEXPORT.sub("", _IMPORT.sub(imported, text)))
     text = "\n".join(line.strip() for line in _COMMENT.sub("", text).splitlines() if line.strip())
-    parts[module] = f"{_at(module)} = (() => {{\n{text}\nreturn {{ {', '.join(returned)} }};\n}})();\n"
+    parts[module] = (
+        f"{_at(module)} = (() => {{\n{text}\nreturn {{ {', '.join(returned)} }};\n}})();\n"
+    )
 
 
 def packed(data: bytes) -> str:

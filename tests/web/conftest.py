@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import shutil
-import sys
 from pathlib import Path
 
-import children
 import pytest
-from places import ROOT
+from web_builds import build
 
 
 @pytest.fixture(scope="session")
@@ -20,14 +17,6 @@ def node() -> str:
     if found is None:
         pytest.skip("no node")
     return found
-
-
-def build(*arguments: object) -> None:
-    """Run the script that builds the core."""
-    if not importlib.util.find_spec("ziglang"):
-        pytest.skip("no ziglang")
-    command = [sys.executable, str(ROOT / "src/core/build.py"), *map(str, arguments)]
-    children.run(command, check=True)
 
 
 @pytest.fixture(scope="session")

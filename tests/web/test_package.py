@@ -24,7 +24,9 @@ def test_it_is_of_this_version_and_licence() -> None:
 
 
 def test_its_types_name_what_it_exports(node: str, package: Path) -> None:
-    code = f"console.log(Object.keys(await import({json.dumps(str(package / 'index.mjs'))})).join())"
+    code = (
+        f"console.log(Object.keys(await import({json.dumps(str(package / 'index.mjs'))})).join())"
+    )
     done = children.run([node, "--input-type=module", "-e", code], text=True, check=True)
     text = (package / "index.d.ts").read_text(encoding="utf-8")
     declared = re.findall(r"^export (?:class|function) (\w+)", text, re.MULTILINE)
@@ -45,7 +47,9 @@ def test_npm_packs_what_it_needs(package: Path) -> None:
     assert listed["size"] < 150_000
 
 
-@pytest.mark.parametrize("name", ["highpass-textured", "refined-parts", "cartesian-quads-attributes"])
+@pytest.mark.parametrize(
+    "name", ["highpass-textured", "refined-parts", "cartesian-quads-attributes"]
+)
 def test_three_js_loads_a_mesh(node: str, package: Path, tmp_path: Path, name: str) -> None:
     """With a stand-in that has what the loader takes from three.js."""
     path = GOLDEN / f"{name}.dmesh"

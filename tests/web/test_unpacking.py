@@ -57,10 +57,9 @@ def unpacked(node: str, cases: list[tuple[str, bytes, int]]) -> list[bytes | str
 def test_streams_of_every_level_unpack(node: str) -> None:
     cases, expected = [], []
     for data in samples():
-        for level in (0, 1, 6, 9):
-            cases.append(("deflate", deflated(data, level), len(data)))
-        for level in (-5, 1, 3, 9, 19, 22):
-            cases.append(("zstandard", frame(data, level), len(data)))
+        n = len(data)
+        cases += [("deflate", deflated(data, level), n) for level in (0, 1, 6, 9)]
+        cases += [("zstandard", frame(data, level), n) for level in (-5, 1, 3, 9, 19, 22)]
         expected += [data] * 10
     found = unpacked(node, cases)
     for one, data, case in zip(found, expected, cases, strict=True):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,7 @@ from deltamesh_formats.errors import DeltameshError
 PAGE: Final = Path(__file__).with_name("page.html")
 # As the page has base 85: without the letters that HTML has a use for.
 _SAFE: Final = str.maketrans("<>&", ".,:")
+_PLACE: Final = re.compile(r"\{(title|facts|meshes)\}")
 
 
 @dataclass(frozen=True)
@@ -58,15 +60,14 @@ def page_of(
         If this installation was made without the page.
     """
     facts = json.dumps({"compared": list(compared)})
-    text = _template()
-    for name, value in (
-        ("title", html.escape(title)),
-        # In a script, only "</" could end it.
-        ("facts", facts.replace("</", "<\\/")),
-        ("meshes", "\n".join(map(_element, files))),
-    ):
-        text = text.replace(f"{{{name}}}", value, 1)
-    return text
+    values = {
+        "title": html.escape(title),
+        # Nothing in it may end the script that it is in.
+        "facts": facts.replace("<", "\\u003c"),
+        "meshes": "\n".join(map(_element, files)),
+    }
+    # At once: what is put in is not looked at for places.
+    return _PLACE.sub(lambda place: values[place[1]], _template())
 
 
 def _template() -> str:
