@@ -29,6 +29,14 @@ format:
 reference:
     python cli/make_reference.py
 
+# Make the man pages.
+man folder="build/man":
+    python cli/make_man.py {{folder}}
+
+# Build the site of the documentation.
+site folder="build/site":
+    mkdocs build --strict --site-dir {{folder}}
+
 # Make the mesh that the repository carries.
 meshes:
     python benchmarks/make_meshes.py

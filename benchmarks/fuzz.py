@@ -95,12 +95,17 @@ def fuzz(folder: Path, runs: int) -> int:
     return len(findings)
 
 
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    made = argparse.ArgumentParser(description="Decode mutated files, guided by coverage.")
+    made.add_argument("--runs", type=int, default=10_000_000, help="executions")
+    made.add_argument("--folder", type=Path, help="keep corpus, findings and logs there")
+    return made
+
+
 def main() -> None:
     """Fuzz, in a folder that is removed unless it is named."""
-    parser = argparse.ArgumentParser(description="Decode mutated files, guided by coverage.")
-    parser.add_argument("--runs", type=int, default=10_000_000, help="executions")
-    parser.add_argument("--folder", type=Path, help="keep corpus, findings and logs there")
-    arguments = parser.parse_args()
+    arguments = parser().parse_args()
     with tempfile.TemporaryDirectory() as work:
         if fuzz(arguments.folder or Path(work), arguments.runs):
             sys.exit(1)

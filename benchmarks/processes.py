@@ -1,4 +1,4 @@
-"""What a whole process takes: seconds, and its peak memory.
+"""What a whole process takes: seconds, CPU seconds, and its peak memory.
 
 A child's `ru_maxrss` starts at what its parent had resident when it was started (getrusage(2) and
 exec on Linux), and a parent with scipy in it has a lot. So each command is started by a bare
@@ -25,16 +25,24 @@ class Usage(NamedTuple):
     ----------
     seconds : float
         From its start to its end.
+    cpu : float
+        Those of all its threads, in user and in system mode.
     peak : int
         Largest resident set, in bytes.
     """
 
     seconds: float
+    cpu: float
     peak: int
 
 
 def deltamesh(*arguments: object) -> Usage:
-    """Run a `deltamesh` command of this interpreter's environment; its output goes nowhere.
+    """Run a `deltamesh` command of this interpreter's environment, as `python` does."""
+    return python("-m", "deltamesh_cli", *arguments)
+
+
+def python(*arguments: object) -> Usage:
+    """Run this interpreter; its output goes nowhere.
 
     Raises
     ------
@@ -43,7 +51,7 @@ def deltamesh(*arguments: object) -> Usage:
     subprocess.TimeoutExpired
         When it has not ended after an hour.
     """
-    command = [sys.executable, "-m", "deltamesh_cli", *map(str, arguments)]
+    command = [sys.executable, *map(str, arguments)]
     launcher = [sys.executable, "-I", "-S", __file__, *command]
     done = subprocess.run(launcher, capture_output=True, text=True, timeout=_LIMIT)
     if done.returncode:
@@ -59,7 +67,8 @@ def main(command: list[str]) -> int:
     seconds = time.perf_counter() - start
     process.returncode = os.waitstatus_to_exitcode(status)
     unit = 1 if sys.platform == "darwin" else 1024  # macOS counts bytes, others KiB
-    print(json.dumps({"seconds": seconds, "peak": used.ru_maxrss * unit}))
+    cpu = used.ru_utime + used.ru_stime
+    print(json.dumps({"seconds": seconds, "cpu": cpu, "peak": used.ru_maxrss * unit}))
     return process.returncode
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from statistics import median
 
 import click
 import corpus
-from processes import Usage, deltamesh
+from processes import Usage, deltamesh, python
 
 from deltamesh._graph.halfedges import weld
 from deltamesh._shape.complexes import cut
@@ -46,17 +47,16 @@ _CONNECTIVITY = ("mesh", "faces", "encode", "decode")
 def command(names: tuple[str, ...], quick: bool, runs: int, method: str) -> None:
     """Measure seconds and peak memory of the commands, from process start to end.
 
-    Then that of start-up, and faces per second of the connectivity coder inside a process. Nothing
-    is stored.
+    Then CPU seconds of start-up, and faces per second of the connectivity coder inside a process.
+    Nothing is stored.
     """
     chosen = corpus.chosen(names, quick)
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
-        _encode(corpus.GENERATED, folder, method)
         rows = [_PROCESSES, *(of_processes(name, folder, runs, method) for name in chosen)]
         click.echo(f"whole processes, seconds (best and median of {runs}):")
         click.echo(table(rows))
-        click.echo(f"\nthe same for {corpus.GENERATED}, seconds:")
+        click.echo(f"\n{corpus.GENERATED}, CPU seconds:")
         click.echo(table(_start_up(folder, runs)))
     rows = [_CONNECTIVITY, *(of_connectivity(name, runs) for name in chosen)]
     click.echo(f"\nconnectivity, million faces a second (best of {runs}):")
@@ -88,14 +88,22 @@ def _cells(usages: list[Usage]) -> tuple[str, ...]:
 
 
 def _start_up(folder: Path, runs: int) -> list[tuple[str, ...]]:
-    """Return rows: what costs least. The file of the generated mesh must be in the folder."""
-    helps = [deltamesh("--help") for _ in range(runs)]
-    infos = [deltamesh("info", folder / f"{corpus.GENERATED}.dmesh") for _ in range(runs)]
-    return [
-        ("", "best", "median", "MiB"),
-        ("--help", *_cells(helps)),
-        ("info", *_cells(infos)),
-    ]
+    """Return rows: CPU seconds of the commands for a small mesh, and how often numpy fits in."""
+    source, coded = corpus.path(corpus.GENERATED), folder / "start.dmesh"
+    commands = {
+        "import numpy": partial(python, "-c", "import numpy"),
+        "--help": partial(deltamesh, "--help"),
+        "encode": partial(deltamesh, "encode", source, coded, "-f", "-q"),
+        "info": partial(deltamesh, "info", coded),
+        "decode": partial(deltamesh, "decode", coded, folder / "start.ply", "-f", "-q"),
+    }
+    rounds = [[run().cpu for run in commands.values()] for _ in range(runs)]
+    seconds = [sorted(column) for column in zip(*rounds, strict=True)]
+    rows = [("", "best", "median", "of numpy")]
+    for label, some in zip(commands, seconds, strict=True):
+        ratio = median(some) / median(seconds[0])
+        rows.append((label, f"{some[0]:.3f}", f"{median(some):.3f}", f"{ratio:.2f}"))
+    return rows
 
 
 def of_connectivity(name: str, runs: int) -> tuple[str, ...]:

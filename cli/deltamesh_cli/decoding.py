@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from deltamesh._progress import Progress
 from deltamesh_cli import files
 from deltamesh_cli.meshes import decode_container, write_mesh_file
-from deltamesh_formats.meshfiles.formats import FORMATS, written_format
+from deltamesh_formats.meshfiles.formats import FORMATS, format_of_extension, written_format
 from deltamesh_formats.wrappers import without_wrapper
 
 if TYPE_CHECKING:
@@ -40,7 +40,8 @@ def output_name_and_format(
     if target is not None or (named is not None and named.name == file_format):
         return name, file_format
     stem, wrapper = without_wrapper(name)
-    stem = stem if named is None else os.path.splitext(stem)[0]
+    if format_of_extension(files.extension(name)) is not None:  # of a mesh, but of another one
+        stem = os.path.splitext(stem)[0]
     return f"{stem}.{FORMATS[file_format].extensions[0]}{wrapper}", file_format
 
 

@@ -11,21 +11,26 @@ from deltamesh._methods import AUTO, LOSSLESS
 from deltamesh._options import (
     ANCHOR_METHODS,
     CHOICES,
-    DEFAULT_BITS_NORMAL,
-    DEFAULT_BITS_UV,
     DEFAULT_EFFORT,
     DEFAULT_QUALITY,
     MAX_BITS,
-    MAX_BITS_NORMAL,
-    MAX_BITS_UV,
     MAX_COARSE,
     MAX_EFFORT,
     MAX_QUALITY,
-    MIN_BITS_NORMAL,
     check_together,
 )
 from deltamesh_cli import options
-from deltamesh_cli.value_types import anchor_count, coarse_factor, positive, whole
+from deltamesh_cli.content_options import content_options
+from deltamesh_cli.lengths import settle_shares
+from deltamesh_cli.value_types import (
+    anchor_count,
+    coarse_factor,
+    length,
+    length_or_share,
+    positive,
+    positive_share,
+    whole,
+)
 from deltamesh_formats.errors import OptionError
 
 _BOUNDS: Final = options.combined(
@@ -53,27 +58,27 @@ _BOUNDS: Final = options.combined(
     ),
     click.option(
         "--rms-error",
-        type=positive,
+        type=length_or_share,
         metavar="LENGTH",
-        help="Upper bound on the RMS distance of the vertices from their original positions, in the"
-        " unit of the mesh.",
+        help="Upper bound on the RMS distance of the vertices from their original positions: a"
+        " number in the unit of the file, a length such as 0.05mm if the file has a unit (3MF,"
+        " glTF, COLLADA), or a share such as 0.1% of the diagonal of the bounding box.",
     ),
     click.option(
         "--rms-error-rel",
-        type=positive,
+        type=positive_share,
         metavar="FRACTION",
         help="The same bound as a fraction of the diagonal of the bounding box.",
     ),
     click.option(
         "--max-error",
-        type=positive,
+        type=length_or_share,
         metavar="LENGTH",
-        help="Upper bound on the distance of each vertex from its original position, in the unit"
-        " of the mesh.",
+        help="Upper bound on the distance of each vertex from its original position, likewise.",
     ),
     click.option(
         "--max-error-rel",
-        type=positive,
+        type=positive_share,
         metavar="FRACTION",
         help="The same bound as a fraction of the diagonal of the bounding box.",
     ),
@@ -120,9 +125,10 @@ _METHOD: Final = options.combined(
     ),
     click.option(
         "--step",
-        type=positive,
+        type=length,
         metavar="LENGTH",
-        help="Quantization step, in the unit of the mesh, instead of a quality.",
+        help="Quantization step instead of a quality: a number in the unit of the file, or a length"
+        " such as 0.05mm if the file has a unit.",
     ),
     click.option(
         "--coarse",
@@ -161,57 +167,12 @@ _ANCHORS: Final = options.combined(
     ),
 )
 
-_CONTENT: Final = options.combined(
-    click.option(
-        "--drop-isolated",
-        is_flag=True,
-        default=None,
-        help="Leave out vertices that belong to no face.",
-    ),
-    click.option(
-        "--keep-order",
-        is_flag=True,
-        default=None,
-        help="Keep vertices and faces in the order of IN, and the first corner of each face.",
-    ),
-    click.option(
-        "--drop",
-        multiple=True,
-        callback=lambda context, parameter, names: list(names) or None,
-        metavar="NAME",
-        help="Leave out everything with this name: an attribute, a role (uv, normal, colour), a"
-        " kind of parts (object, mesh, group, material, smoothing), a key of metadata, transforms,"
-        " or all. The option may be repeated; names that IN does not have are ignored.",
-    ),
-    click.option(
-        "--bits-uv",
-        type=whole(1, MAX_BITS_UV),
-        metavar="B",
-        help="Bits of texture coordinates: the larger of their extents has 2^B steps."
-        f"  [default: {DEFAULT_BITS_UV}]",
-    ),
-    click.option(
-        "--bits-normal",
-        type=whole(MIN_BITS_NORMAL, MAX_BITS_NORMAL),
-        metavar="B",
-        help="Bits of unit normals: each side of the unfolded octahedron has 2^B steps."
-        f"  [default: {DEFAULT_BITS_NORMAL}]",
-    ),
-    click.option(
-        "--lossless-attributes",
-        is_flag=True,
-        default=None,
-        help="Keep all attributes to the last bit, as --lossless does. Otherwise texture"
-        " coordinates, unit normals and floating-point colours are rounded.",
-    ),
-)
-
 # All options that say how a file is encoded, and from which format.
 encode_options: Final = options.combined(
     _BOUNDS,
     _METHOD,
     _ANCHORS,
-    _CONTENT,
+    content_options,
     options.input_format,
     options.solver,
     options.threads,
@@ -221,10 +182,11 @@ encode_options: Final = options.combined(
 def check_encode_options(parameters: dict[str, Any]) -> None:
     """Refuse options that exclude each other, and replace `lossless` by the method.
 
-    The parameters that remain are keywords of `deltamesh.encode`.
+    The parameters that remain are keywords of `deltamesh.encode`, but for the units of lengths.
     """
     if parameters.pop("lossless"):
         _choose_lossless(parameters)
+    settle_shares(parameters)
     try:
         check_together(parameters["method"], options.specified(parameters), options.flag_of)
     except OptionError as error:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from deltamesh._progress import Progress
 from deltamesh_cli import files, options
 from deltamesh_cli.failures import attempt
+from deltamesh_cli.lengths import in_unit_of
 from deltamesh_cli.meshes import parse_mesh
 from deltamesh_cli.signals import interruptible
 from deltamesh_formats.container.texts import texts_of
@@ -27,7 +28,7 @@ class EncodedFile:
     Attributes
     ----------
     source_size : int
-        Bytes of the input, with the compression around it.
+        Bytes of the input, with the compression around it and the files that are read with it.
     container : Container
         The sections of the output.
     lost : tuple of str
@@ -36,6 +37,8 @@ class EncodedFile:
         What became of the shape.
     cost : Cost or None
         The bound that cost the bytes.
+    unit : str
+        The unit of the lengths among the options, in words; "" if there are none.
     """
 
     source_size: int
@@ -43,6 +46,7 @@ class EncodedFile:
     lost: tuple[str, ...]
     report: Report | None
     cost: Cost | None
+    unit: str
 
 
 def encode_file(
@@ -64,7 +68,8 @@ def encode_file(
         Format of the input; None if its name determines it.
     progress : callable
     parameters : dict
-        Keywords of `deltamesh.encode`, None for those that the user did not give.
+        Keywords of `deltamesh.encode`, None for those that the user did not give; lengths may have
+        units of their own.
     force : bool
         Whether an existing output is overwritten.
 
@@ -81,11 +86,13 @@ def encode_file(
     original = files.unwrapped_input(source, raw)
     mesh = parse_mesh(source, original, input_format, progress)
     with attempt(source, "cannot encode"):
+        parameters, unit = in_unit_of(mesh, parameters)
         encoded = interruptible(lambda: _encode(mesh, progress, parameters))
     files.write_output(target, encoded.data, force=force)
     lost = texts_of(encoded.container).lost
     draft = encoded.draft
-    return EncodedFile(len(raw), encoded.container, lost, draft.report, draft.cost)
+    size = files.source_size(source, raw, input_format)
+    return EncodedFile(size, encoded.container, lost, draft.report, draft.cost, unit)
 
 
 def _encode(mesh: PolyMesh, progress: Progress, parameters: dict[str, Any]) -> Encoded:

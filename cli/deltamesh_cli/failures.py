@@ -8,14 +8,14 @@ failure and continues with the next file; the exit code is the worst one.
 from __future__ import annotations
 
 import traceback
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
 import click
 
-from deltamesh_cli.output import display_name, print_json
+from deltamesh_cli.output import display_name, message, print_json
 from deltamesh_formats.errors import (
     DeltameshError,
     FormatError,
@@ -149,7 +149,7 @@ def report_failure(failure: Failure) -> None:
     """Report a failure on standard error, with the traceback when `--debug` asks for it."""
     if click.get_current_context().ensure_object(RunSettings).debug:
         traceback.print_exception(failure.error)
-    click.echo(f"deltamesh: {failure}", err=True)
+    message(f"deltamesh: {failure}")
 
 
 def failure_object(failure: Failure) -> dict[str, object]:
@@ -165,16 +165,27 @@ def failure_object(failure: Failure) -> dict[str, object]:
     }
 
 
-def process_all(items: Iterable[_Item], action: Callable[[_Item], object], *, as_json: bool) -> int:
+def process_all(
+    items: Collection[_Item],
+    action: Callable[[_Item], object],
+    *,
+    as_json: bool,
+    kind: str = "files",
+) -> int:
     """Run `action` on every item, even after failures, and return the worst exit code.
 
     With `as_json`, each failure is also an object on standard output, so that a program finds one
-    object for each item there.
+    object for each item there. After Ctrl-C, a message says how many of several items are done;
+    `kind` is what they are called.
     """
     worst = DONE
-    for item in items:
+    for done, item in enumerate(items):
         try:
             action(item)
+        except KeyboardInterrupt:
+            if len(items) > 1:
+                message(f"deltamesh: {done} of {len(items)} {kind} are done")
+            raise
         except Failure as failure:
             report_failure(failure)
             if as_json:
@@ -184,7 +195,7 @@ def process_all(items: Iterable[_Item], action: Callable[[_Item], object], *, as
 
 
 def process_all_and_exit(
-    items: Iterable[_Item], action: Callable[[_Item], object], *, as_json: bool
+    items: Collection[_Item], action: Callable[[_Item], object], *, as_json: bool
 ) -> None:
     """Run `action` on every item as `process_all` does, and exit with the worst code."""
     click.get_current_context().exit(process_all(items, action, as_json=as_json))

@@ -23,6 +23,9 @@ from deltamesh_cli.output import display_name
 from deltamesh_cli.signals import stopping_cleanly
 from deltamesh_formats.atomic import found_at, write_file
 from deltamesh_formats.errors import LimitError
+from deltamesh_formats.meshfiles.beside import read_with
+from deltamesh_formats.places import exists, read_bytes, status
+from deltamesh_formats.remote import is_url
 from deltamesh_formats.wrappers import DEFAULT_LIMIT, unwrapped, without_wrapper, wrapped
 
 STDIO: Final = "-"
@@ -55,6 +58,19 @@ def chosen_output(positional: str | None, option: str | None) -> str | None:
     return STDIO if chosen == _STDOUT else chosen
 
 
+def check_name_of_dmesh(target: str) -> None:
+    """Refuse an output of another name than one of a `.dmesh` file: it may be somebody's mesh.
+
+    A pipe or a device may have any name, and a folder is refused later.
+    """
+    is_special = os.path.exists(target) and not os.path.isfile(target)
+    if target != STDIO and without_suffix(target) is None and not is_special:
+        raise click.UsageError(
+            f"{display_name(target)} does not end in {SUFFIX}. deltamesh batch encodes several"
+            f" files; --force-name writes a {SUFFIX} file with any name."
+        )
+
+
 def check_stdout_has_one_use(target: str | None, as_json: bool) -> None:
     """Refuse a command line that sends both OUT and JSON to standard output."""
     if as_json and target == STDIO:
@@ -69,7 +85,10 @@ def check_input(name: str) -> None:
     Failure
         If it is missing, a folder, or a terminal.
     """
-    with attempt(name, "cannot read"):
+    if is_url(name):
+        return  # who reads it will say so
+    hint = "deltamesh batch takes folders" if os.path.isdir(name) else ""
+    with attempt(name, "cannot read", hint):
         if name != STDIO:
             if stat.S_ISDIR(os.stat(name).st_mode):
                 raise IsADirectoryError(errno.EISDIR, "it is a folder, not a file")
@@ -117,8 +136,22 @@ def read_raw(name: str) -> bytes:
     with attempt(name, "cannot read"):
         if name == STDIO:
             return sys.stdin.buffer.read()
-        with open(name, "rb") as stream:
-            return stream.read()
+        return read_bytes(name)
+
+
+def source_size(name: str, raw: bytes, file_format: str | None) -> int:
+    """Return the bytes of a mesh file, and of those that are read with it, as a glTF has buffers.
+
+    Parameters
+    ----------
+    name : str
+    raw : bytes
+        All bytes of the file.
+    file_format : str or None
+        Format of the file; None if its name determines it.
+    """
+    beside = () if name == STDIO else read_with(name, file_format or "")
+    return len(raw) + sum(status(one)[0] for one in beside)
 
 
 def check_output(source: str, target: str, *, force: bool, text: bool = False) -> None:
@@ -147,13 +180,22 @@ def check_output(source: str, target: str, *, force: bool, text: bool = False) -
             raise _refusal("standard output", errno.ENOTTY, "it is a terminal", hint)
         return
     with attempt(target, "cannot write"):
+        if is_url(target):
+            if target == source:
+                raise _refusal(
+                    target, errno.EINVAL, "it is the input itself", "name another output"
+                )
+            if not force and exists(target):
+                raise _exists_already(target)
+            return
         folder = os.path.dirname(os.path.realpath(target))
         if not os.path.isdir(folder):
             hint = f"create {display_name(folder)} first"
             raise _refusal(target, errno.ENOENT, "its folder does not exist", hint)
         if os.path.isdir(target):
             raise _refusal(target, errno.EISDIR, "it is a folder", "name a file in it")
-        if source != STDIO and os.path.exists(target) and os.path.samefile(source, target):
+        is_file = source != STDIO and not is_url(source)
+        if is_file and os.path.exists(target) and os.path.samefile(source, target):
             raise _refusal(target, errno.EINVAL, "it is the input itself", "name another output")
         existing = found_at(target)
         if existing in ("file", "other") and not force:

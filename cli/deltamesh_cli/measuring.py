@@ -1,23 +1,20 @@
-"""Measurements for `deltamesh bench`: finding meshes, measuring them, and comparing rates."""
+"""Measurements for `deltamesh bench`: naming meshes, measuring them, and comparing rates."""
 
 from __future__ import annotations
 
-import errno
 import os
 from collections.abc import Collection, Iterable, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
-import click
-
 from deltamesh._progress import Progress
-from deltamesh.batch import Selection, find
 from deltamesh.bench import PEER_NAMES
 from deltamesh_cli import files
 from deltamesh_cli.failures import attempt
+from deltamesh_cli.inputs import Input
 from deltamesh_cli.meshes import parse_mesh
+from deltamesh_cli.output import message
 from deltamesh_cli.signals import interruptible
-from deltamesh_formats.meshfiles.formats import EXTENSIONS
 
 if TYPE_CHECKING:
     from deltamesh._mesh import TriangleMesh
@@ -26,30 +23,16 @@ if TYPE_CHECKING:
 PEER_BITS: Final = (10, 11, 12)
 
 
-def mesh_paths(sources: Iterable[str], recursive: bool) -> dict[str, str]:
-    """Return the paths of mesh files by the names that they have in a table.
+def names_in_tables(inputs: Iterable[Input]) -> dict[str, Input]:
+    """Return the mesh files by the names that they have in a table.
 
     A file has its last part as its name, a file in a folder its path below that folder. If these
     are not unique, all files have their paths as names. So a table does not depend on the place of
-    the folder. A folder without mesh files stands for itself, and reading it fails.
+    the folder.
     """
-    pairs = [
-        (os.path.relpath(path, source) if os.path.isdir(source) else os.path.basename(path), path)
-        for source in sources
-        for path in _mesh_files_in(source, recursive) or [source]
-    ]
-    paths = {path for _, path in pairs}
-    unique = len({name for name, _ in pairs}) == len(paths)
-    return {(name if unique else path).replace(os.sep, "/"): path for name, path in pairs}
-
-
-def _mesh_files_in(source: str, recursive: bool) -> list[str]:
-    """Return the mesh files of a folder, sorted; an empty list if it is a file."""
-    if not os.path.isdir(source):
-        return []
-    selection = Selection(tuple(EXTENSIONS), recursive=recursive, shallow=not recursive)
-    with attempt(source, "cannot list"):
-        return find([source], selection)
+    inputs = list(inputs)
+    unique = len({one.name for one in inputs}) == len(inputs)
+    return {one.name if unique else one.path.replace(os.sep, "/"): one for one in inputs}
 
 
 def read_triangles(path: str, progress: Progress, *, bare: bool) -> TriangleMesh:
@@ -58,11 +41,8 @@ def read_triangles(path: str, progress: Progress, *, bare: bool) -> TriangleMesh
     Raises
     ------
     Failure
-        If it cannot be read, is not a mesh, or is a folder without mesh files.
+        If it cannot be read, or is not a mesh.
     """
-    with attempt(path, "cannot read", "-r searches its folders"):
-        if os.path.isdir(path):
-            raise FileNotFoundError(errno.ENOENT, "there is no mesh file in this folder")
     mesh = parse_mesh(path, files.read_input(path), None, progress)
     with attempt(path, "cannot read"):
         from deltamesh._compare.welding import welded, without_isolated
@@ -120,7 +100,7 @@ def skip_missing_peers(labels: Iterable[str]) -> set[str]:
     for label, packages in absent.items():
         if packages:
             text = f"skipped: {label}: not installed: {', '.join(packages)}"
-            click.echo(f"deltamesh: {text} (pip install 'deltamesh[bench]')", err=True)
+            message(f"deltamesh: {text} (pip install 'deltamesh[bench]')")
     return {label for label, packages in absent.items() if packages}
 
 

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import io
-import os
 from collections.abc import Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from deltamesh._progress import Progress
 from deltamesh_cli import files, options
 from deltamesh_cli.failures import attempt
-from deltamesh_cli.output import display_name
+from deltamesh_cli.output import display_name, message
 from deltamesh_cli.signals import interruptible
 from deltamesh_formats.container.layout import MAGIC
 from deltamesh_formats.meshfiles.formats import (
@@ -21,6 +18,7 @@ from deltamesh_formats.meshfiles.formats import (
     format_of_beginning,
     format_of_extension,
 )
+from deltamesh_formats.places import parent
 
 if TYPE_CHECKING:
     from deltamesh._measures.report import Report
@@ -50,7 +48,7 @@ def parse_mesh(name: str, data: bytes, file_format: str | None, progress: Progre
     with attempt(name, "cannot read", _format_hint(named, data)):
         from deltamesh_formats.meshfiles.files import read_mesh
 
-        folder = None if name == files.STDIO else os.path.dirname(name) or os.curdir
+        folder = None if name == files.STDIO else parent(name)
         return read_mesh(io.BytesIO(data), named, folder=folder)
 
 
@@ -89,7 +87,7 @@ def note_not_kept(name: str, lost: Collection[str], *, quiet: bool) -> None:
     """Note on standard error, in one line, the content of a mesh that is not kept."""
     if lost and not quiet:
         listed = ", ".join(map(display_name, lost))
-        click.echo(f"note: {display_name(name)}: {listed} are not kept", err=True)
+        message(f"note: {display_name(name)}: {listed} are not kept")
 
 
 def note_faces(name: str, report: Report | None, *, quiet: bool) -> None:
@@ -99,18 +97,18 @@ def note_faces(name: str, report: Report | None, *, quiet: bool) -> None:
     fates = ((report.lost, "lost their area"), (report.turned, "turned over"))
     told = [f"that {fate}: {len(of)}, the first in face {of[0]}" for of, fate in fates if len(of)]
     if told:
-        click.echo(f"note: {display_name(name)}: triangles {', '.join(told)}", err=True)
+        message(f"note: {display_name(name)}: triangles {', '.join(told)}")
 
 
-def note_memory(name: str, container: Container, *, quiet: bool) -> None:
-    """Say on standard error, in one line, that decoding takes more than the default limit."""
+def memory_notes(name: str, container: Container) -> list[str]:
+    """Return a note, if decoding takes more memory than the default limit."""
     from deltamesh._limits import DEFAULT_MEMORY, memory_needed
 
     needed = memory_needed(container)
-    if needed > DEFAULT_MEMORY and not quiet:
-        text = "decoding needs more memory than its default limit"
-        least = f"give deltamesh decode --memory {-(-needed >> 30)}G"
-        click.echo(f"note: {display_name(name)}: {text}: {least}", err=True)
+    if needed <= DEFAULT_MEMORY:
+        return []
+    text = "decoding needs more memory than its default limit"
+    return [f"{display_name(name)}: {text}: give deltamesh decode --memory {-(-needed >> 30)}G"]
 
 
 def parse_container(name: str, data: bytes, problem: str) -> Container:
@@ -165,4 +163,5 @@ def load_mesh(
         return LoadedMesh(mesh, len(raw), container)
     mesh = parse_mesh(name, data, file_format, progress)
     with attempt(name, "cannot read"):
-        return LoadedMesh(checked(mesh, LARGEST), len(raw), None)
+        size = files.source_size(name, raw, file_format)
+        return LoadedMesh(checked(mesh, LARGEST), size, None)

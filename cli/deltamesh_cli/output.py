@@ -1,14 +1,48 @@
-"""Printed output of the commands: JSON for programs, plain tables for people."""
+"""Printed output of the commands: JSON for programs, plain tables for people, and messages."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import click
 
 from deltamesh_formats.printing import number, printable, table
 
-__all__ = ["display_name", "number", "print_json", "table"]
+__all__ = ["display_name", "duration", "message", "messages_by", "number", "print_json", "table"]
+
+
+def _echo(text: str) -> None:
+    click.echo(text, err=True)
+
+
+_print_message: Callable[[str], None] = _echo
+
+
+def message(text: str) -> None:
+    """Print a message on standard error, on a line of its own above whatever is drawn there."""
+    _print_message(text)
+
+
+@contextmanager
+def messages_by(print_message: Callable[[str], None]) -> Iterator[None]:
+    """Print messages by this function inside: something is drawn on standard error."""
+    global _print_message
+    before, _print_message = _print_message, print_message
+    try:
+        yield
+    finally:
+        _print_message = before
+
+
+def duration(seconds: float) -> str:
+    """Return a time in words, such as 19 s, 3 min 20 s or 2 h 5 min."""
+    whole = round(seconds)
+    minutes, hours = whole // 60, whole // 3600
+    if hours:
+        return f"{hours} h {minutes % 60} min"
+    return f"{minutes} min {whole % 60} s" if minutes else f"{whole} s"
 
 
 def display_name(name: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 import os
 import sys
@@ -13,6 +14,7 @@ import click
 
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import DONE, FAILED, SIGNALLED, USAGE, RunSettings, report_unexpected
+from deltamesh_cli.output import display_name
 from deltamesh_cli.signals import Stopped
 
 # In the order in which a user needs them, with the first sentence of the help of each: `--help`
@@ -93,6 +95,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
         _flush()
     except click.ClickException as error:
         error.show()
+        _hint_at_names(sys.argv[1:] if arguments is None else arguments)
         return USAGE
     except (click.Abort, KeyboardInterrupt):
         click.echo("deltamesh: interrupted", err=True)
@@ -106,6 +109,22 @@ def run(arguments: Sequence[str] | None = None) -> int:
         report_unexpected(error, settings)
         return FAILED
     return code if isinstance(code, int) else DONE
+
+
+def _hint_at_names(arguments: Sequence[str]) -> None:
+    """Say how to give names that begin with "-", if there is one among refused arguments."""
+    from deltamesh_cli.files import extension, without_suffix  # not for every command line
+    from deltamesh_formats.meshfiles.formats import EXTENSIONS
+
+    end = arguments.index("--") if "--" in arguments else len(arguments)
+    for one in arguments[:end]:
+        named = extension(one) in EXTENSIONS or without_suffix(one) is not None
+        if one[:1] == "-" and "=" not in one and one != "-" and (named or os.path.lexists(one)):
+            name = display_name(one)
+            click.echo(
+                f"Hint: if {name} is a file, put -- before it: deltamesh ... -- {name}", err=True
+            )
+            return
 
 
 def _flush() -> None:
@@ -123,6 +142,7 @@ def run_and_exit() -> None:
         warnings.simplefilter("ignore")  # warnings are for programmers; -W shows them
     code = run()
     if code == DONE:
+        gc.freeze()  # Python would search all objects for garbage, for 20 ms, before it ends
         sys.exit(DONE)
     # Not sys.exit: an abandoned thread may be in the middle of a solve (deltamesh_cli.signals),
     # and flushing to a broken pipe once more would print an error.

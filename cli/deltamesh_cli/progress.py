@@ -5,11 +5,14 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
-
-import click
+from contextlib import AbstractContextManager, contextmanager
+from typing import TYPE_CHECKING, TextIO
 
 from deltamesh._progress import Progress, silent
+from deltamesh_cli.output import message, messages_by
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 _STARTING = "starting"
 
@@ -28,7 +31,7 @@ class _Lines:
     def end(self) -> None:
         if self.current is not None:
             name, start = self.current
-            click.echo(f"deltamesh: {name}: {time.perf_counter() - start:.2f} s", err=True)
+            message(f"deltamesh: {name}: {time.perf_counter() - start:.2f} s")
             self.current = None
 
 
@@ -44,22 +47,31 @@ def _spinner() -> Iterator[Progress]:
     # Imported here: rich takes 0.1 s, and most runs have no terminal to draw on.
     from rich.console import Console
 
-    with Console(stderr=True).status("") as status:
+    console = Console(stderr=True)
+    with console.status("") as status, messages_above(console):
         yield status.update
+
+
+def messages_above(console: Console) -> AbstractContextManager[None]:
+    """Print messages above what a console draws, as they are."""
+    return messages_by(
+        lambda text: console.print(text, markup=False, highlight=False, soft_wrap=True)
+    )
 
 
 def use_lines(show: bool | None, *, verbose: bool) -> bool:
     """Return whether progress is printed in lines: with `-v`, or on request without a terminal."""
-    return verbose or (bool(show) and not _is_terminal())
+    return verbose or (bool(show) and not on_terminal(sys.stderr))
 
 
 def use_drawing(show: bool | None, *, quiet: bool) -> bool:
     """Return whether progress is drawn: on request, or on a terminal unless `-q` is given."""
-    return bool(show) or (show is None and _is_terminal() and not quiet)
+    return bool(show) or (show is None and on_terminal(sys.stderr) and not quiet)
 
 
-def _is_terminal() -> bool:
-    return sys.stderr is not None and sys.stderr.isatty()
+def on_terminal(stream: TextIO | None) -> bool:
+    """Return whether a standard stream, which may be closed, is a terminal."""
+    return stream is not None and stream.isatty()
 
 
 @contextmanager

@@ -10,7 +10,7 @@ import click
 
 from deltamesh._measures.table import METRICS
 from deltamesh_cli.failures import DONE, MISSED
-from deltamesh_cli.output import display_name, print_json, table
+from deltamesh_cli.output import display_name, message, print_json, table
 
 if TYPE_CHECKING:
     from deltamesh.bench import Change, Measurement
@@ -66,8 +66,8 @@ def report_changes(
     as_json, quiet : bool
     """
     if changed:
-        click.echo(f"deltamesh: differences from {display_name(path)}:", err=True)
-        click.echo(change_table(changed), err=True)
+        message(f"deltamesh: differences from {display_name(path)}:")
+        message(change_table(changed))
     if as_json:
         for one in changed:
             print_json({"check": path, **vars(one), "worse": one.worse})

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import shlex
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Final
 
 from deltamesh_cli.output import display_name
 from deltamesh_formats.container.container import Container, Meta, Parameters
-from deltamesh_formats.container.layout import ORDER
+from deltamesh_formats.container.layout import ATTRIBUTES, ORDER, PARTS
 from deltamesh_formats.container.summary import (
     attributes_of,
     bits_per_vertex,
@@ -15,6 +17,9 @@ from deltamesh_formats.container.summary import (
     polygons,
     relative,
 )
+
+# The share of a file above which a kind of content is worth a line.
+_COSTLY: Final = 0.2
 
 if TYPE_CHECKING:
     from deltamesh_formats.container.attribute_table import Entry
@@ -66,7 +71,7 @@ def _attribute_object(entry: Entry) -> dict[str, object]:
         "normalized": entry.normalized,
         "partly": entry.partly,
         "coding": entry.coding,
-        "bits": entry.bits if entry.coding in ("grid", "octahedral") else None,
+        "bits": (entry.bits or None) if entry.coding in ("grid", "octahedral") else None,
         "palette": entry.palette,
         "largest_error": entry.error,
         "bytes": entry.size,
@@ -117,6 +122,41 @@ def part_object(name: str, normal_deviation: float, relative_rms: float) -> dict
         "normal_deviation_degrees": normal_deviation,
         "rms_relative": relative_rms,
     }
+
+
+def costly_lines(container: Container) -> Iterator[str]:
+    """Yield a line for each kind of content beside the shape that takes much of a file.
+
+    Raises
+    ------
+    FormatError
+        If the attribute table is damaged.
+    """
+    hints = {PARTS: "--drop all leaves them out", ORDER: "less without --keep-order"}
+    words = {PARTS: "names, parts and metadata", ORDER: "order of vertices and faces"}
+    entries = sorted(attributes_of(container), key=lambda entry: -entry.size)
+    for section in (ATTRIBUTES, PARTS, ORDER):
+        size = container.sections[section].size if section in container.sections else 0
+        if size <= _COSTLY * container.size:
+            continue
+        what, hint = words.get(section, ""), hints.get(section, "")
+        if section == ATTRIBUTES:
+            shown = [entry for entry in entries if entry.size > size / 20]
+            listed = ", ".join(f"{display_name(entry.name)} {entry.size}" for entry in shown)
+            what, hint = "attributes", f"{listed}; {_attribute_hint(shown)}"
+        yield f"{what}: {size} bytes of {container.size}: {hint}"
+
+
+def _attribute_hint(entries: list[Entry]) -> str:
+    """Return the options that make these attributes smaller."""
+    names = dict.fromkeys(entry.name for entry in entries)
+    hint = f"--drop {shlex.quote(','.join(names))}"
+    exact = [entry.name for entry in entries if entry.coding == "exact"]
+    if exact:
+        hint += f", or --max-attribute-error {shlex.quote(f'{exact[0]}=E')}"
+    elif any(entry.role == "uv" and entry.coding == "grid" for entry in entries):
+        hint += ", or --max-uv-error E"
+    return display_name(hint)
 
 
 def described_container(name: str, container: Container) -> str:

@@ -5,16 +5,20 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import click
 
 from deltamesh._options import MAX_COARSE
+from deltamesh_formats.polymesh.units import SYMBOLS
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
 _UNITS: Final = {"": 0, "K": 1, "M": 2, "G": 3, "T": 4}
+# The unit of a length that is a share of the diagonal of the bounding box.
+SHARE: Final = "%"
+_LENGTH: Final = re.compile(r"([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(\D*)")
 _SIZE: Final = re.compile(r"(\d+(?:\.\d+)?)\s*([KMGT]?)(?:i?B)?", re.IGNORECASE)
 
 
@@ -42,6 +46,51 @@ def positive(text: str) -> float:
     if not 0 < (value := _real(text)) < math.inf:
         raise click.BadParameter(f"{text!r} is not a positive number.")
     return value
+
+
+class Length(NamedTuple):
+    """A length with a unit of its own, or a share in percent; a tuple, so that JSON can hold it."""
+
+    value: float
+    unit: str
+
+    def __str__(self) -> str:
+        """Return the length as it is on the command line."""
+        return f"{self.value:.15g}{self.unit}"
+
+
+def length(text: str) -> float | Length:
+    """Read a positive length: a bare number, or one with a unit, such as 0.05mm."""
+    return _length(text, tuple(SYMBOLS))
+
+
+def length_or_share(text: str) -> float | Length:
+    """Read a positive length, or a share of the diagonal of the bounding box, such as 0.1%."""
+    return _length(text, (*SYMBOLS, SHARE))
+
+
+def _length(text: str, units: tuple[str, ...]) -> float | Length:
+    match = _LENGTH.fullmatch(text.strip())
+    if match is None or not 0 < (value := _real(match[1])) < math.inf:
+        raise click.BadParameter(f"{text!r} is not a positive length, such as 0.05 or 0.05mm.")
+    if match[2] and match[2] not in units:
+        raise click.BadParameter(f"{match[2]!r} is not one of the units {', '.join(units)}.")
+    return Length(value, match[2]) if match[2] else value
+
+
+def positive_share(text: str) -> float:
+    """Read a fraction greater than zero, such as 0.001 or 0.1%."""
+    if not (value := fraction(text)) > 0:
+        raise click.BadParameter(f"{text!r} is not a fraction above 0, such as 0.001 or 0.1%.")
+    return value
+
+
+def named_error(text: str) -> tuple[str, float]:
+    """Read a name and a positive number, such as confidence=0.01."""
+    name, equals, error = text.rpartition("=")
+    if not (name and equals):
+        raise click.BadParameter(f"{text!r} is not NAME=E, such as confidence=0.01.")
+    return name, positive(error)
 
 
 def coarse_factor(text: str) -> float:

@@ -15,6 +15,7 @@ from contextlib import suppress
 from functools import partial
 from typing import BinaryIO, Final, Literal, TypeAlias
 
+from deltamesh_formats import remote
 from deltamesh_formats.temporaries import remove_left_behind, temporary_of
 
 __all__ = ["Found", "PathOrFile", "found_at", "write_file"]
@@ -51,7 +52,8 @@ def write_file(target: PathOrFile, data: bytes, *, overwrite: bool = True) -> No
 
     Parameters
     ----------
-    target : path or binary file object
+    target : path, URL or binary file object
+        `deltamesh_formats.remote` says how files at URLs are written.
     data : bytes
     overwrite : bool
         Whether a file at the path is replaced. If not, one that appears in the last moment is not
@@ -68,6 +70,12 @@ def write_file(target: PathOrFile, data: bytes, *, overwrite: bool = True) -> No
         _write_all(target.write, data)
         return
     path = os.fspath(target)
+    if remote.is_url(path):
+        local = remote.local_path(path)
+        if local is None:
+            remote.write(path, data, overwrite=overwrite)
+            return
+        path = local
     try:
         _write_path(path, data, overwrite)
     except OSError as error:  # of the temporary file, or of a descriptor: neither is known outside

@@ -15,6 +15,8 @@ from collections.abc import Iterable
 from contextlib import suppress
 from typing import Final
 
+from deltamesh_formats.remote import is_url
+
 _NAME: Final = re.compile(
     r"\.deltamesh-(?P<target>[0-9a-f]{12})-(?P<machine>[0-9a-f]{8})"
     r"-(?P<process>[1-9][0-9]*)-[0-9a-f]{16}\.tmp"
@@ -50,9 +52,14 @@ def remove_left_behind(folder: str) -> None:
 
 
 def remove_temporaries(targets: Iterable[str]) -> None:
-    """Remove what was left of these outputs; nobody on another machine may be writing them now."""
+    """Remove what was left of these outputs; nobody on another machine may be writing them now.
+
+    URLs have none here: `deltamesh_formats.remote` writes them.
+    """
     found: dict[str, set[str]] = {}
     for target in targets:
+        if is_url(target):
+            continue
         folder, name = os.path.split(os.path.realpath(target))
         found.setdefault(folder, set()).add(_target(name))
     for folder, digests in found.items():

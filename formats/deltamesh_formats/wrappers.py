@@ -14,6 +14,7 @@ from typing import Final
 
 from deltamesh_formats import zstd_frames
 from deltamesh_formats.errors import FormatError, LimitError
+from deltamesh_formats.remote import without_query
 from deltamesh_formats.zstd_frames import Decompressor, ZstdError
 
 __all__ = ["DEFAULT_LIMIT", "beginning", "unwrapped", "without_wrapper", "wrapped"]
@@ -80,7 +81,11 @@ _WRAPPERS: Final = {
 
 
 def without_wrapper(name: str) -> tuple[str, str]:
-    """Return a file name without ".gz" or ".zst", and that suffix, "" if there is none."""
+    """Return a file name without ".gz" or ".zst", and that suffix, "" if there is none.
+
+    A URL loses its query, too: "https://example.org/a.ply?version=2" is a PLY.
+    """
+    name = without_query(name)
     stem, suffix = os.path.splitext(name)
     return (stem, suffix) if suffix.lower() in _WRAPPERS else (name, "")
 

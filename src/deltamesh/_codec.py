@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeAlias, Unpack, overload
 
@@ -67,6 +67,9 @@ def encode(
     drop: str | Iterable[str] = (),
     bits_uv: int = DEFAULT_BITS_UV,
     bits_normal: int = DEFAULT_BITS_NORMAL,
+    bits_float: int | None = None,
+    max_uv_error: float | None = None,
+    max_attribute_error: Mapping[str, float] | None = None,
     lossless_attributes: bool = False,
     source_format: str = "",
     progress: Progress | None = None,
@@ -144,9 +147,18 @@ def encode(
         not have is no error.
     bits_uv : int
         Texture coordinates of floats come back within half a step, which is the largest of their
-        extents over 2^bits - 1.
+        extents over 2^bits - 1. A few that lie far away do not count: without a hundredth of them,
+        the extent may be less than half, and twice that counts then.
     bits_normal : int
         Unit normals come back within sqrt(2) / (2^(bits - 1) - 1) radians.
+    bits_float : int, optional
+        All other attributes of floats come back within half a step likewise. Default: bit for bit.
+    max_uv_error : float, optional
+        Instead of `bits_uv`, the largest error of each number of the texture coordinates.
+    max_attribute_error : mapping of str to float, optional
+        The largest error of each number of the attributes of a name, or of a role ("uv", "colour",
+        "normal"); of unit normals, the largest angle in degrees. Integers stay as they are, and so
+        do floats that are not finite, or too large for steps of that size.
     lossless_attributes : bool
         Both come back bit for bit instead, as all other attributes do but colours of floats within
         0 .. 1, which get 256 levels. So it is, too, with "lossless".
@@ -205,6 +217,9 @@ def encode(
         drop=(drop,) if isinstance(drop, str) else tuple(drop),
         bits_uv=bits_uv,
         bits_normal=bits_normal,
+        bits_float=bits_float,
+        max_uv_error=max_uv_error,
+        max_attribute_error=max_attribute_error,
         lossless_attributes=lossless_attributes,
         source_format=source_format,
     )

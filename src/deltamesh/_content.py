@@ -5,19 +5,21 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from deltamesh._attributes.domains import Domains
-from deltamesh._attributes.section import CodedAttribute, attribute_arrays, restore_attribute
 from deltamesh._geometry.integers import NO_POINTS, NONE, Integers
-from deltamesh._order.reordering import Order, order_arrays, reordered
 from deltamesh._parts import Annotations
 from deltamesh._shape.polygons import assembled
 from deltamesh._shape.structure import EMPTY, Structure
 from deltamesh_formats.array_types import Floats, Ints
-from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
+
+if TYPE_CHECKING:  # imported where there is one, since many meshes have none
+    from deltamesh._attributes.section import CodedAttribute
+    from deltamesh._order.reordering import Order
 
 
 @dataclass(frozen=True)
@@ -53,12 +55,9 @@ class Content:
         s = self.structure
         merged = (s.merged,) if len(s.merged) else ()
         annotations = () if self.annotations is None else self.annotations.arrays()
-        further = (
-            *order_arrays(self.order),
-            *merged,
-            *attribute_arrays(self.attributes),
-            *annotations,
-        )
+        order = () if self.order is None else self.order.arrays
+        attributes = (array for one in self.attributes for array in one.arrays)
+        further = (*order, *merged, *attributes, *annotations)
         return digest(s.faces, s.split_points, self.integers, further)
 
     def mesh(self, points: Floats, single: bool, margin: float = 0.0) -> PolyMesh:
@@ -77,14 +76,23 @@ class Content:
         vertices = points[s.points]
         mesh = replace(
             assembled(vertices, s.faces, s.polygons),
-            attributes=tuple(
-                restore_attribute(one, self.domains, vertices) for one in self.attributes
-            ),
+            attributes=self._restored(vertices),
             precision="float32" if single else "float64",
             margin=margin,
         )
         mesh = mesh if self.annotations is None else self.annotations.given_to(mesh)
-        return mesh if self.order is None else reordered(mesh, self.order)
+        if self.order is None:
+            return mesh
+        from deltamesh._order.reordering import reordered
+
+        return reordered(mesh, self.order)
+
+    def _restored(self, vertices: Floats) -> tuple[Attribute, ...]:
+        if not self.attributes:
+            return ()
+        from deltamesh._attributes.section import restore_attribute
+
+        return tuple(restore_attribute(one, self.domains, vertices) for one in self.attributes)
 
 
 # The content before the first section.

@@ -90,9 +90,10 @@ def load(
 
     Parameters
     ----------
-    source : path or binary file object
-        A file object is read from where it is to its end, and need not be seekable. Around the
-        file there may be gzip or zstandard; what it decompresses to is within `memory`, too.
+    source : path, URL or binary file object
+        URLs take the extra `remote`. A file object is read from where it is to its end, and need
+        not be seekable. Around the file there may be gzip or zstandard; what it decompresses to is
+        within `memory`, too.
     solver, threads, max_vertices, memory, progress
         As in `deltamesh.decode`, which does the same with bytes.
 
@@ -123,8 +124,8 @@ def save(target: PathOrFile, mesh: PolyMesh, **options: Unpack[EncodeOptions]) -
 
     Parameters
     ----------
-    target : path or binary file object
-        A path that ends in ".gz" or ".zst" gets a compressed file; a file object gets
+    target : path, URL or binary file object
+        A path or URL that ends in ".gz" or ".zst" gets a compressed file; a file object gets
         the bytes as they are.
     mesh : PolyMesh
         `deltamesh.from_arrays` makes one, `deltamesh.read_mesh` reads one.

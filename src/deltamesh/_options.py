@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from numbers import Integral
 from typing import TypedDict
@@ -27,6 +27,8 @@ MAX_BITS = layout.MAX_GRID_BITS
 DEFAULT_BITS_UV, MAX_BITS_UV = 12, layout.MAX_LIMB_BITS
 DEFAULT_BITS_NORMAL = 10
 MIN_BITS_NORMAL, MAX_BITS_NORMAL = layout.MIN_NORMAL_BITS, layout.MAX_NORMAL_BITS
+# Options that let attributes lose what they would keep by default, or say how much.
+ATTRIBUTE_BOUNDS = ("bits_float", "max_uv_error", "max_attribute_error")
 MAX_THREADS = 1024
 
 
@@ -57,6 +59,9 @@ class EncodeOptions(TypedDict, total=False):
     drop: str | Iterable[str]
     bits_uv: int
     bits_normal: int
+    bits_float: int | None
+    max_uv_error: float | None
+    max_attribute_error: Mapping[str, float] | None
     lossless_attributes: bool
     source_format: str
     progress: Callable[[str], None] | None
@@ -96,6 +101,9 @@ class Options:
     drop: tuple[str, ...] = ()
     bits_uv: int = DEFAULT_BITS_UV
     bits_normal: int = DEFAULT_BITS_NORMAL
+    bits_float: int | None = None
+    max_uv_error: float | None = None
+    max_attribute_error: Mapping[str, float] | None = None
     lossless_attributes: bool = False
     source_format: str = ""
 
@@ -110,6 +118,12 @@ class Options:
             _require(fits, f"coarse must lie in 1..{MAX_COARSE:g}, not {self.coarse!r}")
         _require_within("bits_uv", self.bits_uv, 1, MAX_BITS_UV)
         _require_within("bits_normal", self.bits_normal, MIN_BITS_NORMAL, MAX_BITS_NORMAL)
+        if self.bits_float is not None:
+            _require_within("bits_float", self.bits_float, 1, MAX_BITS_UV)
+        for name, error in self.attribute_errors.items():
+            named = isinstance(name, str) and bool(name)
+            _require(named, f"max_attribute_error must have names, not {name!r}")
+            _require_above_0("max_uv_error or max_attribute_error", error)
         names = all(isinstance(name, str) for name in self.drop)
         _require(names, f"drop must be names, not {self.drop!r}")
         _require_within("seed", self.seed, 0, (1 << 64) - 1)
@@ -121,13 +135,13 @@ class Options:
 
     def _check_rate(self) -> None:
         # Options with defaults may be left as they are with any method.
-        names = (*RATES, *BOUNDS, "coarse")
+        names = (*RATES, *BOUNDS, *ATTRIBUTE_BOUNDS, "coarse")
         given = [name for name in names if getattr(self, name) is not None]
-        check_together(self.method, [*given, "only"] if self.only else given)
+        given += [name for name in ("only", "lossless_attributes") if getattr(self, name)]
+        check_together(self.method, given)
         for name in ("step", *BOUNDS[1:]):
-            value = getattr(self, name)
-            fits = value is None or (math.isfinite(value) and value > 0)
-            _require(fits, f"{name} must be a number above 0, not {value}")
+            if (value := getattr(self, name)) is not None:
+                _require_above_0(name, value)
         if self.quality is not None:
             _require_within("quality", self.quality, 1, MAX_QUALITY)
         if self.bits is not None:
@@ -145,6 +159,14 @@ class Options:
     def is_bounded(self) -> bool:
         """Whether any bound was given."""
         return any(getattr(self, name) is not None for name in BOUNDS)
+
+    @property
+    def attribute_errors(self) -> dict[str, float]:
+        """The largest errors of attributes, by names and roles."""
+        errors = dict(self.max_attribute_error or {})
+        if self.max_uv_error is not None:
+            errors["uv"] = min(self.max_uv_error, errors.get("uv", math.inf))
+        return errors
 
     @property
     def exact(self) -> bool:
@@ -171,6 +193,12 @@ def check_together(method: str, given: Collection[str], shown: Callable[[str], s
     rates, bounds = ([name for name in names if name in given] for names in (RATES, BOUNDS))
     if rates and len(rates + bounds) > 1:
         raise OptionError(f"{' and '.join(map(shown, rates + bounds))} exclude each other")
+    exact = [] if method == AUTO or not METHODS[method].layout.exact else ["method"]
+    exact += [name for name in ("lossless_attributes",) if name in given]
+    for name in ATTRIBUTE_BOUNDS:
+        if name in given and exact:
+            other = f"{shown(exact[0])} {method}" if exact[0] == "method" else shown(exact[0])
+            raise OptionError(f"{shown(name)} and {other} exclude each other")
     if "only" in given and not bounds:
         raise OptionError(f"{shown('only')} needs a bound: a quality, or the error of a kind")
     known = METHOD_OPTIONS if method == AUTO else METHODS[method].options
@@ -239,6 +267,10 @@ def _require_one_of(name: str, value: str, known: tuple[str, ...]) -> None:
 def _require_within(name: str, value: int, low: int, high: int) -> None:
     whole = isinstance(value, Integral) and not isinstance(value, bool)
     _require(whole and low <= value <= high, f"{name} must lie in {low}..{high}, not {value!r}")
+
+
+def _require_above_0(name: str, value: float) -> None:
+    _require(math.isfinite(value) and value > 0, f"{name} must be a number above 0, not {value}")
 
 
 def _require(holds: bool, message: str) -> None:

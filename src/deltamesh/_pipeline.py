@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from deltamesh._sections.table import SECTIONS
 from deltamesh._shape.announced import announced
 from deltamesh._version import __version__
 from deltamesh_formats.array_types import Ints
+from deltamesh_formats.caching import cached_property
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Meta
 from deltamesh_formats.container.layout import (

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 from typing import TypeAlias, cast
 
 from deltamesh_formats.atomic import PathOrFile
+from deltamesh_formats.places import read_bytes
 from deltamesh_formats.wrappers import DEFAULT_LIMIT, unwrapped
 
 Bytes: TypeAlias = bytes | bytearray | memoryview
@@ -33,7 +33,7 @@ def read_file(source: PathOrFile, limit: int = DEFAULT_LIMIT) -> bytes:
 
     Parameters
     ----------
-    source : path or binary file object
+    source : path, URL or binary file object
         A file object is read from where it is to its end, and need not be seekable.
     limit : int
         Bytes that it may decompress to.
@@ -50,7 +50,7 @@ def read_file(source: PathOrFile, limit: int = DEFAULT_LIMIT) -> bytes:
         For anything else, and for a file open in text mode.
     """
     if isinstance(source, (str, os.PathLike)):
-        return unwrapped(Path(source).read_bytes(), limit)
+        return unwrapped(read_bytes(source), limit)
     if not hasattr(source, "read"):
         what = type(source).__name__
         raise TypeError(f"a path or a binary file is needed, not {what}: decode takes bytes")

@@ -42,6 +42,7 @@ SCRIPTS = (
     "renderings",
     "bounds",
     "parts",
+    "readers",
 )
 README = (BENCHMARKS / "README.md").read_text(encoding="utf-8")
 TORUS = corpus.GENERATED
@@ -424,3 +425,38 @@ def test_parts_of_scenes_are_measured_beside_draco(tmp_path: Path) -> None:
     assert all(ours[row["scene"]] < row["size"] for row in draco)
     with_steps = [row for row in rows if row["codec"] == "cartesian, finest"]
     assert all(row["steps"] == 0 for row in with_steps)
+
+
+def test_readers_are_compared_file_by_file(tmp_path: Path) -> None:
+    pytest.importorskip("trimesh")
+    pytest.importorskip("meshio")
+    readers = importlib.import_module("readers")
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "alike.obj").write_text(corners + "f 1 2 3\n")
+    (tmp_path / "deep" / "back.obj").write_text(corners + "f -3 -2 -1\nv 5 5 5\n")
+    (tmp_path / "cut.obj").write_text(corners + "f 1 2 4\n")
+    (tmp_path / "points.obj").write_text(corners)
+    (tmp_path / "notes.txt").write_text("no mesh")
+    done = CliRunner().invoke(readers.command, [str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    *listed, heading, one, total = (line for line in done.output.splitlines() if line)
+    assert any("back.obj: deltamesh 4 vertices, 1 triangles" in line for line in listed)
+    assert any("trimesh" in line and "(different: positions" in line for line in listed)
+    assert any("cut.obj: deltamesh refused: MeshError: line 4" in line for line in listed)
+    assert not any("alike.obj" in line for line in listed)
+    assert heading.split()[:4] == ["format", "files", "deltamesh", "read"]
+    assert one.split()[:5] == ["OBJ", "4", "2", "1", "1"]
+    assert total.split()[1:5] == ["4", "2", "1", "1"]
+
+
+def test_a_reader_that_takes_too_long_is_ended() -> None:
+    readers = importlib.import_module("readers")
+    worker = readers.Worker("deltamesh", 0.0)
+    try:
+        assert worker.read("nothing.obj").refusal == "too slow"
+        patient = readers.Worker("deltamesh", 60.0)
+        assert patient.read("nothing.obj").message.startswith("FileNotFoundError")
+    finally:
+        worker.end()
+        patient.end()

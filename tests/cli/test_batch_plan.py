@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
@@ -9,16 +10,14 @@ import pytest
 from commandline import posix
 
 from deltamesh._version import __version__
-from deltamesh.batch import DONE, FAILED, SKIPPED, Selection, Task
+from deltamesh.batch import DONE, FAILED, SKIPPED, Task
 from deltamesh_cli.batch.plan import (
     Destinations,
     plan_files,
-    read_file_list,
-    selection_from_folders,
     settled_record,
 )
 from deltamesh_cli.batch.work import Job
-from deltamesh_cli.failures import Failure
+from deltamesh_cli.inputs import Choice
 from deltamesh_formats.errors import OptionError
 
 ENCODE, DECODE = Job(False, None, {}), Job(True, None, {})
@@ -26,13 +25,7 @@ BESIDE = Destinations()
 
 
 def plan(job: Job, *names: str, destinations: Destinations = BESIDE) -> list[object]:
-    return plan_files(
-        job,
-        destinations,
-        names,
-        (),
-        selection_from_folders(job, destinations, (), (), recursive=True),
-    )
+    return plan_files(job, destinations, names, Choice(recursive=True))
 
 
 def test_outputs_go_beside_their_inputs_or_into_a_folder() -> None:
@@ -47,22 +40,18 @@ def test_outputs_go_beside_their_inputs_or_into_a_folder() -> None:
     ] == ["a", "b", None]
 
 
-def test_lists_have_a_name_a_line_or_names_that_end_in_nul(tmp_path: Path) -> None:
-    path = tmp_path / "list"
-    path.write_bytes(b"a b.ply\r\n\nc.ply\n")
-    assert read_file_list(str(path), null=False) == ["a b.ply", "c.ply"]
-    path.write_bytes(b"a\nb.ply\0c.ply\0")
-    assert read_file_list(str(path), null=True) == ["a\nb.ply", "c.ply"]
-    with pytest.raises(Failure, match="cannot read"):
-        read_file_list(str(tmp_path / "nothing"), null=False)
+def test_folders_give_meshes_to_encode_and_files_to_decode(folder: Path) -> None:
+    for job, source in ((ENCODE, "torus.ply"), (DECODE, "torus.dmesh")):
+        (task,) = plan(job, ".")
+        assert isinstance(task, Task)
+        assert task.source == source
 
 
-def test_folders_give_meshes_to_encode_and_files_to_decode() -> None:
-    assert "ply" in selection_from_folders(ENCODE, BESIDE, (), (), False).extensions
-    assert selection_from_folders(DECODE, BESIDE, (), (), False).extensions == ("dmesh",)
-    assert selection_from_folders(ENCODE, Destinations(flat="out"), (), (), True) == Selection(
-        selection_from_folders(ENCODE, BESIDE, (), (), True).extensions, recursive=True, never="out"
-    )
+def test_the_folder_of_outputs_is_not_searched(folder: Path) -> None:
+    (folder / "out").mkdir()
+    (folder / "out" / "torus.ply").write_bytes(b"ply")
+    assert len(plan(ENCODE, ".")) == 2
+    assert len(plan(ENCODE, ".", destinations=Destinations(flat="out"))) == 1
 
 
 def test_tasks_are_sorted_and_know_their_outputs(folder: Path) -> None:
@@ -141,3 +130,28 @@ def test_a_record_of_the_same_work_settles_it_and_others_do_not(folder: Path) ->
     )  # ours: redone
     (folder / "torus.ply").write_bytes(b"changed")
     assert settled_record(ENCODE, task, before, force=False, skip_existing=False) is None
+
+
+def test_the_buffers_of_a_gltf_count(folder: Path) -> None:
+    from deltamesh.batch import file_state, memory_for_mesh_file, still_done
+
+    buffer = {"uri": "data/a%20b.bin", "byteLength": 9_000_000}
+    outside = {"uri": "../secret.bin", "byteLength": 9}
+    (folder / "data").mkdir()
+    (folder / "data" / "a b.bin").write_bytes(bytes(9_000_000))
+    text = json.dumps({"buffers": [buffer, outside, {"uri": "gone.bin"}]})
+    (folder / "a.gltf").write_text(text)
+    (task,) = plan(ENCODE, "a.gltf")
+    assert isinstance(task, Task)
+    assert task.size == len(text) + 9_000_000
+    assert task.need == memory_for_mesh_file(task.size, "gltf")
+    state = {**file_state("a.gltf", "source"), **file_state("torus.dmesh", "target")}
+    assert state["source_bytes"] == task.size
+    record = {"status": DONE, "source": "a.gltf", "target": "torus.dmesh", "options": {}, **state}
+    assert still_done({**record, "version": "1"}, {}, "1")
+    (folder / "data" / "a b.bin").write_bytes(b"x" * 9_000_000)
+    assert not still_done({**record, "version": "1"}, {}, "1")
+    (folder / "a.gltf").write_text("[]")  # its reader will say so
+    (task,) = plan(ENCODE, "a.gltf")
+    assert isinstance(task, Task)
+    assert task.size == 2

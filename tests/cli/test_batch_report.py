@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Generator
 from pathlib import Path
 
 import pytest
 
 from deltamesh.batch import DONE, FAILED, SKIPPED, Task
 from deltamesh_cli.batch.engines import here
-from deltamesh_cli.batch.report import BEFORE, Totals, displayed_files, report_record
+from deltamesh_cli.batch.report import BEFORE, Totals, displayed_files, report_record, times
+from deltamesh_cli.batch.run import ExistingFiles, Verbosity, run_batch
 from deltamesh_cli.batch.work import Job
 
 
@@ -62,6 +64,64 @@ def test_failures_are_told_to_people_and_records_to_programs(
     assert json.loads(shown.out)["status"] == FAILED
     report_record(record(), as_json=False)
     assert capsys.readouterr() == ("", "")
+
+
+def test_notes_of_what_is_done_are_told_unless_it_is_quiet(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    report_record(record(notes=["a.dmesh: large"]), as_json=False)
+    assert capsys.readouterr() == ("", "note: a.dmesh: large\n")
+    report_record(record(notes=["a.dmesh: large"]), as_json=False, quiet=True)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_files_that_lose_something_are_counted() -> None:
+    assert "not kept" not in totals().as_text()
+    found = totals()
+    found.add(record(not_kept=["textures", "skins"]), False)
+    found.add(record(source="b.glb", not_kept=["lights"]), False)
+    last = found.as_text().splitlines()[-1]
+    assert last == "not kept is something of 2 files, such as textures of a.ply"
+
+
+def test_what_grows_is_told_in_times() -> None:
+    found = Totals()
+    found.add(record(source_bytes=100, target_bytes=6684), False)
+    assert "66.8 times" in found.as_text()
+    assert "%" not in found.as_text()
+
+
+def test_times_are_in_words() -> None:
+    assert times(19.2, 5.4) == "19 s elapsed, 5 s left"
+    assert times(200, None) == "3 min 20 s elapsed"
+    assert times(0, 7500) == "0 s elapsed, 2 h 5 min left"
+
+
+@pytest.mark.parametrize(
+    ("existing", "command"),
+    [
+        (ExistingFiles(), "the same command with --skip-existing"),
+        (ExistingFiles(skip_existing=True), "the same command"),
+        (ExistingFiles(manifest="run.jsonl"), "the same command with --resume"),
+        (ExistingFiles(manifest="run.jsonl", resume=True), "the same command"),
+    ],
+)
+def test_an_interrupted_run_says_how_to_complete_it(
+    folder: Path,
+    existing: ExistingFiles,
+    command: str,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def engine(job: Job, tasks: list[Task], begin: object) -> Generator[object]:
+        yield tasks[0], record(source=tasks[0].source, target=tasks[0].target)
+        raise KeyboardInterrupt
+
+    planned = [Task(f"{name}.ply", f"{name}.ply.dmesh", 9) for name in "abc"]
+    with pytest.raises(KeyboardInterrupt):
+        run_batch(planned, Job(False, None, {}), engine, existing, Verbosity())
+    shown = capsys.readouterr()
+    assert shown.err == f"deltamesh: 1 of 3 files are done: {command} does the others\n"
+    assert shown.out.splitlines()[1].split()[:2] == [DONE, "1"]
 
 
 def test_verbose_counts_the_files(capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import base64
+import json
+import zipfile
 from pathlib import Path
 
 import click
@@ -12,7 +15,7 @@ from deltamesh_cli.encode_options import check_encode_options, encode_options
 from deltamesh_cli.encoding import encode_file
 from deltamesh_cli.failures import Failure
 from deltamesh_cli.options import decode_options, flag_of, parameters_of, specified
-from deltamesh_formats.meshfiles.files import read_mesh
+from deltamesh_formats.meshfiles.files import read_mesh, written
 
 
 def silent(stage: str) -> None:
@@ -27,6 +30,10 @@ def silent(stage: str) -> None:
         ("a.dmesh", None, None, "", ("a.ply", "ply")),
         ("a.dmesh", None, None, "unheard", ("a.ply", "ply")),
         ("a.obj.dmesh", None, "stl", "obj", ("a.stl", "stl")),
+        # A format that is only read.
+        ("a.dae.dmesh", None, None, "dae", ("a.ply", "ply")),
+        ("a.dae.dmesh.zst", None, "obj", "dae", ("a.obj", "obj")),
+        ("a.b.dmesh", None, None, "obj", ("a.b.obj", "obj")),
         ("a.dmesh", "b.off", None, "obj", ("b.off", "off")),
         ("a.dmesh", "b.off", "obj", "ply", ("b.off", "obj")),
         ("a.dmesh", "-", None, "obj", ("-", "obj")),
@@ -52,6 +59,25 @@ def test_a_file_is_encoded_and_decoded(folder: Path) -> None:
     assert sorted(again.vertices.tolist()) == sorted(mesh.vertices.tolist())
     with pytest.raises(Failure, match=r"^back\.obj: cannot write: "):
         decode_to_file("back.obj", "ply", "new", container, silent, {}, force=False)
+
+
+def test_buffers_of_a_gltf_are_bytes_of_the_source_and_a_zip_has_its_own(folder: Path) -> None:
+    text = json.loads(written(read_mesh("torus.ply"), "gltf").data)
+    buffer = base64.b64decode(text["buffers"][0]["uri"].partition(",")[2])
+    text["buffers"][0]["uri"] = "a.bin"
+    (folder / "a.bin").write_bytes(buffer)
+    (folder / "a.gltf").write_text(json.dumps(text))
+    with zipfile.ZipFile("a.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.write("a.gltf")
+        archive.write("a.bin")
+    sizes = {"a.gltf": len(json.dumps(text)) + len(buffer)}
+    sizes["a.zip"] = (folder / "a.zip").stat().st_size
+    for name, size in sizes.items():
+        made = encode_file(name, f"{name}.dmesh", None, silent, {"method": "lossless"}, force=False)
+        assert made.source_size == size
+        assert made.container.meta.source == "gltf"
+    made = [(folder / f"{name}.dmesh").read_bytes() for name in sizes]
+    assert made[0] == made[1]
 
 
 def test_what_is_no_mesh_is_not_encoded(folder: Path) -> None:

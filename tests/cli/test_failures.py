@@ -56,6 +56,29 @@ def test_usage_errors(folder: Path, arguments: str, capsys: pytest.CaptureFixtur
     assert set(folder.iterdir()) == before
 
 
+@pytest.mark.parametrize(
+    ("line", "name"),
+    [
+        ("encode -fuze.ply", "-fuze.ply"),
+        ("encode -oze.ply", "-oze.ply"),
+        ("decode -x.ply.dmesh.zst", "-x.ply.dmesh.zst"),
+        ("info -there", "-there"),
+        ("encode --frobnicate torus.ply", None),
+        ("encode -f", None),
+        ("encode --drop=a.ply", None),
+        ("encode -- -fuze.ply -there a b", None),
+    ],
+)
+def test_names_that_begin_like_options_get_a_hint(
+    folder: Path, line: str, name: str | None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "-there").write_bytes(b"?")
+    assert cli(line) == failures.USAGE
+    error = capsys.readouterr().err
+    hint = f"Hint: if {name} is a file, put -- before it: deltamesh ... -- {name}\n"
+    assert error.endswith(hint) if name else "Hint" not in error
+
+
 def test_damaged_files_are_refused_with_the_offset_and_nothing_is_written(
     folder: Path, torus_dmesh: bytes, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -66,6 +89,19 @@ def test_damaged_files_are_refused_with_the_offset_and_nothing_is_written(
             assert cli(command) == failures.REFUSED
             assert "at byte " in capsys.readouterr().err
         assert set(folder.iterdir()) == before
+
+
+def test_ctrl_c_says_how_many_files_are_done(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def action(item: int) -> None:
+        if item == 2:
+            raise KeyboardInterrupt
+
+    for items, told in (([1, 2, 3], "deltamesh: 1 of 3 files are done\n"), ([2], "")):
+        with pytest.raises(KeyboardInterrupt):
+            failures.process_all(items, action, as_json=False)
+        assert capsys.readouterr() == ("", told)
 
 
 def test_limits_refuse(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -89,9 +89,23 @@ def test_the_input_is_never_the_output(
 ) -> None:
     make("torus.ply", "alias.ply")
     for target in ("torus.ply", "./torus.ply", "alias.ply"):
-        assert cli("encode -f torus.ply", target) == failures.FAILED
+        assert cli("encode -f --force-name torus.ply", target) == failures.FAILED
         assert "it is the input itself" in capsys.readouterr().err
     assert Path("torus.ply").read_bytes() == TORUS.read_bytes()
+
+
+def test_a_mesh_file_is_no_output_of_encode(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("other.ply").write_bytes(TORUS.read_bytes())
+    for line in ("torus.ply other.ply", "-f torus.ply -o other.ply", "torus.ply new"):
+        assert cli(f"encode {line}") == failures.USAGE
+        assert "does not end in .dmesh. deltamesh batch encodes" in capsys.readouterr().err
+    assert Path("other.ply").read_bytes() == TORUS.read_bytes()
+    assert not Path("new").exists()
+    for name in ("a.dmesh.zst", "b.DMESH", "c.bin --force-name"):
+        assert cli(f"encode -q torus.ply {name}") == 0
+        assert Path(name.split()[0]).exists()
 
 
 @posix
@@ -205,7 +219,8 @@ def test_standard_output_by_another_name(folder: Path, torus_dmesh: bytes, name:
         ("encode torus.ply nowhere/a.dmesh", "its folder does not exist (create "),
         ("encode torus.ply .", "it is a folder (name a file in it)"),
         ("decode torus.dmesh . --output-format ply", "it is a folder (name a file in it)"),
-        ("encode .", ".: cannot read: it is a folder, not a file"),
+        ("encode .", "it is a folder, not a file (deltamesh batch takes folders)"),
+        ("decode .", "it is a folder, not a file (deltamesh batch takes folders)"),
         ("encode missing.ply", "missing.ply: cannot read: no such file or directory"),
         ("decode missing.dmesh", "missing.dmesh: cannot read: no such file or directory"),
         ("compare torus.ply missing.dmesh", "missing.dmesh: cannot read: no such file"),

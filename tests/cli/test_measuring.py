@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 
 import pytest
 
 from deltamesh.bench import Change
 from deltamesh_cli.failures import DONE, MISSED, Failure
+from deltamesh_cli.inputs import MESH, Choice
 from deltamesh_cli.measuring import (
     codecs_of,
     has_peer,
     labels_in,
-    mesh_paths,
+    names_in_tables,
     peer_labels,
     read_rates,
-    read_triangles,
 )
 from deltamesh_cli.rate_tables import change_table, report_changes
 
@@ -40,27 +39,23 @@ def scans(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+def named(*names: str, recursive: bool = False) -> dict[str, str]:
+    found = names_in_tables(Choice(recursive).inputs(names, MESH))
+    return {name: one.path for name, one in found.items()}
+
+
 def test_meshes_of_a_folder_are_named_below_it(scans: Path) -> None:
-    assert list(mesh_paths(["scans"], recursive=False)) == ["a.ply"]
-    found = mesh_paths([str(scans / "scans")], recursive=True)
-    assert found == {
+    assert list(named("scans")) == ["a.ply"]
+    assert named(str(scans / "scans"), recursive=True) == {
         "a.ply": str(scans / "scans" / "a.ply"),
         "below/b.obj": str(scans / "scans" / "below" / "b.obj"),
     }
 
 
 def test_meshes_with_one_name_are_named_by_their_paths(scans: Path) -> None:
-    found = mesh_paths(["scans/a.ply", "other/a.ply"], recursive=False)
-    assert list(found) == ["scans/a.ply", "other/a.ply"]
+    assert list(named("scans/a.ply", "other/a.ply")) == ["scans/a.ply", "other/a.ply"]
     # One file that is named twice has its own name.
-    assert list(mesh_paths(["scans/a.ply", "scans/a.ply"], recursive=False)) == ["a.ply"]
-
-
-def test_a_folder_without_meshes_fails_when_it_is_read(scans: Path) -> None:
-    os.mkdir("empty")
-    (path,) = mesh_paths(["empty"], recursive=False).values()
-    with pytest.raises(Failure, match=r"no mesh file in this folder .*-r searches"):
-        read_triangles(path, silent, bare=True)
+    assert list(named("scans/a.ply", "scans/a.ply")) == ["a.ply"]
 
 
 def test_labels_are_those_of_the_mesh_or_of_all_others() -> None:

@@ -41,6 +41,7 @@ def readings(monkeypatch: pytest.MonkeyPatch) -> list[int]:
         "encode torus.ply made.dmesh --json",
         "batch -q torus.ply",
         "batch -q -d torus.dmesh --output-format off",
+        "batch -q -d -f torus.dmesh",
     ],
 )
 def test_a_command_reads_a_container_once(folder: Path, readings: list[int], line: str) -> None:
@@ -51,8 +52,9 @@ def test_a_command_reads_a_container_once(folder: Path, readings: list[int], lin
 
 
 def test_two_files_are_two_containers(folder: Path, readings: list[int]) -> None:
+    (folder / "copy.dmesh").write_bytes((folder / "torus.dmesh").read_bytes())
     assert cli("compare torus.dmesh torus.dmesh") == 0
-    assert cli("test torus.dmesh torus.dmesh") == 0
+    assert cli("test torus.dmesh copy.dmesh ./torus.dmesh") == 0
     assert len(readings) == 4
 
 

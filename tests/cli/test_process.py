@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import sys
 import threading
 import time
 from contextlib import suppress
@@ -29,7 +30,10 @@ def test_pipes(folder: Path) -> None:
 
 
 def test_a_reader_that_has_gone_is_no_news(folder: Path) -> None:
-    command = [*PROGRAM, "info", *["torus.dmesh"] * 200]
+    names = [f"{number}.dmesh" for number in range(200)]
+    for name in names:
+        (folder / name).write_bytes((folder / "torus.dmesh").read_bytes())
+    command = [*PROGRAM, "info", *names]
     with children.started(command, stdout=subprocess.PIPE) as child:
         assert child.process.stdout is not None
         child.process.stdout.readline()
@@ -84,6 +88,28 @@ def test_a_stage_that_goes_on_is_one_line(capsys: pytest.CaptureFixture[str]) ->
         "deltamesh: starting",
         "deltamesh: solving",
     ]
+
+
+def test_small_meshes_wait_for_no_import_of_others(folder: Path) -> None:
+    commands = (["encode", "torus.ply", "new.dmesh"], ["decode", "new.dmesh", "new.ply"])
+    for command in commands:
+        done = children.run([sys.executable, "-X", "importtime", *PROGRAM[1:], *command])
+        assert done.returncode == 0, done.stderr
+        imported = {line.rpartition(b"|")[2].strip() for line in done.stderr.splitlines()}
+        assert b"numpy" in imported
+        assert not imported & {b"numpy.ma", b"scipy", b"rslab", b"trimesh"}
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="Linux only")
+def test_numpy_starts_no_thread_for_each_core() -> None:
+    code = (
+        "import os, deltamesh_cli; from deltamesh_cli import program; "
+        "program.run_and_exit = lambda: exec('import numpy'); deltamesh_cli.main(); "
+        "print(len(os.listdir('/proc/self/task')))"
+    )
+    environment = {k: v for k, v in os.environ.items() if not k.endswith("_NUM_THREADS")}
+    done = children.run([sys.executable, "-c", code], env=environment)
+    assert (done.returncode, done.stdout) == (0, b"1\n"), done.stderr
 
 
 @posix

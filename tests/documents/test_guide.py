@@ -13,6 +13,7 @@ import meshes
 import pytest
 from documents import script
 from places import ROOT
+from servers import served
 
 from deltamesh_formats.meshfiles.files import mesh_bytes
 from deltamesh_formats.polymesh.mesh import from_triangles
@@ -108,6 +109,18 @@ def test_clusters(folder: Path) -> None:
     for name in ("dasked", "clustered"):
         assert made(folder, name) == ["a.ply.dmesh", "b.obj.dmesh"]
         assert done(folder, f"{name}.jsonl") == 2
+
+
+@pytest.mark.slow
+def test_files_at_urls(folder: Path) -> None:
+    for package in ("distributed", "fsspec", "aiohttp"):
+        pytest.importorskip(package)
+    with served() as (url, files):
+        files.update({f"in/{Path(name).name}": (folder / name).read_bytes() for name in MESHES})
+        files["list.txt"] = "".join(f"{url}/{name}\n" for name in files).encode()
+        assert "skipped" in run(folder, "remote", STORE=url)
+        assert sorted(files)[-2:] == ["packed/a.ply.dmesh", "packed/b.obj.dmesh"]
+    assert done(folder, "remote.jsonl") == 2
 
 
 @pytest.mark.slow

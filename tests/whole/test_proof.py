@@ -243,3 +243,7 @@ def test_the_proof_has_no_limit_of_memory(monkeypatch, tmp_path, capsys) -> None
     assert note in capsys.readouterr().err
     assert commandline.cli("encode -f -q", source, target) == 0
     assert "memory" not in capsys.readouterr().err
+    assert commandline.cli("batch -f", source) == 0
+    assert note in capsys.readouterr().err
+    assert commandline.cli("batch -f -q", source) == 0
+    assert capsys.readouterr().err == ""

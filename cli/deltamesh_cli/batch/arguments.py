@@ -14,6 +14,7 @@ from deltamesh_cli import options
 from deltamesh_cli.batch.work import Job
 from deltamesh_cli.encode_options import check_encode_options, encode_options
 from deltamesh_cli.failures import RunSettings
+from deltamesh_cli.lengths import without_units
 
 # Variables of SLURM: of a task of a job array (sbatch --array), and of a task of a step (srun -n).
 SLURM: Final = {
@@ -85,7 +86,8 @@ def job_of(
         return Job(True, file_format, {**chosen, "memory": memory}, debug)
     check_encode_options(chosen)
     known = {field.name for field in fields(Options)}
-    Options(**{name: value for name, value in options.specified(chosen).items() if name in known})
+    given = without_units(options.specified(chosen))
+    Options(**{name: value for name, value in given.items() if name in known})
     return Job(False, file_format, chosen, debug)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import io
 import os
 import stat
 from collections.abc import Sequence
@@ -14,7 +15,6 @@ from deltamesh._version import __version__
 from deltamesh.batch import (
     SKIPPED,
     Record,
-    Selection,
     Task,
     check_targets,
     find,
@@ -28,8 +28,12 @@ from deltamesh_cli import files
 from deltamesh_cli.batch.work import Job, failure_record
 from deltamesh_cli.decoding import output_name_and_format
 from deltamesh_cli.failures import Failure, attempt
+from deltamesh_cli.inputs import DMESH, MESH, Choice
 from deltamesh_formats.errors import DeltameshError, FormatError
-from deltamesh_formats.meshfiles.formats import EXTENSIONS, written_format
+from deltamesh_formats.meshfiles.beside import read_with
+from deltamesh_formats.meshfiles.formats import written_format
+from deltamesh_formats.places import absolute, exists, read_bytes, read_head, status
+from deltamesh_formats.remote import is_url
 from deltamesh_formats.wrappers import beginning, unwrapped, without_wrapper
 
 # At least as many bytes as the header of a `.dmesh` file can have.
@@ -62,37 +66,11 @@ class Destinations:
         return source if self.mirror is None else mirrored(self.mirror, source)
 
 
-def read_file_list(name: str, *, null: bool) -> list[str]:
-    """Return the file names in a list: one per line or, with `null`, each ended by a NUL.
-
-    Raises
-    ------
-    Failure
-        If the list cannot be read.
-    """
-    data = files.read_input(name)
-    parts = data.split(b"\0") if null else [line.rstrip(b"\r") for line in data.split(b"\n")]
-    return [os.fsdecode(part) for part in parts if part]
-
-
-def selection_from_folders(
-    job: Job,
-    destinations: Destinations,
-    include: tuple[str, ...],
-    exclude: tuple[str, ...],
-    recursive: bool,
-) -> Selection:
-    """Return the selection of files from folders: the mesh files, or those to be decoded."""
-    extensions = (files.SUFFIX.removeprefix("."),) if job.decode else tuple(EXTENSIONS)
-    return Selection(extensions, include, exclude, recursive, destinations.folder)
-
-
 def plan_files(
     job: Job,
     destinations: Destinations,
     names: Sequence[str],
-    listed: Sequence[str],
-    selection: Selection,
+    choice: Choice,
 ) -> list[PlannedFile]:
     """Return the planned files, sorted by the names of the inputs.
 
@@ -101,21 +79,21 @@ def plan_files(
     job : Job
     destinations : Destinations
     names : sequence of str
-        Names for `deltamesh.batch.find`, which may be patterns.
-    listed : sequence of str
-        Names that are used as they are.
-    selection : Selection
+        Files, folders and patterns.
+    choice : Choice
 
     Raises
     ------
     OptionError
-        If two files have the same output, an output is an input, or a folder is given without the
-        option that searches folders.
+        If two files have the same output, or an output is an input.
+    Failure
+        If a list of files cannot be read.
     """
     problems: list[OSError] = []
+    selection = choice.selection(DMESH if job.decode else MESH, destinations.folder)
     found = {*find(names, selection, failed=problems.append)}
-    found |= {*find(listed, selection, patterns=False, failed=problems.append)}
-    unique = {os.path.abspath(name): name for name in sorted(found, reverse=True)}
+    found |= {*find(choice.listed(), selection, patterns=False, failed=problems.append)}
+    unique = {absolute(name): name for name in sorted(found, reverse=True)}
     planned = [_plan_file(job, destinations, name) for name in sorted(unique.values())]
     check_targets((one.source, one.target) for one in planned if isinstance(one, Task))
     for problem in problems:
@@ -129,20 +107,26 @@ def _plan_file(job: Job, destinations: Destinations, source: str) -> PlannedFile
     path, size = destinations.path_for(source), 0
     try:
         with attempt(source, "cannot read"):
-            status = os.stat(source)
-            size = status.st_size
-            if stat.S_ISDIR(status.st_mode):
-                raise IsADirectoryError(errno.EISDIR, "it is a folder, not a file")
-            if not stat.S_ISREG(status.st_mode):
-                raise OSError(errno.EINVAL, "it is not a file, but a pipe or a device")
+            size, _ = status(source)
+            if not is_url(source):
+                _check_regular(source)
             if job.decode:
                 target = _decoded_name(job, source, path)
                 return Task(source, target, size, _decoding_memory(source))
+            beside = sum(status(one)[0] for one in read_with(source, job.file_format or ""))
     except Failure as failure:
         return failure_record(job, Task(source, "", size), failure)
     grown = size * (_MOST_COMPRESSED if without_wrapper(source)[1] else 1)
-    need = memory_for_mesh_file(grown, job.file_format or files.extension(source))
-    return Task(source, path + files.SUFFIX, size, need)
+    need = memory_for_mesh_file(grown + beside, job.file_format or files.extension(source))
+    return Task(source, path + files.SUFFIX, size + beside, need)
+
+
+def _check_regular(source: str) -> None:
+    mode = os.stat(source).st_mode
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, "it is a folder, not a file")
+    if not stat.S_ISREG(mode):
+        raise OSError(errno.EINVAL, "it is not a file, but a pipe or a device")
 
 
 def _decoded_name(job: Job, source: str, path: str) -> str:
@@ -159,8 +143,7 @@ def _decoding_memory(source: str) -> int:
     """Return the bytes of memory that decoding a `.dmesh` file takes, according to its header."""
     from deltamesh_formats.container.reader import read_counts
 
-    with open(source, "rb") as stream:
-        data = stream.read(_BEGINNING)
+    data = read_head(source, _BEGINNING)
     try:
         return memory_for_counts(*read_counts(beginning(data, _HEADER)))
     except FormatError:  # the decoder will report the damage
@@ -168,14 +151,13 @@ def _decoding_memory(source: str) -> int:
 
 
 def _stored_format(source: str) -> str:
-    from deltamesh_formats.container.reader import read_container
+    """Return the format that a file stores; a compressed one is decompressed for that."""
+    from deltamesh_formats.container.reader import read_source_format
 
     try:
-        with open(source, "rb") as stream:
-            meta = read_container(unwrapped(stream.read())).meta
-    except DeltameshError:
+        return read_source_format(io.BytesIO(unwrapped(read_bytes(source))))
+    except DeltameshError:  # the decoder will report the damage
         return ""
-    return "" if meta is None else meta.source
 
 
 def settled_record(
@@ -196,9 +178,9 @@ def settled_record(
         return before
     if before is not None and wrote_target(before):
         return None
-    if skip_existing and os.path.lexists(task.target):
+    if skip_existing and exists(task.target):
         return {"status": SKIPPED, "source": task.source, "target": task.target}
-    if force or not os.path.lexists(task.target):
+    if force or not exists(task.target):
         return None
     error = FileExistsError(errno.EEXIST, "it exists already")
     hint = "-f overwrites it, --skip-existing leaves it"

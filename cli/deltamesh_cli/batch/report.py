@@ -9,12 +9,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
-import click
-
 from deltamesh.batch import DONE, FAILED, SKIPPED, Record
 from deltamesh_cli.failures import DONE as SUCCESS
-from deltamesh_cli.output import display_name, number, print_json, table
-from deltamesh_cli.progress import use_drawing, use_lines
+from deltamesh_cli.output import display_name, duration, message, number, print_json, table
+from deltamesh_cli.progress import messages_above, use_drawing, use_lines
 
 # Called with each record of a file that was worked on, and the size of that file in bytes.
 Advance: TypeAlias = Callable[[Record, int], None]
@@ -38,6 +36,8 @@ class Totals:
         Number of failed files by exit code.
     worst : dict
         The largest error of each kind, and the file that has it.
+    losing : dict
+        What is not kept, of each file of which something is not.
     """
 
     files: Counter[str] = field(default_factory=Counter)
@@ -45,6 +45,7 @@ class Totals:
     target_bytes: Counter[str] = field(default_factory=Counter)
     codes: Counter[int] = field(default_factory=Counter)
     worst: dict[str, tuple[float, str]] = field(default_factory=dict)
+    losing: dict[str, list[str]] = field(default_factory=dict)
     start: float = field(default_factory=time.perf_counter)
 
     def add(self, record: Record, before: bool) -> None:
@@ -55,10 +56,17 @@ class Totals:
         self.target_bytes[status] += record.get("target_bytes") or 0
         if record["status"] == FAILED:
             self.codes[record["exit_code"]] += 1
+        if record.get("not_kept"):
+            self.losing[record["source"]] = record["not_kept"]
         for name in _ERRORS:
             value = (record.get("errors") or {}).get(name)
             if value is not None and value > self.worst.get(name, (-1.0, ""))[0]:
                 self.worst[name] = value, record["source"]
+
+    @property
+    def count(self) -> int:
+        """The number of files."""
+        return sum(self.files.values())
 
     @property
     def exit_code(self) -> int:
@@ -88,6 +96,10 @@ class Totals:
                 for name, (value, file) in self.worst.items()
             ]
             blocks.append(table([("worst", "", "file"), *rows]))
+        if self.losing:
+            file, (first, *_) = next(iter(self.losing.items()))
+            example = f"{display_name(first)} of {display_name(file)}"
+            blocks.append(f"not kept is something of {len(self.losing)} files, such as {example}")
         return "\n\n".join(blocks)
 
     def _rows(self) -> Iterator[tuple[str, ...]]:
@@ -101,9 +113,14 @@ class Totals:
                     str(self.files[name]),
                     str(size) if size else "-",
                     str(made) if made else "-",
-                    f"{100 * made / size:.2f} %" if made and size else "-",
+                    _ratio(made, size) if made and size else "-",
                     f"{self.files[name] / seconds:.2f}" if name == DONE else "-",
                 )
+
+
+def _ratio(made: int, size: int) -> str:
+    """Return the size of outputs over that of inputs: in percent or, of what grows, how often."""
+    return f"{100 * made / size:.2f} %" if made < size else f"{made / size:.1f} times"
 
 
 def names_of(record: Record) -> str:
@@ -119,14 +136,16 @@ def _line(record: Record) -> str:
     return f"{names_of(record)}: {sizes}, {record['seconds']:.2f} s"
 
 
-def report_record(record: Record, *, as_json: bool) -> None:
+def report_record(record: Record, *, as_json: bool, quiet: bool = False) -> None:
     """Report a failure on standard error and, with `as_json`, any record on standard output.
 
-    A file without a surface is skipped, with a message, too.
+    A file without a surface is skipped, with a message, too. Unless `quiet` is set, what a user
+    should know of a file that is done is a note.
     """
     if "message" in record:
-        click.echo(record.get("traceback", ""), nl=False, err=True)
-        click.echo(f"deltamesh: {record['message']}", err=True)
+        message(f"{record.get('traceback', '')}deltamesh: {record['message']}")
+    for note in () if quiet else record.get("notes", ()):
+        message(f"note: {note}")
     if as_json:
         print_json(record)
 
@@ -146,7 +165,7 @@ def displayed_files(
         def print_line(record: Record, size: int) -> None:
             nonlocal count
             count += 1
-            click.echo(f"deltamesh: [{count}/{len(sizes)}] {_line(record)}", err=True)
+            message(f"deltamesh: [{count}/{len(sizes)}] {_line(record)}")
 
         yield print_line
     elif use_drawing(show, quiet=quiet):
@@ -156,22 +175,32 @@ def displayed_files(
         yield lambda record, size: None
 
 
+def times(elapsed: float, remaining: float | None) -> str:
+    """Return the seconds that have passed and, if they are known, those that are left, in words."""
+    left = "" if remaining is None else f", {duration(remaining)} left"
+    return f"{duration(elapsed)} elapsed{left}"
+
+
 @contextmanager
 def _bar(sizes: list[int]) -> Iterator[Advance]:
     # Imported here: rich takes 0.1 s, and most runs have no terminal to draw on.
     from rich import progress as bars
     from rich.console import Console
+    from rich.text import Text
+
+    class Times(bars.ProgressColumn):
+        def render(self, task: bars.Task) -> Text:
+            return Text(times(task.elapsed or 0.0, None if task.finished else task.time_remaining))
 
     columns = (
         bars.BarColumn(),
         bars.TextColumn("{task.fields[count]}/{task.fields[files]} files"),
         bars.TaskProgressColumn(),
-        bars.TimeElapsedColumn(),
-        bars.TextColumn("left"),
-        bars.TimeRemainingColumn(),
+        Times(),
     )
+    console = Console(stderr=True)
     # Even an empty file is some work, so each counts one byte more.
-    with bars.Progress(*columns, console=Console(stderr=True)) as bar:
+    with bars.Progress(*columns, console=console) as bar, messages_above(console):
         task = bar.add_task("", total=sum(sizes) + len(sizes), count=0, files=len(sizes))
         done = 0
 

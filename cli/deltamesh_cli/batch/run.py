@@ -6,6 +6,7 @@ The manifest has a line for each step, so that an interrupted run can be resumed
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
@@ -26,7 +27,10 @@ from deltamesh_cli.batch.plan import PlannedFile, settled_record
 from deltamesh_cli.batch.report import Totals, displayed_files, names_of, report_record
 from deltamesh_cli.batch.work import Job, failure_record
 from deltamesh_cli.failures import Failure, attempt
-from deltamesh_cli.output import print_json
+from deltamesh_cli.output import message, print_json
+from deltamesh_cli.progress import on_terminal
+from deltamesh_cli.signals import Stopped
+from deltamesh_formats.places import exists, make_folder, parent
 from deltamesh_formats.temporaries import remove_temporaries
 
 if TYPE_CHECKING:
@@ -86,15 +90,27 @@ def run_batch(
 
     def report(record: Record, before: bool) -> None:
         totals.add(record, before)
-        report_record(record, as_json=verbosity.as_json)
+        report_record(record, as_json=verbosity.as_json, quiet=verbosity.quiet or before)
 
     try:
         with _manifest(existing) as (records, append):
             remaining = _settle(planned, job, records, existing, append, report)
             _work_on(remaining, job, engine, append, report, verbosity)
-    finally:  # after Ctrl-C as well
+    except (KeyboardInterrupt, Stopped):
+        message(
+            f"deltamesh: {totals.count} of {len(planned)} files are done: {_resuming(existing)}"
+        )
+        raise
+    finally:
         _print_totals(totals, verbosity)
     return totals.exit_code
+
+
+def _resuming(existing: ExistingFiles) -> str:
+    """Return how an interrupted run is completed, in words."""
+    option = "--skip-existing" if existing.manifest is None else "--resume"
+    given = existing.skip_existing if existing.manifest is None else existing.resume
+    return f"the same command{'' if given else f' with {option}'} does the others"
 
 
 def dry_run(
@@ -108,7 +124,7 @@ def dry_run(
             assert isinstance(one, Task)
             record = {"status": "planned", "source": one.source, "target": one.target}
         totals.add(record, before=False)
-        report_record(record, as_json=verbosity.as_json)
+        report_record(record, as_json=verbosity.as_json, quiet=verbosity.quiet)
         if not verbosity.as_json and "message" not in record:
             names, status = names_of(record), record["status"]
             click.echo(names if status == "planned" else f"{names}: {status}")
@@ -172,7 +188,7 @@ def _settle(
         if record is None:
             assert isinstance(one, Task)
             # An output that exists now may be overwritten; one that appears later may not.
-            overwrite = existing.force or os.path.lexists(one.target)
+            overwrite = existing.force or exists(one.target)
             remaining.append(replace(one, overwrite=overwrite))
             continue
         before = record is records.get(record_key(record))
@@ -202,7 +218,7 @@ def _work_on(
         verbosity.show_progress,
         [task.size for task in tasks],
         verbose=verbosity.verbose,
-        quiet=verbosity.quiet,
+        quiet=verbosity.quiet or (verbosity.as_json and on_terminal(sys.stdout)),
     )
     try:
         with display as advance, closing(engine(job, tasks, begin)) as outcomes:
@@ -225,13 +241,13 @@ def _record(job: Job, task: Task, outcome: Record | Exception) -> Record:
 
 
 def _make_folders(tasks: list[Task]) -> None:
-    for folder in sorted({os.path.dirname(task.target) for task in tasks}):
+    for folder in sorted({parent(task.target) for task in tasks}):
         _make_folder(folder)
 
 
 def _make_folder(folder: str) -> None:
     with attempt(folder, "cannot create the folder"):
-        os.makedirs(folder or os.curdir, exist_ok=True)
+        make_folder(folder)
 
 
 def _print_totals(totals: Totals, verbosity: Verbosity) -> None:

@@ -18,7 +18,7 @@ from deltamesh_cli import files, options
 from deltamesh_cli.decoding import decode_to_file
 from deltamesh_cli.encoding import encode_file
 from deltamesh_cli.failures import Failure, attempt, failure_object
-from deltamesh_cli.meshes import parse_container
+from deltamesh_cli.meshes import memory_notes, parse_container
 from deltamesh_cli.output import display_name
 from deltamesh_cli.summary import errors_object
 from deltamesh_formats.container.container import Container
@@ -100,6 +100,7 @@ def work(job: Job, task: Task) -> Record:
         "vertices": container.vertices,
         "faces": container.triangles,
         "not_kept": list(lost),
+        "notes": [] if job.decode else memory_notes(task.target, container),
         "errors": None if container.meta is None else errors_object(container.meta),
         "seconds": time.perf_counter() - start,
         "options": job.options(),

@@ -11,16 +11,13 @@ from deltamesh.batch import available_cores, physical_memory, share
 from deltamesh_cli import options
 from deltamesh_cli.batch.arguments import SLURM, job_of, rank_of, refuse_two_of
 from deltamesh_cli.batch.engines import here, in_processes, on_dask
-from deltamesh_cli.batch.plan import (
-    Destinations,
-    plan_files,
-    read_file_list,
-    selection_from_folders,
-)
+from deltamesh_cli.batch.plan import Destinations, plan_files
 from deltamesh_cli.batch.run import ExistingFiles, Verbosity, dry_run, run_batch
 from deltamesh_cli.encode_options import encode_options
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import Failure, report_failure
+from deltamesh_cli.inputs import Choice, chosen_files
+from deltamesh_cli.output import message
 from deltamesh_cli.signals import stopping_cleanly
 from deltamesh_cli.value_types import FILE, FOLDER, positive, size, whole
 from deltamesh_formats.errors import OptionError
@@ -45,34 +42,7 @@ The exit code is the largest of the exit codes of all files."""
 @click.command(epilog=epilog(_EXAMPLES, _CODE))
 @click.argument("inputs", type=FILE, metavar="[FILE|FOLDER]...", nargs=-1)
 @click.option("-d", "--decode", is_flag=True, help="Decode .dmesh files instead of encoding.")
-@click.option("-r", "--recursive", is_flag=True, help="Take the files in folders, at any depth.")
-@click.option(
-    "--filelist",
-    "lists",
-    type=FILE,
-    metavar="LIST",
-    multiple=True,
-    help="Also take the files that LIST names, one per line; - stands for standard input.",
-)
-@click.option(
-    "-0",
-    "--null",
-    is_flag=True,
-    help="Expect a NUL after each name in LIST, as find -print0 writes it.",
-)
-@click.option(
-    "--include",
-    metavar="PATTERN",
-    multiple=True,
-    help="Take only files that match, such as '*.stl'. A PATTERN with a slash has to match the"
-    " whole path.",
-)
-@click.option(
-    "--exclude",
-    metavar="PATTERN",
-    multiple=True,
-    help="Leave out files and folders that match.",
-)
+@chosen_files
 @click.option(
     "--output-dir-flat",
     "flat",
@@ -166,11 +136,7 @@ The exit code is the largest of the exit codes of all files."""
 def command(
     inputs: tuple[str, ...],
     decode: bool,
-    recursive: bool,
-    lists: tuple[str, ...],
-    null: bool,
-    include: tuple[str, ...],
-    exclude: tuple[str, ...],
+    choice: Choice,
     flat: str | None,
     mirror: str | None,
     force: bool,
@@ -195,7 +161,7 @@ def command(
     """Encode or decode many files.
 
     A FILE is a mesh file or, with -d, a .dmesh file, and may be compressed, as scan.ply.gz or
-    scan.ply.zst. With -r, a FOLDER stands for all such files in it. A quoted pattern such as
+    scan.ply.zst. A FOLDER stands for all such files in it. A quoted pattern such as
     'scans/**/*.ply' is matched by this program. Files are sorted by name, and each is processed
     once. Each output has the same bytes as that of deltamesh encode or decode, regardless of the
     number and the kind of workers.
@@ -204,6 +170,9 @@ def command(
     inputs unless a folder is given, and existing ones are overwritten only with -f. After an
     interruption, even by kill -9 or a power failure, the same command with --manifest and --resume
     completes the run.
+
+    Files, folders, patterns, lists and output folders may be URLs, such as s3://bucket/scans, with
+    the extra `remote`. Workers read and write them themselves, and need share no disk.
 
     All options of deltamesh encode apply, or with -d all options of deltamesh decode.
     """
@@ -216,8 +185,7 @@ def command(
         refuse_two_of(context, "memory", "scheduler", "dask_local")
     if resume and manifest is None:
         raise click.UsageError("--resume needs --manifest.")
-    if not (inputs or lists):
-        raise click.UsageError("No file, folder or --filelist is given.")
+    choice.require(inputs)
     on_cluster = scheduler is not None or dask_local is not None
     in_parallel = timeout is not None or jobs not in (None, 1)
     engine: Engine = here
@@ -231,12 +199,10 @@ def command(
     destinations = Destinations(flat, mirror)
     try:
         job = job_of(context, decode, memory, parameters, one_thread=on_cluster or in_parallel)
-        listed = [name for one in lists for name in read_file_list(one, null=null)]
-        selection = selection_from_folders(job, destinations, include, exclude, recursive)
-        planned = plan_files(job, destinations, inputs, listed, selection)
+        planned = plan_files(job, destinations, inputs, choice)
         planned = share(planned, *rank_of(rank, world_size, slurm))
         if not planned:
-            click.echo("deltamesh: there is nothing to do", err=True)
+            message("deltamesh: there is nothing to do")
         if dry:
             context.exit(dry_run(planned, job, existing, verbosity))
         with stopping_cleanly():

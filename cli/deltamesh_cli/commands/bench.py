@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import fields
 from itertools import product
 from typing import TYPE_CHECKING, Any, Final
@@ -12,12 +11,14 @@ import click
 from click.core import ParameterSource
 
 from deltamesh._methods import BOUNDS, RATES
-from deltamesh._options import Options
+from deltamesh._options import ATTRIBUTE_BOUNDS, Options
 from deltamesh.bench import PEER_NAMES
 from deltamesh_cli import files, measuring, options, rate_tables
 from deltamesh_cli.encode_options import encode_options
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import DONE, process_all
+from deltamesh_cli.inputs import MESH, Choice, chosen_files
+from deltamesh_cli.lengths import refuse_units, settle_shares
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.value_types import FILE, comma_separated, fraction
 from deltamesh_formats.errors import OptionError
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
 # The encode options that may be lists here, and those that have another meaning here or none.
 _LISTS: Final = ("method", *RATES, *BOUNDS)
-_NOT_SHARED: Final = ("solver", "threads", "source_format", "drop_isolated")
+_NOT_SHARED: Final = ("solver", "threads", "source_format", "drop_isolated", *ATTRIBUTE_BOUNDS)
 
 _COLUMNS: Final = """\
 Columns:
@@ -70,8 +71,8 @@ def _as_list(option: click.Option) -> click.Option:
 
 
 @click.command(params=_bench_options(), epilog=epilog(_EXAMPLES, _COLUMNS))
-@click.argument("sources", type=FILE, metavar="FILE|FOLDER...", nargs=-1, required=True)
-@click.option("-r", "--recursive", is_flag=True, help="Search folders within folders as well.")
+@click.argument("sources", type=FILE, metavar="[FILE|FOLDER]...", nargs=-1)
+@chosen_files
 @click.option(
     "--drop-isolated",
     is_flag=True,
@@ -130,7 +131,7 @@ def _as_list(option: click.Option) -> click.Option:
 @options.name_formats
 def command(
     sources: tuple[str, ...],
-    recursive: bool,
+    choice: Choice,
     drop_isolated: bool,
     peers: tuple[str, ...] | None,
     peer_bits: tuple[int, ...],
@@ -165,20 +166,23 @@ def command(
     if as_csv and as_json:
         raise click.UsageError("--csv and --json exclude each other.")
     labels = [*_labels(dict(parameters)), *measuring.peer_labels(peers or (), peer_bits)]
-    paths = measuring.mesh_paths(sources, recursive)
+    choice.require(sources)
+    inputs = measuring.names_in_tables(choice.inputs(sources, MESH))
     saved_rows: list[Row] = []
     measurements: list[Measurement] = []
     codes = [DONE]
 
-    def process(items: Iterable[Any], action: Callable[[Any], object]) -> None:
-        codes.append(process_all(items, action, as_json=as_json))
+    def process(
+        items: Collection[Any], action: Callable[[Any], object], kind: str = "files"
+    ) -> None:
+        codes.append(process_all(items, action, as_json=as_json, kind=kind))
 
     def labels_for(name: str) -> list[str]:
         repeat = not (peers or _on_command_line(parameters))
         return (measuring.labels_in(saved_rows, name) if repeat else []) or labels
 
     def measure(name: str) -> None:
-        before, path = len(measurements), paths[name]
+        before, path = len(measurements), inputs[name].checked()
         codecs = measuring.codecs_of(labels_for(name), skipped, solver=solver, threads=threads)
         bare = drop_isolated or measuring.has_peer(labels_for(name))
         with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
@@ -188,6 +192,7 @@ def command(
                 lambda codec: measurements.append(
                     measuring.measure_mesh(name, path, mesh, codec, progress)
                 ),
+                kind="codecs",
             )
         if as_json:
             rate_tables.print_objects(measurements[before:])
@@ -200,16 +205,16 @@ def command(
         process([save], lambda path: files.check_output(files.STDIO, path, force=force, text=True))
     if not any(codes):
         skipped = measuring.skip_missing_peers(
-            label for name in paths for label in labels_for(name)
+            label for name in inputs for label in labels_for(name)
         )
-        process(paths, measure)
+        process(inputs, measure)
         if as_csv:
             rate_tables.print_csv(measurements)
         if save:
             process([save], lambda path: measuring.write_rates(path, measurements, force=force))
         if check:
-            has_folder = any(map(os.path.isdir, sources))
-            rows = [row for row in saved_rows if has_folder or row["mesh"] in paths]
+            has_folder = any(one.in_folder for one in inputs.values())
+            rows = [row for row in saved_rows if has_folder or row["mesh"] in inputs]
             changed = measuring.changes(rows, measurements, tolerance, error_tolerance)
             codes.append(
                 rate_tables.report_changes(
@@ -228,6 +233,9 @@ def _labels(parameters: dict[str, Any]) -> list[str]:
     rates = [{name: value} for name, values in lists.items() for value in values] or [{}]
     common = options.specified(parameters)
     try:
+        for rate in rates:
+            settle_shares(rate)
+            refuse_units(rate)
         return [
             label(Options(**method, **rate, **common)) for method, rate in product(methods, rates)
         ]

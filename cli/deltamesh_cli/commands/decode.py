@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -66,7 +67,7 @@ def command(
     IN is never modified. If OUT exists, it is overwritten only with -f. "-" stands for standard
     input or output. A mesh from standard input goes to standard output unless OUT is given. IN may
     be compressed with gzip or zstandard, also on standard input; OUT is compressed if its name ends
-    in .gz or .zst.
+    in .gz or .zst. IN and OUT may be URLs, with the extra `remote`.
 
     A damaged file is refused. A file that would exceed --max-vertices or --memory is refused before
     any memory is allocated, and one that decompresses to more than --memory as soon as it does. No
@@ -75,7 +76,7 @@ def command(
     target = files.chosen_output(target, output)
     if target is None and source == files.STDIO:
         target = files.STDIO
-    if target is None and files.without_suffix(source) is None:
+    if target is None and not (files.without_suffix(source) or os.path.isdir(source)):
         name = display_name(source)
         raise click.UsageError(f"{name} does not end in {files.SUFFIX}: OUT is needed.")
     known = written_format(files.extension(target or ""))

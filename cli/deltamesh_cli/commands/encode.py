@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -11,24 +11,35 @@ from deltamesh_cli.encode_options import check_encode_options, encode_options
 from deltamesh_cli.encoding import EncodedFile, encode_file
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import process_all_and_exit
-from deltamesh_cli.meshes import note_faces, note_memory, note_not_kept
-from deltamesh_cli.output import display_name, number, print_json
+from deltamesh_cli.meshes import memory_notes, note_faces, note_not_kept
+from deltamesh_cli.output import display_name, message, number, print_json
 from deltamesh_cli.progress import displayed_progress
-from deltamesh_cli.summary import container_object
+from deltamesh_cli.summary import container_object, costly_lines
 from deltamesh_cli.value_types import FILE
-from deltamesh_formats.container.summary import achieved, achieved_in_worst_part, counts
+from deltamesh_formats.container.summary import (
+    achieved,
+    achieved_in_worst_part,
+    attributes_of,
+    counts,
+)
+
+if TYPE_CHECKING:
+    from deltamesh_formats.container.container import Container
 
 _EXAMPLES = """\
 deltamesh encode bunny.ply                      writes bunny.ply.dmesh
 deltamesh encode bunny.ply small.dmesh --quality 3
 deltamesh encode scan.obj --normal-error 0.5 --max-error-rel 1e-3
 deltamesh encode part.stl --max-error 0.05      moves no vertex further
+deltamesh encode part.3mf --max-error 0.05mm
+deltamesh encode scan.ply --rms-error 0.05%      of the diagonal
 deltamesh encode scan.obj --method highpass --bits 6
 deltamesh encode scan.obj --step 0.01 --anchors 500
 deltamesh encode rig.obj --keep-order            keeps vertex numbers
 deltamesh encode part.obj --lossless             keeps every bit
 deltamesh encode part.obj --drop all             keeps the shape alone
-deltamesh encode scan.glb --drop normal --bits-uv 14
+deltamesh encode scan.glb --drop normal,tangent --bits-uv 14
+deltamesh encode scan.ply --max-attribute-error confidence=0.01
 cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 """
 
@@ -36,6 +47,11 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
 @click.command(epilog=epilog(_EXAMPLES))
 @click.argument("source", type=FILE, metavar="IN")
 @options.output("IN.dmesh")
+@click.option(
+    "--force-name",
+    is_flag=True,
+    help="Write OUT even if its name does not end in .dmesh.",
+)
 @encode_options
 @options.as_json
 @options.verbosity
@@ -46,6 +62,7 @@ def command(
     target: str | None,
     output: str | None,
     force: bool,
+    force_name: bool,
     input_format: str | None,
     as_json: bool,
     quiet: bool,
@@ -77,14 +94,20 @@ def command(
     a mesh of faces are not kept. If IN has any of these, a note on standard error lists them, and
     so do the key "not_kept" of --json and deltamesh info.
 
-    IN is never modified. If OUT exists, it is overwritten only with -f. "-" stands for standard
-    input or output. Reading from standard input needs --input-format, and writes to standard output
-    unless OUT is given. IN may be compressed with gzip or zstandard, as scan.ply.gz or
-    scan.ply.zst, also on standard input; OUT is compressed if its name ends in .gz or .zst.
+    IN is never modified. OUT ends in .dmesh unless --force-name is given. If OUT exists, it is
+    overwritten only with -f. "-" stands for standard input or output. Reading from standard input
+    needs --input-format, and writes to standard output unless OUT is given. IN may be compressed
+    with gzip or zstandard, as scan.ply.gz or scan.ply.zst, also on standard input; OUT is
+    compressed if its name ends in .gz or .zst.
+
+    IN and OUT may be URLs, such as s3://bucket/scan.ply or https://host/scan.ply, with the extra
+    `remote` (pip install 'deltamesh[remote]') and the package of the store.
     """
     target = files.chosen_output(target, output)
     if target is None:
         target = source if source == files.STDIO else source + files.SUFFIX
+    elif not force_name:
+        files.check_name_of_dmesh(target)
     check_encode_options(parameters)
     if source == files.STDIO and input_format is None:
         raise click.UsageError("Reading from standard input needs --input-format.")
@@ -97,7 +120,9 @@ def command(
             encoded = encode_file(source, target, input_format, progress, parameters, force=force)
         note_not_kept(source, encoded.lost, quiet=quiet)
         note_faces(source, encoded.report, quiet=quiet)
-        note_memory(target, encoded.container, quiet=quiet)
+        for note in () if quiet else memory_notes(target, encoded.container):
+            message(f"note: {note}")
+        _note_unknown(source, encoded.container, parameters, quiet=quiet)
         if as_json:
             print_json(_object(source, target, encoded))
         elif not (quiet or target == files.STDIO):
@@ -106,11 +131,28 @@ def command(
     process_all_and_exit([source], encode, as_json=as_json)
 
 
+def _note_unknown(
+    source: str, container: Container, parameters: dict[str, Any], *, quiet: bool
+) -> None:
+    """Note on standard error the names of --max-attribute-error that no attribute has."""
+    given = parameters["max_attribute_error"]
+    if given and not quiet:
+        known = {name for entry in attributes_of(container) for name in (entry.name, entry.role)}
+        for name in given.keys() - known:
+            text = f"--max-attribute-error {display_name(name)}: there is no such attribute"
+            message(f"note: {display_name(source)}: {text}")
+
+
 def _object(source: str, target: str, encoded: EncodedFile) -> dict[str, object]:
     """Return what was encoded for `--json`."""
     cost = None if encoded.cost is None else vars(encoded.cost)
     sizes = {"source": source, "source_bytes": encoded.source_size}
-    return {**sizes, **container_object(target, encoded.container), "bound": cost}
+    return {
+        **sizes,
+        **container_object(target, encoded.container),
+        "bound": cost,
+        "unit": encoded.unit or None,
+    }
 
 
 def _print_summary(source: str, target: str, encoded: EncodedFile) -> None:
@@ -122,6 +164,10 @@ def _print_summary(source: str, target: str, encoded: EncodedFile) -> None:
         click.echo(f"achieved: {achieved(container.meta)}")
         if container.meta.parts > 1:
             click.echo(achieved_in_worst_part(container.meta))
+    for line in costly_lines(container):
+        click.echo(line)
+    if encoded.unit:
+        click.echo(f"unit of lengths: {encoded.unit}")
     if cost is not None:
         where = "" if cost.part is None else f" in {display_name(cost.part)}"
         reached = f"{number(cost.error)} of {number(cost.bound)}"

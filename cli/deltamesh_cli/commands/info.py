@@ -7,6 +7,7 @@ import click
 from deltamesh_cli import files, options
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import attempt, process_all_and_exit
+from deltamesh_cli.inputs import DMESH, Choice, chosen_files, on_checked
 from deltamesh_cli.meshes import parse_container
 from deltamesh_cli.output import print_json
 from deltamesh_cli.summary import container_object, described_container
@@ -14,6 +15,7 @@ from deltamesh_cli.value_types import FILE
 
 _EXAMPLES = """\
 deltamesh info bunny.ply.dmesh
+deltamesh info -r archive --include 'scan*'
 deltamesh info --json *.dmesh | jq .bits_per_vertex
 deltamesh info --json scan.dmesh | jq '.attributes[] | {name, bytes}'
 deltamesh info --json scene.dmesh | jq '.parts[] | {kind, names}'
@@ -21,10 +23,11 @@ deltamesh info --json scene.dmesh | jq '.parts[] | {kind, names}'
 
 
 @click.command(epilog=epilog(_EXAMPLES))
-@click.argument("sources", type=FILE, metavar="FILE...", nargs=-1, required=True)
+@click.argument("sources", type=FILE, metavar="[FILE|FOLDER]...", nargs=-1)
+@chosen_files
 @options.as_json
 @options.debug
-def command(sources: tuple[str, ...], as_json: bool) -> None:
+def command(sources: tuple[str, ...], choice: Choice, as_json: bool) -> None:
     """Describe .dmesh files without decoding them.
 
     The description has parameters, sizes, attributes, names of parts, metadata, the content of the
@@ -35,10 +38,12 @@ def command(sources: tuple[str, ...], as_json: bool) -> None:
     Only the first names of a long list are shown. --json prints one object per file, which has all
     names, and lengths in the unit of the mesh as well.
 
-    Files may be compressed with gzip or zstandard. Sizes are those without this compression. The
-    checksums of all sections are verified, but only deltamesh test decodes the files. A file that
-    cannot be read is reported, and the others are described.
+    A FOLDER stands for the .dmesh files in it. Files may be compressed with gzip or zstandard.
+    Sizes are those without this compression. The checksums of all sections are verified, but only
+    deltamesh test decodes the files. A file that cannot be read is reported, and the others are
+    described.
     """
+    choice.require(sources)
 
     def info(source: str) -> None:
         container = parse_container(source, files.read_input(source), "cannot read")
@@ -50,4 +55,4 @@ def command(sources: tuple[str, ...], as_json: bool) -> None:
         else:
             print_json(description)
 
-    process_all_and_exit(sources, info, as_json=as_json)
+    process_all_and_exit(choice.inputs(sources, DMESH), on_checked(info), as_json=as_json)

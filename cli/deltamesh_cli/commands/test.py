@@ -9,6 +9,7 @@ import click
 from deltamesh_cli import files, options
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import attempt, process_all_and_exit
+from deltamesh_cli.inputs import DMESH, Choice, chosen_files, on_checked
 from deltamesh_cli.output import display_name, print_json
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.signals import interruptible
@@ -16,12 +17,13 @@ from deltamesh_cli.value_types import FILE
 
 _EXAMPLES = """\
 deltamesh test bunny.ply.dmesh
-deltamesh test -q archive/*.dmesh && echo all intact
+deltamesh test -q -r archive && echo all intact
 """
 
 
 @click.command(epilog=epilog(_EXAMPLES))
-@click.argument("sources", type=FILE, metavar="FILE...", nargs=-1, required=True)
+@click.argument("sources", type=FILE, metavar="[FILE|FOLDER]...", nargs=-1)
+@chosen_files
 @options.solver
 @options.threads
 @options.limits
@@ -30,6 +32,7 @@ deltamesh test -q archive/*.dmesh && echo all intact
 @options.debug
 def command(
     sources: tuple[str, ...],
+    choice: Choice,
     as_json: bool,
     quiet: bool,
     verbose: bool,
@@ -38,11 +41,13 @@ def command(
 ) -> None:
     """Check that .dmesh files are intact.
 
-    Each file, which may be compressed with gzip or zstandard, is decoded completely, including its
-    attributes, names and order, and nothing is written. The checksums of every section and of the
+    A FOLDER stands for the .dmesh files in it. Each file, which may be compressed with gzip or
+    zstandard, is decoded completely, including its attributes, names and order, and nothing is
+    written. The checksums of every section and of the
     decoded integers have to match, and decoding has to yield a mesh. A damaged file does not keep
     the others from being checked; the exit code is the worst one.
     """
+    choice.require(sources)
 
     def test(source: str) -> None:
         data = files.read_input(source, parameters)
@@ -60,4 +65,4 @@ def command(
         elif not quiet:
             click.echo(f"{display_name(source)}: OK")
 
-    process_all_and_exit(sources, test, as_json=as_json)
+    process_all_and_exit(choice.inputs(sources, DMESH), on_checked(test), as_json=as_json)

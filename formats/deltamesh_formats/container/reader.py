@@ -10,7 +10,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any, TypeAlias
+from typing import Any, BinaryIO, Final, TypeAlias
 
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import (
@@ -27,6 +27,10 @@ from deltamesh_formats.meshfiles.formats import format_of_beginning
 
 # Anything else with a contiguous buffer, such as an mmap, goes in as a memoryview.
 Buffer: TypeAlias = bytes | bytearray | memoryview
+
+# At least as many bytes as the header and the payload of `meta` can have.
+_HEADER_MOST: Final = 64
+_META_MOST: Final = 1 << 12
 
 _METHODS = {method.id: name for name, method in layout.METHODS.items()}
 _ANCHOR_METHODS = {code: name for name, code in layout.ANCHOR_METHODS.items()}
@@ -76,6 +80,35 @@ def read_counts(data: Buffer) -> tuple[int, int]:
     """
     header, _ = _read_header(memoryview(data).cast("B").toreadonly())
     return header["vertices"], header["triangles"]
+
+
+def read_source_format(stream: BinaryIO) -> str:
+    """Return the format of the source that a file stores, "" for none, reading little else.
+
+    Payloads are passed over, and no checksum but that of the header is verified: decoding does so.
+
+    Parameters
+    ----------
+    stream : binary file object
+        At the beginning of the file; it can seek.
+
+    Raises
+    ------
+    FormatError
+    """
+    _, position = _read_header(memoryview(stream.read(_HEADER_MOST)))
+    for _ in range(layout.MAX_SECTIONS):
+        stream.seek(position)
+        frame = stream.read(layout.ID_SIZE + layout.VARINT_MAX_BYTES)
+        name = bytes(take(frame, 0, layout.ID_SIZE)).decode("ascii", "replace")
+        length, start = read_varint(frame, layout.ID_SIZE)
+        if name == layout.META:
+            stream.seek(position + start)
+            return read_meta(stream.read(min(length, _META_MOST))).source
+        if name == layout.CHECK:
+            break
+        position += start + length + layout.CRC_SIZE
+    return ""
 
 
 def read_varint(view: Buffer, position: int) -> tuple[int, int]:

@@ -177,7 +177,8 @@ def _attribute_rows(attributes: Sequence[Entry]) -> Iterator[tuple[str, ...]]:
         else:
             lost = number(entry.error) if entry.error else "none"
         coding = entry.coding if entry.palette is None else f"{entry.coding}, palette"
-        bits = str(entry.bits) if entry.coding in ("grid", "octahedral") else ""
+        # A grid of a given error has no bits.
+        bits = str(entry.bits or "") if entry.coding in ("grid", "octahedral") else ""
         yield printable(entry.name), entry.domain, numbers, coding, bits, lost, str(entry.size)
 
 

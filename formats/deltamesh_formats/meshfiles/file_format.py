@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
+    from deltamesh_formats.meshfiles.beside import Beside
     from deltamesh_formats.polymesh.kinds import Kind
     from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh
 
@@ -41,6 +40,9 @@ class FileFormat:
         Whether the writer makes text.
     bytes_per_vertex : int
         Bytes of a file, at least, for a vertex and its two triangles.
+    unit : str
+        Unit of the positions in every file, of `deltamesh_formats.polymesh.units`; "" where files
+        name one themselves, or none.
     has_top_left_textures : bool
         Whether texture coordinates begin at the top left of the picture, not at its bottom left.
     polygons, transforms : bool
@@ -52,8 +54,11 @@ class FileFormat:
     metadata : tuple of str
         Keys of `PolyMesh.metadata` that a file holds.
     read : callable
-        Reader: bytes, and the folder of files that they may name (None for bytes of no file), to
-        `PolyMesh`. It raises `MeshError` for what is no such file.
+        Reader: bytes, and the files beside them (None for bytes of no file), to `PolyMesh`, with
+        its format if that is not this one. It raises `MeshError` for what is no such file.
+    names_beside : callable
+        The relative paths of the files that are read with these bytes; None for a format whose
+        files are whole.
     write : callable
         Writer: `PolyMesh`, with faces and with texture coordinates that begin where the format has
         their origin, to `Written`. It raises `MeshError` for what the format cannot hold. None for
@@ -66,13 +71,15 @@ class FileFormat:
     beginnings: tuple[bytes, ...] = ()
     is_text: bool = False
     bytes_per_vertex: int
+    unit: str = ""
     has_top_left_textures: bool = False
     polygons: bool = False
     transforms: bool = False
     gaps: tuple[Domain, ...] = ()
     parts: tuple[Kind, ...] = ()
     metadata: tuple[str, ...] = ()
-    read: Callable[[bytes, Path | None], PolyMesh]
+    read: Callable[[bytes, Beside | None], PolyMesh]
+    names_beside: Callable[[bytes], list[str]] | None = None
     write: Callable[[PolyMesh], Written] | None = None
 
     def losses(self, mesh: PolyMesh, kept: Collection[Attribute]) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ import numpy as np
 
 from deltamesh_formats.atomic import PathOrFile, write_file
 from deltamesh_formats.errors import FormatError, LimitError, MeshError, OptionError
+from deltamesh_formats.meshfiles.beside import in_folder
 from deltamesh_formats.meshfiles.file_format import FileFormat, Written
 from deltamesh_formats.meshfiles.float32 import rounding_error
 from deltamesh_formats.meshfiles.formats import (
@@ -24,6 +25,7 @@ from deltamesh_formats.meshfiles.formats import (
     format_of_extension,
 )
 from deltamesh_formats.meshfiles.number_text import with_places
+from deltamesh_formats.places import parent, read_bytes
 from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.polymesh.texture_origin import marked_top_left, with_origin
 from deltamesh_formats.polymesh.validation import checked
@@ -65,11 +67,12 @@ def read_mesh(
 
     Parameters
     ----------
-    source : path or binary file object
-        What is compressed is known by its first bytes, and decompresses to 16 GiB at most.
+    source : path, URL or binary file object
+        URLs take the extra `remote`. What is compressed is known by its first bytes, and
+        decompresses to 16 GiB at most.
     file_format : str, optional
         Name of the format, such as "ply"; by default the one of the file name's extension.
-    folder : path, optional
+    folder : path or URL, optional
         Where files that it names are, such as the buffers of a glTF; nothing outside is read. By
         default the folder of a path, and none for a file object, which has to be whole by itself.
 
@@ -92,14 +95,15 @@ def read_mesh(
     """
     name, known = _name(source), mesh_format(source, file_format)
     if isinstance(source, (str, os.PathLike)):
-        data, beside = Path(source).read_bytes(), Path(source).parent
+        data, home = read_bytes(source), parent(os.fspath(source))
     else:
-        data, beside = source.read(), None
-    beside = beside if folder is None else Path(folder)
+        data, home = source.read(), None
+    home = home if folder is None else os.fspath(folder)
     try:
         data = unwrapped(data)
         with np.errstate(all="ignore"):  # what overflows is refused as not finite
-            mesh = checked(replace(known.read(data, beside), format=known.name))
+            mesh = known.read(data, None if home is None else in_folder(home))
+            mesh = checked(replace(mesh, format=mesh.format or known.name))
     except (OSError, MemoryError, LimitError):
         raise
     except FormatError as error:
@@ -109,7 +113,7 @@ def read_mesh(
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
         raise MeshError(f"{name}: not readable as {known.title} ({reason})") from error
-    return marked_top_left(mesh) if known.has_top_left_textures else mesh
+    return marked_top_left(mesh) if READABLE[mesh.format].has_top_left_textures else mesh
 
 
 def written(mesh: PolyMesh, file_format: str, digits: int | None = None) -> Written:
@@ -174,8 +178,8 @@ def write_mesh(
 
     Parameters
     ----------
-    target : path or binary file object
-        A path that ends in ".gz" or ".zst" gets a compressed file; a file object gets
+    target : path, URL or binary file object
+        A path or URL that ends in ".gz" or ".zst" gets a compressed file; a file object gets
         the bytes as they are.
     mesh : PolyMesh
         `deltamesh.from_arrays` makes one of plain arrays.

@@ -16,12 +16,13 @@ from deltamesh_formats.meshfiles.ply import PLY
 from deltamesh_formats.meshfiles.stl import STL
 from deltamesh_formats.meshfiles.threemf import THREEMF
 from deltamesh_formats.meshfiles.unread import ADVICE
+from deltamesh_formats.meshfiles.zipped import ZIP
 
 # Those that are written too.
 FORMATS: Final[Mapping[str, FileFormat]] = {
     one.name: one for one in (OBJ, PLY, OFF, STL, GLB, GLTF, THREEMF)
 }
-READABLE: Final[Mapping[str, FileFormat]] = {**FORMATS, COLLADA.name: COLLADA}
+READABLE: Final[Mapping[str, FileFormat]] = {**FORMATS, COLLADA.name: COLLADA, ZIP.name: ZIP}
 
 EXTENSIONS: Final[Mapping[str, FileFormat]] = {
     extension: one for one in READABLE.values() for extension in one.extensions

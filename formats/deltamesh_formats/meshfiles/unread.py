@@ -25,7 +25,7 @@ _KINDS: Final[Mapping[str, str]] = {
     "3ds wrl vrml x3d ctm": _MESHLAB,
     "xyz las laz pcd e57 pts": _POINTS,
     "dxf dwg svg": _DRAWING,
-    "zip 7z rar tar tgz": _ARCHIVE,
+    "7z rar tar tgz": _ARCHIVE,
 }
 ADVICE: Final[Mapping[str, str]] = {
     extension: advice for some, advice in _KINDS.items() for extension in some.split()

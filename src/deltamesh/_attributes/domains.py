@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from deltamesh._graph.elements import Elements, of_polygons
 from deltamesh._shape.polygons import Polygons
 from deltamesh._shape.structure import Structure
 from deltamesh_formats.array_types import Ints
+from deltamesh_formats.caching import cached_property
 from deltamesh_formats.polymesh.mesh import Domain
 
 

@@ -5,7 +5,6 @@ Each attribute is coded in all codings that suit its type and its role, and the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 from typing import Any
@@ -13,13 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._attributes.codings import (
-    AttributeSettings,
-    candidate_codings,
-    from_codes,
-    margin_of,
-    to_codes,
-)
+from deltamesh._attributes.candidates import AttributeSettings, candidate_codings
+from deltamesh._attributes.codings import from_codes, margin_of, to_codes
 from deltamesh._attributes.domains import Domains
 from deltamesh._attributes.normals.coding import (
     Normals,
@@ -79,11 +73,6 @@ class CodedAttribute:
         return self.wedges if self.entry.wedges == OWN_WEDGES else None
 
 
-def attribute_arrays(coded: Iterable[CodedAttribute]) -> tuple[Ints, ...]:
-    """Return the arrays of all attributes that the digest of a file covers."""
-    return tuple(array for one in coded for array in one.arrays)
-
-
 # Any bits may be numbers, those of a signalling NaN too.
 @np.errstate(over="ignore", invalid="ignore")
 def encode_attributes(
@@ -109,7 +98,8 @@ def encode_attributes(
         values = _native(attribute.values[rows])
         encoder = _Encoder(values, of_elements, domains, settings, [c.own_wedges for c in coded])
         candidates = map(encoder.encode, candidate_codings(attribute, values, settings))
-        one, streams = min(candidates, key=lambda candidate: candidate[0].entry.size)
+        within = (c for c in candidates if c[0].entry.error <= settings.error_of(attribute))
+        one, streams = min(within, key=lambda candidate: candidate[0].entry.size)
         coded.append(one)
         payload += streams
     return write_table(tuple(one.entry for one in coded)) + b"".join(payload), tuple(coded)

@@ -315,10 +315,8 @@ def components_of(V: Floats, F: Ints, parts: Parts, part_diagonal: Floats) -> Co
     if not parts.components:  # faces that are all degenerate
         none = np.zeros(1, dtype=np.int64)
         return Components(none[:0], part_diagonal, part_diagonal, none, none)
-    touching = [np.stack((part, parts.divisions[0])) for part in parts.divisions]
-    pairs = np.unique(np.concatenate(touching, axis=1), axis=1)
-    part, touched = pairs[:, pairs[0] >= 0]
-    edge = mean_edges(V, F, parts.component[F[:, 0]], parts.components)
-    return Components(
-        parts.component[: len(V)], edge, part_diagonal[: parts.components], part, touched
-    )
+    count, own = parts.components, parts.divisions[0]
+    touching = [(part * count + own)[part >= 0] for part in parts.divisions]
+    part, touched = np.divmod(distinct(np.concatenate(touching)), count)
+    edge = mean_edges(V, F, parts.component[F[:, 0]], count)
+    return Components(parts.component[: len(V)], edge, part_diagonal[:count], part, touched)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TypeAlias
 
 from deltamesh._geometry.integers import Integers
 from deltamesh._measures.measure import Measured
 from deltamesh._options import Settings
 from deltamesh_formats.array_types import Floats
+from deltamesh_formats.caching import cached_property
 from deltamesh_formats.container.container import Parameters
 from deltamesh_formats.errors import MeshError
 

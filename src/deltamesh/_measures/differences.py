@@ -6,7 +6,6 @@ They are computed from differences of positions, so that nothing is lost far fro
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy as np
 from deltamesh._graph.halfedges import by_edge, edges_of_two, ends
 from deltamesh._vectors import angles, crosses, dots, lengths
 from deltamesh_formats.array_types import Bools, Floats, Ints
+from deltamesh_formats.caching import cached_property
 
 # A face has lost its area where less than that share of it is left.
 LOST: Final = 1e-3

@@ -11,13 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from deltamesh._measures.differences import Differences, Reference
 from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.caching import cached_property
 from deltamesh_formats.polymesh.permutations import distinct
 
 # A part is a line, and has no normals to keep, whose area is less than that share of the square of

@@ -31,10 +31,10 @@ class Order:
     polygons: Ints
     rotations: Ints
 
-
-def order_arrays(order: Order | None) -> tuple[Ints, ...]:
-    """Return the arrays of an order that the digest of a file covers."""
-    return () if order is None else (order.vertices, order.polygons, order.rotations)
+    @property
+    def arrays(self) -> tuple[Ints, ...]:
+        """The arrays that the digest of a file covers."""
+        return self.vertices, self.polygons, self.rotations
 
 
 def order_of(polygons: Polygons, provenance: Provenance, starts: Ints) -> Order:

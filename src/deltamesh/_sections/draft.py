@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 from deltamesh._content import NOTHING, Content
 from deltamesh._geometry.trial import Trial
@@ -14,6 +13,7 @@ from deltamesh._progress import Progress
 from deltamesh._shape.diagonals import cut_polygons
 from deltamesh._shape.draft import ShapeDraft, first_draft
 from deltamesh_formats.array_types import Floats
+from deltamesh_formats.caching import cached_property
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.dropping import without
 from deltamesh_formats.polymesh.mesh import PolyMesh

@@ -8,16 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Final, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
-from deltamesh._attributes.codings import AttributeSettings
 from deltamesh._attributes.domains import Domains
-from deltamesh._attributes.section import decode_attributes, encode_attributes
 from deltamesh._content import Content
 from deltamesh._geometry.bounds import POSITION_TOLERANCE
 from deltamesh._measures.metrics import diagonal
-from deltamesh._order.coding import decode_order, encode_order
-from deltamesh._order.reordering import order_of
 from deltamesh._parts import decode_parts, encode_parts
 from deltamesh._sections import geometry
 from deltamesh._sections.draft import Draft
@@ -27,6 +23,9 @@ from deltamesh._shape.structure import Structure
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import payload_of
+
+if TYPE_CHECKING:
+    from deltamesh._attributes.candidates import AttributeSettings
 
 
 @dataclass(frozen=True)
@@ -110,13 +109,18 @@ def _of_shape(name: str, stage: str, module: ShapeSection) -> Section:
     return _single(name, stage, applies, encode, decode)
 
 
+# Many meshes have no attributes, and need no order: their coders are imported where they are met.
 def _encode_attributes(draft: Draft) -> tuple[bytes, Draft]:
+    from deltamesh._attributes.section import encode_attributes
+
     domains, provenance = draft.content.domains, draft.shape.provenance
     payload, coded = encode_attributes(draft.mesh, provenance, domains, _attribute_settings(draft))
     return payload, replace(draft, content=replace(draft.content, attributes=coded))
 
 
 def _attribute_settings(draft: Draft) -> AttributeSettings:
+    from deltamesh._attributes.candidates import AttributeSettings
+
     options, trial = draft.options, draft.chosen
     V = trial.vertices[draft.content.structure.points]
     solved = layout.METHODS[trial.parameters.method].anchored
@@ -126,10 +130,14 @@ def _attribute_settings(draft: Draft) -> AttributeSettings:
         lossless=options.lossless_attributes or options.exact,
         positions=V,
         tolerance=POSITION_TOLERANCE * diagonal(V) if solved else 0.0,
+        bits_float=options.bits_float,
+        errors=options.attribute_errors,
     )
 
 
 def _decode_attributes(payload: memoryview, container: Container, content: Content) -> Content:
+    from deltamesh._attributes.section import decode_attributes
+
     return replace(content, attributes=decode_attributes(payload, content.domains))
 
 
@@ -147,6 +155,9 @@ def _decode_parts(payload: memoryview, container: Container, content: Content) -
 
 
 def _encode_order(draft: Draft) -> tuple[bytes, Draft]:
+    from deltamesh._order.coding import encode_order
+    from deltamesh._order.reordering import order_of
+
     structure = draft.content.structure
     order = order_of(structure.polygons, draft.shape.provenance, draft.mesh.offsets)
     payload = encode_order(structure.faces, structure.polygons, order)
@@ -154,6 +165,8 @@ def _encode_order(draft: Draft) -> tuple[bytes, Draft]:
 
 
 def _decode_order(payload: memoryview, container: Container, content: Content) -> Content:
+    from deltamesh._order.coding import decode_order
+
     structure = content.structure
     order = decode_order(payload, structure.faces, structure.polygons, container.vertices)
     return replace(content, order=order)

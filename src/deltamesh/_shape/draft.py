@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -14,6 +13,7 @@ from deltamesh._shape.manifold import Stitches
 from deltamesh._shape.provenance import Provenance, TriangleProvenance, provenance_of
 from deltamesh._shape.structure import EMPTY, Structure
 from deltamesh_formats.array_types import Bools, Floats, Ints
+from deltamesh_formats.caching import cached_property
 from deltamesh_formats.polymesh.triangles import Triangles
 
 _NONE: Final = np.zeros(0, dtype=np.int64)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from deltamesh._graph.halfedges import ends, pair_halfedges
 from deltamesh._kernels.mesh import cutting
 from deltamesh_formats.array_types import Bools, Ints
+from deltamesh_formats.caching import cached_property
 
 # The corners of a triangle whose winding is reversed.
 REVERSED: Final = np.array([0, 2, 1])

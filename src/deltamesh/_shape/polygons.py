@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from deltamesh._kernels.mesh.outlines import walk
 from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.caching import cached_property
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
 

@@ -7,7 +7,6 @@ CONN, STCH, COPY and POLY each add a step, and what follows from a step is compu
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -19,6 +18,7 @@ from deltamesh._shape.polygons import Polygons, merged_polygons, plain
 from deltamesh._shape.surface import NO_EDGES, Surface, surface_of
 from deltamesh._shape.wedges import Corners, corners_of
 from deltamesh_formats.array_types import Ints
+from deltamesh_formats.caching import cached_property
 
 _NONE: Final = np.zeros(0, dtype=np.int64)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -14,6 +13,7 @@ from deltamesh._graph.halfedges import ends
 from deltamesh._graph.parallelograms import NO_QUADS, parallelograms
 from deltamesh._shape.manifold import Manifold
 from deltamesh_formats.array_types import Bools, Ints
+from deltamesh_formats.caching import cached_property
 
 NO_EDGES: Final = np.zeros(0, dtype=bool)
 

@@ -21,6 +21,7 @@ from deltamesh.batch._manifest import Record
 from deltamesh.batch._plan import Task
 from deltamesh.batch._schedule import groups
 from deltamesh.batch._serial import Begin, Outcome, Work, WorkerError, attempted, ignore
+from deltamesh_formats.places import absolute
 
 # A message of the scheduler takes milliseconds, and a small file takes not many more.
 GROUP_BYTES: Final = 1 << 20
@@ -172,7 +173,7 @@ def _submit(client: Any, work: Work, group: list[Task]) -> Any:
 
 def _absolute(task: Task) -> Task:
     """Return the task as another process in another folder has to see it."""
-    source, target = os.path.abspath(task.source), os.path.abspath(task.target)
+    source, target = absolute(task.source), absolute(task.target)
     return replace(task, source=source, target=target)
 
 

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-from deltamesh_formats.errors import OptionError
+from deltamesh_formats.places import absolute, parent, path_below
+from deltamesh_formats.remote import files_below, is_folder, is_url, matching, without_query
 from deltamesh_formats.wrappers import without_wrapper
 
 _MAGIC = frozenset("*?[")
@@ -27,11 +28,9 @@ class Selection:
         without with the last part of it. A file has to match one of `include`, if there are any,
         and none of `exclude`; a folder that matches `exclude` is not looked into.
     recursive : bool
-        Whether folders are looked into.
+        Whether folders within folders are looked into.
     never : str
         A folder that is not looked into, unless it was named: where the output goes.
-    shallow : bool
-        Whether of a folder only the files directly in it are taken, instead.
     """
 
     extensions: tuple[str, ...]
@@ -39,7 +38,6 @@ class Selection:
     exclude: tuple[str, ...] = ()
     recursive: bool = False
     never: str | None = None
-    shallow: bool = False
 
 
 def find(
@@ -54,8 +52,8 @@ def find(
     Parameters
     ----------
     names : iterable of str
-        Files, folders, and patterns such as `scans/**/*.ply`. A file that is not there is
-        returned all the same: whoever opens it will say so.
+        Files, folders, patterns such as `scans/**/*.ply`, and the same as URLs. A file that is not
+        there is returned all the same: whoever opens it will say so.
     selection : Selection
     patterns : bool
         Whether `*`, `?` and `[` mean anything in names of files that are not there.
@@ -65,19 +63,15 @@ def find(
     Returns
     -------
     list of str
+        A folder stands for the files directly in it or, if `selection` is recursive, at any depth.
         Links to files are files. Links to folders are not followed, unless named: a folder that
         links to itself is walked once.
-
-    Raises
-    ------
-    OptionError
-        For a folder when `selection` is neither recursive nor shallow.
     """
     found: dict[str, str] = {}
     for name in names:
         for file in _expanded(name, selection, patterns, failed or _raise):
             if _taken(file, selection):
-                found.setdefault(os.path.abspath(file), file)
+                found.setdefault(absolute(file), file)
     return sorted(found.values())
 
 
@@ -88,15 +82,46 @@ def _raise(error: OSError) -> None:
 def _expanded(
     name: str, selection: Selection, patterns: bool, failed: Callable[[OSError], None]
 ) -> Iterator[str]:
-    if os.path.isdir(name):
-        if not (selection.recursive or selection.shallow):
-            raise OptionError(f"{name!r} is a folder: -r takes the files in it")
+    if is_url(name):
+        yield from _expanded_url(name, selection, patterns, failed)
+    elif os.path.isdir(name):
         yield from _walk(name, selection, failed)
     elif patterns and _MAGIC & set(name) and not os.path.lexists(name):
         matches = [path for path in _glob(name) if not os.path.isdir(path)]
         yield from matches or [name]
     else:
         yield name
+
+
+def _expanded_url(
+    name: str, selection: Selection, patterns: bool, failed: Callable[[OSError], None]
+) -> Iterator[str]:
+    """Yield the files that a URL stands for; a question mark begins its query."""
+    try:
+        if patterns and _MAGIC & set(without_query(name)):
+            yield from matching(name) or [name]
+        elif _extension(name) in selection.extensions or not is_folder(name):
+            yield name
+        else:
+            yield from _walk_url(name, selection)
+    except OSError as error:
+        failed(error)
+
+
+def _walk_url(folder: str, selection: Selection) -> Iterator[str]:
+    """Yield the files in a folder of a store; what it lists of other places is not taken."""
+    top = path_below(folder)
+    never = path_below(selection.never) if selection.never and is_url(selection.never) else None
+    for file in files_below(folder, recursive=selection.recursive):
+        if _extension(file) not in selection.extensions:
+            continue
+        above = parent(file)
+        while is_url(above) and path_below(above) not in (top, never):
+            if _matches(above, selection.exclude):
+                break
+            above = parent(above)
+        if path_below(above) == top:
+            yield file
 
 
 def _glob(pattern: str) -> Iterator[str]:
@@ -122,9 +147,9 @@ def _walk(folder: str, selection: Selection, failed: Callable[[OSError], None]) 
         for entry in entries:
             path = entry.name if top == os.curdir else entry.path
             if entry.is_dir(follow_symlinks=False):
-                if selection.shallow:
+                if not selection.recursive or _matches(path, selection.exclude):
                     continue
-                if os.path.realpath(path) != never and not _matches(path, selection.exclude):
+                if os.path.realpath(path) != never:
                     waiting.append(path)
             elif _extension(path) in selection.extensions and _is_file(entry):
                 yield path

@@ -14,6 +14,9 @@ from contextlib import contextmanager
 from typing import Any, Final, TypeAlias
 
 from deltamesh_formats.errors import DeltameshError
+from deltamesh_formats.meshfiles.beside import read_with
+from deltamesh_formats.places import read_bytes, status
+from deltamesh_formats.remote import is_url
 
 Record: TypeAlias = dict[str, Any]
 Append: TypeAlias = Callable[[Iterable[Record]], None]
@@ -25,6 +28,8 @@ SKIPPED: Final = "skipped"
 
 # The beginning of each line: nothing else is taken for a torn line, and cut off.
 _START: Final = b'{"status": "'
+
+_PIECE: Final = 1 << 20
 
 
 class ManifestError(DeltameshError):
@@ -149,22 +154,35 @@ def _appender(descriptor: int) -> Append:
     return append
 
 
-def digest_of(path: str) -> str:
-    """Return the SHA-256 of a file in hexadecimal digits."""
+def digest_of(paths: Iterable[str]) -> str:
+    """Return the SHA-256 of files, one after the other, in hexadecimal digits."""
     import hashlib
 
-    with open(path, "rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    digest = hashlib.sha256()
+    for path in paths:
+        if is_url(path):
+            digest.update(read_bytes(path))
+            continue
+        with open(path, "rb") as file:
+            while piece := file.read(_PIECE):
+                digest.update(piece)
+    return digest.hexdigest()
 
 
 def file_state(path: str, prefix: str) -> Record:
-    """Return size, time of the last change and SHA-256 of a file, as a part of a record."""
-    stat = os.stat(path)
-    return {
-        f"{prefix}_bytes": stat.st_size,
-        f"{prefix}_mtime_ns": stat.st_mtime_ns,
-        f"{prefix}_sha256": digest_of(path),
-    }
+    """Return size, time of the last change and SHA-256 of a file, as a part of a record.
+
+    With it count the files that are read with it, such as the buffers of a glTF. The time is None
+    in a store that does not know it.
+    """
+    paths = [path, *read_with(path)]
+    return {**_size_and_time(paths, prefix), f"{prefix}_sha256": digest_of(paths)}
+
+
+def _size_and_time(paths: list[str], prefix: str) -> Record:
+    sizes, times = zip(*map(status, paths), strict=True)
+    newest = None if None in times else max(times)
+    return {f"{prefix}_bytes": sum(sizes), f"{prefix}_mtime_ns": newest}
 
 
 def unchanged(record: Record, path: str, prefix: str) -> bool:
@@ -174,11 +192,13 @@ def unchanged(record: Record, path: str, prefix: str) -> bool:
     time differs, the content decides.
     """
     try:
-        stat = os.stat(path)
-        if stat.st_size != record.get(f"{prefix}_bytes"):
+        paths = [path, *read_with(path)]
+        now = _size_and_time(paths, prefix)
+        if now[f"{prefix}_bytes"] != record.get(f"{prefix}_bytes"):
             return False
-        same_time = stat.st_mtime_ns == record.get(f"{prefix}_mtime_ns")
-        return same_time or digest_of(path) == record.get(f"{prefix}_sha256")
+        time = now[f"{prefix}_mtime_ns"]
+        same_time = time is not None and time == record.get(f"{prefix}_mtime_ns")
+        return same_time or digest_of(paths) == record.get(f"{prefix}_sha256")
     except OSError:
         return False
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import cache
 
 from deltamesh_formats.errors import OptionError
+from deltamesh_formats.places import base_name, joined, path_below
+from deltamesh_formats.remote import is_url
 
 
 @dataclass(frozen=True)
@@ -17,7 +19,7 @@ class Task:
     Attributes
     ----------
     source, target : str
-        Names of the input and of the output.
+        Names of the input and of the output, paths or URLs.
     size : int
         Of the input, in bytes.
     need : float
@@ -35,24 +37,25 @@ class Task:
 
 def flat(folder: str, name: str) -> str:
     """Return the place of a file when all go into one folder."""
-    return os.path.join(folder, os.path.basename(name))
+    return joined(folder, base_name(name))
 
 
 def mirrored(folder: str, name: str) -> str:
     """Return the place of a file when the folders above it are made anew in `folder`.
 
     The name of a file counts as it was given, without the root: `scans/a.ply` and `/scans/a.ply`
-    have the same place.
+    have the same place. Of a URL, the part above the path counts as a folder:
+    `s3://bucket/a.ply` is `bucket/a.ply`.
 
     Raises
     ------
     OptionError
         If the name leads out of the current folder.
     """
-    path = os.path.normpath(os.path.splitdrive(name)[1]).lstrip(os.sep)
+    path = path_below(name)
     if path.split(os.sep)[0] == os.pardir:
         raise OptionError(f"{name!r} is not below this folder, and has no place in a mirror of it")
-    return os.path.join(folder, path)
+    return joined(folder, path)
 
 
 def check_targets(pairs: Iterable[tuple[str, str]]) -> None:
@@ -81,6 +84,8 @@ def check_targets(pairs: Iterable[tuple[str, str]]) -> None:
 
 def _place(name: str) -> str:
     """Return what two names of one file have in common; the file itself may be a link."""
+    if is_url(name):
+        return name
     folder, last = os.path.split(os.path.abspath(name))
     return os.path.normcase(os.path.join(_real(folder), last))
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import math
 import struct
 import zlib
+from contextlib import suppress
 
+import meshes
 import pytest
 from containers import CARTESIAN, HIGHPASS, PAYLOADS, pieces, refused, with_parameters, written
 from forging import section
@@ -13,9 +16,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from spec_tables import spec_offset
 
+import deltamesh
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.building import build_container
-from deltamesh_formats.container.reader import read_container, read_varint
+from deltamesh_formats.container.reader import read_container, read_source_format, read_varint
 from deltamesh_formats.container.writer import write_container, write_varint
 from deltamesh_formats.errors import FormatError
 
@@ -292,3 +296,33 @@ def test_the_digest_has_its_size():
     ):
         parts["CHEK"] = section("CHEK", payload)
         refused(start + b"".join(parts.values()), message)
+
+
+class Counted(io.BytesIO):
+    """A file that counts the bytes that are read."""
+
+    count = 0
+
+    def read(self, size: int | None = -1) -> bytes:
+        data = super().read(size)
+        self.count += len(data)
+        return data
+
+
+def test_the_source_format_is_read_without_the_payloads():
+    for parameters in (CARTESIAN, HIGHPASS):
+        assert read_source_format(io.BytesIO(written(parameters))) == "ply"
+        assert read_source_format(io.BytesIO(written(parameters, meta=None))) == ""
+    large = deltamesh.encode(*meshes.torus(60, 40), source_format="obj")
+    stream = Counted(large)
+    assert read_source_format(stream) == "obj"
+    assert stream.count < 500 < len(large)
+
+
+@settings(deadline=None)
+@given(st.binary(max_size=100), st.integers(0, 200))
+def test_the_source_format_of_damaged_files_is_none_or_refused(data, at):
+    good = written()
+    for damaged in (header() + data, good[:at], good[:at] + data + good[at:]):
+        with suppress(FormatError):
+            assert isinstance(read_source_format(io.BytesIO(damaged)), str)

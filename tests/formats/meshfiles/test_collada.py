@@ -73,6 +73,101 @@ def test_what_trimesh_changes_is_named() -> None:
     assert read(FILE.format(primitive=TRIANGLES + lines), "dae").lost == ("lines",)
 
 
+PAIRS = """<source id="t"><float_array id="ta" count="6">0 0 1 0 1 1</float_array>
+<technique_common><accessor source="#ta" count="3" stride="2"><param name="S" type="float"/>
+<param name="T" type="float"/></accessor></technique_common></source>"""
+
+
+def with_inputs(*semantics: str) -> str:
+    """The file with further numbers of corners; colours have the numbers of normals."""
+    sources = {"TEXCOORD": "#t", "COLOR": "#n"}
+    inputs = "".join(
+        f'<input semantic="{one}" source="{sources[one]}" offset="1" set="{i}"/>'
+        for i, one in enumerate(semantics)
+    )
+    text = FILE.format(primitive=TRIANGLES.replace("<p>", f"{inputs}<p>"))
+    return text.replace("<vertices", f"{PAIRS}<vertices")
+
+
+LOOK = """<library_effects><effect id="e"><profile_COMMON><technique sid="c"><lambert/></technique>
+</profile_COMMON></effect></library_effects>
+<library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
+<library_geometries>"""
+BOUND = """<instance_geometry url="#roof"><bind_material><technique_common>
+<instance_material symbol="red" target="#m"/></technique_common></bind_material>
+</instance_geometry>"""
+
+
+def looking(text: str) -> str:
+    text = text.replace("<library_geometries>", LOOK).replace(
+        "<triangles ", '<triangles material="red" '
+    )
+    return text.replace('<instance_geometry url="#roof"/>', BOUND)
+
+
+UNBOUND = "texture coordinates of meshes without a material"
+UP = "<asset><up_axis>Z_UP</up_axis>"
+
+
+@pytest.mark.usefixtures("packages")
+@pytest.mark.parametrize(
+    ("text", "lost"),
+    [
+        (
+            FILE.format(primitive=TRIANGLES).replace('id="a"', 'id="a" name="left"'),
+            "names of nodes",
+        ),
+        (FILE.format(primitive=TRIANGLES).replace("<asset>", UP), "the axis that points up (Z)"),
+        (FILE.format(primitive=TRIANGLES).replace("<asset>", UP.replace("Z", "Y")), None),
+        (with_inputs("TEXCOORD"), UNBOUND),
+        (with_inputs("TEXCOORD", "TEXCOORD"), f"further texture coordinates, {UNBOUND}"),
+        (looking(with_inputs("TEXCOORD")), "the look of materials"),
+        (
+            looking(with_inputs("TEXCOORD", "TEXCOORD")),
+            "the look of materials, further texture coordinates",
+        ),
+        (with_inputs("COLOR"), "colours beyond 8 bits"),
+        (with_inputs("COLOR", "COLOR"), "further colours, colours beyond 8 bits"),
+        (
+            looking(with_inputs("COLOR")),
+            "the look of materials, colours of meshes with a material",
+        ),
+    ],
+)
+def test_names_axes_and_numbers_of_corners_that_trimesh_leaves_out(
+    text: str, lost: str | None
+) -> None:
+    for data in (text.encode(), text.encode("utf-16")):
+        mesh = read(data, "dae")
+        assert ", ".join(mesh.lost) == (lost or "")
+        assert (len(mesh.vertices), len(mesh.triangles)) == (8, 4)
+    roles = [one.role for one in mesh.attributes]
+    assert ("uv" in roles) == ("TEXCOORD" in text and UNBOUND not in str(lost))
+    assert ("colour" in roles) == ("beyond 8 bits" in str(lost))
+
+
+@pytest.mark.usefixtures("packages")
+def test_parts_that_are_not_readable_are_named() -> None:
+    broken = TRIANGLES.replace("<p>", '<input semantic="NORMAL" source="#none" offset="1"/><p>')
+    text, bad = FILE.format(primitive=TRIANGLES), FILE.format(primitive=broken)
+    start, end = (bad.index(tag) for tag in ("<geometry", "</library_geometries>"))
+    second = bad[start:end].replace('"roof"', '"bad"')
+    mesh = read(text.replace("</library_geometries>", f"{second}</library_geometries>"), "dae")
+    assert (len(mesh.vertices), len(mesh.triangles)) == (8, 4)
+    (lost,) = mesh.lost
+    assert lost.startswith("parts that are not readable (")
+    refused(bad, "dae", "trimesh reads no mesh of it: it has parts that")
+
+
+@pytest.mark.usefixtures("packages")
+def test_a_file_without_meshes_is_refused_with_what_it_has() -> None:
+    empty = FILE.format(primitive=TRIANGLES).replace('<instance_geometry url="#roof"/>', "")
+    refused(empty, "dae", "it holds no mesh: no vertices and no faces$")
+    moves = "<library_animations><animation id='a'/></library_animations><library_visual"
+    moving = empty.replace("<library_visual", moves, 1)
+    refused(moving, "dae", r"no vertices and no faces \(and animations\)$")
+
+
 @pytest.mark.usefixtures("packages")
 def test_what_is_no_collada_is_refused() -> None:
     refused(b"", "dae", "trimesh cannot read it")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from filetests import again, read, refused, rows
 from numpy.typing import NDArray
 
 from deltamesh_formats.meshfiles.files import mesh_bytes, written
-from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh, from_triangles
 
 CODES = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 5126}
 HALF = np.sqrt(0.5)
@@ -247,3 +248,51 @@ def test_other_gaps_are_said_too() -> None:
         "gaps in ID of vertices (filled with 0)",
     )
     assert mesh_bytes(read(made.data, "ply"), "ply")
+
+
+def tree_of(data: bytes) -> dict[str, Any]:
+    """Return the JSON of a GLB."""
+    found = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    assert isinstance(found, dict)
+    return found
+
+
+@pytest.mark.parametrize("kind", ["i1", "i2"])
+def test_normals_and_tangents_of_integers_are_written_as_such(kind: str) -> None:
+    unit, normals = np.iinfo(kind).max, np.round(NORMALS * np.iinfo(kind).max)
+    mesh = from_triangles(CORNERS, np.arange(36).reshape(-1, 3))
+    tangents = np.append(normals[:, [1, 2, 0]], np.full((36, 1), unit), axis=1)
+    given = (
+        Attribute("normal", "vertex", normals.astype(kind), "normal", normalized=True),
+        Attribute("tangent", "vertex", tangents.astype(kind), "other", normalized=True),
+        Attribute("uv", "vertex", normals[:, :2].astype(kind), "uv", normalized=True),
+    )
+    made = written(replace(mesh, attributes=given), "glb")
+    assert made.lost == ()
+    tree = tree_of(made.data)
+    (primitive,) = tree["meshes"][0]["primitives"]
+    assert list(primitive["attributes"]) == ["POSITION", "NORMAL", "TANGENT", "TEXCOORD_0"]
+    of_normals = tree["accessors"][primitive["attributes"]["NORMAL"]]
+    assert of_normals["normalized"] is True
+    assert of_normals["componentType"] == {"i1": 5120, "i2": 5122}[kind]
+    for key in ("extensionsUsed", "extensionsRequired"):
+        assert tree[key] == ["KHR_mesh_quantization"]
+    found = read(made.data, "glb")
+    for one, other in zip(given[:2], found.attributes[:2], strict=True):
+        assert (other.name, other.role, other.normalized) == (one.name, one.role, True)
+        assert other.values.dtype == one.values.dtype
+        assert other.dense().tolist() == one.values.tolist()
+
+
+def test_integers_that_are_no_fractions_keep_their_names_only() -> None:
+    mesh = from_triangles(CORNERS, np.arange(36).reshape(-1, 3))
+    given = (
+        Attribute("normal", "vertex", (NORMALS * 9).astype("i1"), "normal"),
+        Attribute("colour", "vertex", (NORMALS * 9).astype("i1"), "colour", normalized=True),
+        Attribute("uv", "vertex", (NORMALS[:, :2] * 9).astype("i4"), "uv", normalized=True),
+    )
+    tree = tree_of(written(replace(mesh, attributes=given), "glb").data)
+    (primitive,) = tree["meshes"][0]["primitives"]
+    assert list(primitive["attributes"]) == ["POSITION", "_normal", "_colour", "_uv"]
+    assert "extensionsUsed" not in tree
+    assert "normalized" not in tree["accessors"][primitive["attributes"]["_uv"]]

@@ -15,16 +15,8 @@ from hypothesis.extra import numpy as nps
 from polygon_meshes import quad_torus
 
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles.glb.chunks import (
-    BINARY_CHUNK,
-    COMPONENTS,
-    JSON_CHUNK,
-    MAGIC,
-    Gltf,
-    read_chunks,
-    reals,
-    whole,
-)
+from deltamesh_formats.meshfiles.glb.accessors import COMPONENTS, Gltf, reals, whole
+from deltamesh_formats.meshfiles.glb.chunks import BINARY_CHUNK, JSON_CHUNK, MAGIC, read_chunks
 from deltamesh_formats.meshfiles.glb.scene import placed_meshes, scene_losses
 from deltamesh_formats.meshfiles.glb.schema import check_types, items
 from deltamesh_formats.meshfiles.glb.semantics import name_of, semantic_of

@@ -13,6 +13,7 @@ from filetests import named, read, refused
 from test_glb import glb, gltf_tree
 
 from deltamesh_formats.errors import MeshError
+from deltamesh_formats.meshfiles.beside import in_folder
 from deltamesh_formats.meshfiles.files import read_mesh, write_mesh, written
 from deltamesh_formats.meshfiles.glb.compression import (
     DRACO,
@@ -90,7 +91,7 @@ def test_nothing_outside_the_folder_is_read(scene: Path, uri: str, message: str)
     (scene.parent.parent / "secret.bin").write_bytes(bytes(100))
     (scene.parent / "link.bin").symlink_to(scene.parent.parent / "secret.bin")
     with pytest.raises(MeshError, match=message):
-        outside_bytes(uri, scene.parent, 100)
+        outside_bytes(uri, in_folder(str(scene.parent)), 100)
     tree = json.loads(scene.read_text(encoding="utf-8-sig"))
     tree["buffers"][0]["uri"] = uri
     scene.write_text(json.dumps(tree))
@@ -99,7 +100,7 @@ def test_nothing_outside_the_folder_is_read(scene: Path, uri: str, message: str)
 
 
 def test_no_more_than_asked_for_is_read(scene: Path) -> None:
-    assert outside_bytes("data/a%20b.bin", scene.parent, 5) == gltf_tree()[1][:5]
+    assert outside_bytes("data/a%20b.bin", in_folder(str(scene.parent)), 5) == gltf_tree()[1][:5]
 
 
 def test_one_file_is_written_and_read_by_others(tmp_path: Path) -> None:
@@ -119,6 +120,10 @@ def test_one_file_is_written_and_read_by_others(tmp_path: Path) -> None:
 def test_what_is_no_gltf_is_refused() -> None:
     refused(b"", "gltf", "its JSON is not readable")
     refused(b"[]", "gltf", "its JSON is not an object")
+    first = {"asset": {"version": "1.0"}, "scene": "defaultScene", "scenes": {}}
+    refused(json.dumps(first), "gltf", 'it is glTF version "1.0", not 2')
+    refused('{"asset": {"version": 20}}', "gltf", "it is glTF version 20, not 2")
+    refused('{"asset": {"version": "2.1"}}', "gltf", "it holds no mesh")
     refused(written(from_triangles(V.astype(float), F.astype(int)), "glb").data, "gltf", "JSON")
 
 

@@ -11,11 +11,10 @@ from drafts import stages_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh._attributes.codings import AttributeSettings
+from deltamesh._attributes.candidates import AttributeSettings
 from deltamesh._attributes.domains import Domains
 from deltamesh._attributes.section import (
     CodedAttribute,
-    attribute_arrays,
     decode_attributes,
     encode_attributes,
     restore_attribute,
@@ -52,7 +51,7 @@ def assert_same_arrays(one: tuple[CodedAttribute, ...], other: tuple[CodedAttrib
     # Origins of integers count modulo 2^64.
     tables = [write_table(tuple(coded.entry for coded in some)) for some in (one, other)]
     assert tables[0] == tables[1]
-    arrays = attribute_arrays(one), attribute_arrays(other)
+    arrays = [[array for coded in some for array in coded.arrays] for some in (one, other)]
     assert len(arrays[0]) == 4 * len(one)
     for a, b in zip(*arrays, strict=True):
         np.testing.assert_array_equal(a, b)

@@ -16,14 +16,14 @@ from hypothesis.extra import numpy as nps
 
 from deltamesh import decode, encode
 from deltamesh._attributes import owners
-from deltamesh._attributes.codings import AttributeSettings, candidate_codings
+from deltamesh._attributes.candidates import AttributeSettings, candidate_codings
 from deltamesh._attributes.wedges import encode_wedges
 from deltamesh._options import Options
 from deltamesh._pipeline import Encoded, encode_mesh
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.attribute_table import Entry, read_table
 from deltamesh_formats.container.reader import read_container
-from deltamesh_formats.errors import FormatError, MeshError
+from deltamesh_formats.errors import FormatError, MeshError, OptionError
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh, from_triangles
 
 WIDTHS = (0, 1, 2, 3, 4, 16)
@@ -509,3 +509,133 @@ def test_every_truncation_and_extension_is_refused(data: Any) -> None:
 def test_tables_of_any_bytes(data: bytes) -> None:
     with pytest.raises(FormatError):
         read_table(data + b"\xff" * 9)
+
+
+@pytest.mark.parametrize("error", [0.5, 1e-2, 1e-4])
+@pytest.mark.parametrize("dtype", ["f2", "f4", "f8"])
+def test_errors_of_attributes_are_bounded(error: float, dtype: str) -> None:
+    V, _ = meshes.icosphere(2)
+    heat = Attribute("heat", "vertex", (20 * V[:, :2] ** 3).astype(dtype))
+    uv = replace(charts(12), values=charts(12).values.astype(dtype))
+    options = Options(method="cartesian", max_uv_error=error, max_attribute_error={"heat": error})
+    one = encode_mesh(sphere(heat, uv), options)
+    for given_, found, entry in zip(
+        (heat, uv), decode(one.data).attributes, entries_of(one.data), strict=True
+    ):
+        assert_described(given_, found)
+        wanted = given_.dense()[sources_of(one, given_.domain)].astype(float)
+        errors = np.abs(found.dense().astype(float) - wanted)
+        assert errors.max() == entry.error
+        # A writer may round the numbers by as much again as the margin says.
+        assert errors.max() + found.margin <= error
+        assert (entry.coding == "grid") == (errors.max() > 0)
+        if dtype != "f2":
+            assert errors.max() > 0.9 * error
+    exact = encode_mesh(sphere(heat, uv), Options(method="cartesian"))
+    if error > 0.001 and dtype != "f2":
+        assert entries_of(one.data)[0].size < entries_of(exact.data)[0].size / 2
+
+
+def test_a_bound_on_a_role_is_one_on_all_its_attributes_and_the_least_counts() -> None:
+    uv, other = replace(charts(12), name="a"), replace(charts(12), name="b")
+    for bounds, expected in (
+        ({"max_uv_error": 0.1}, (0.1, 0.1)),
+        ({"max_attribute_error": {"uv": 0.1, "b": 0.01}}, (0.1, 0.01)),
+        ({"max_uv_error": 0.02, "max_attribute_error": {"uv": 0.1, "a": 0.05}}, (0.02, 0.02)),
+    ):
+        data = encode_mesh(sphere(uv, other), Options(method="cartesian", **bounds)).data
+        for entry, error in zip(entries_of(data), expected, strict=True):
+            assert 0.9 * error < entry.error <= error
+
+
+@pytest.mark.parametrize("error", [10.0, 1.0, 0.01])
+def test_angles_of_normals_are_bounded(error: float) -> None:
+    V, _ = meshes.icosphere(2)
+    given_ = Attribute("normal", "vertex", V, "normal")
+    options = Options(method="refined", max_attribute_error={"normal": error})
+    one = encode_mesh(sphere(given_), options)
+    (entry,) = entries_of(one.data)
+    assert entry.coding == "octahedral"
+    assert entry.error <= error
+    found = decode(one.data).attributes[0].dense()
+    cosines = np.clip((found * V[one.order]).sum(axis=1), -1, 1)
+    assert np.degrees(np.arccos(cosines)).max() <= error
+
+
+def test_what_no_grid_holds_stays_exact_within_a_bound() -> None:
+    V, _ = meshes.icosphere(2)
+    gaps = V[:, :1].copy()
+    gaps[3] = np.nan
+    given_ = (
+        Attribute("gaps", "vertex", gaps),
+        Attribute("wide", "vertex", 1e12 * V[:, :1]),
+        Attribute("whole", "vertex", (100 * V[:, :1]).astype(np.int32)),
+    )
+    names = dict.fromkeys(("gaps", "wide", "whole"), 0.1)
+    one = encode_mesh(sphere(*given_), Options(method="cartesian", max_attribute_error=names))
+    for attribute, found in zip(given_, decode(one.data).attributes, strict=True):
+        assert_same(attribute, found, one.order)
+
+
+def test_other_floats_have_the_bits_that_are_asked_for() -> None:
+    V, _ = meshes.icosphere(2)
+    heat = Attribute("heat", "vertex", V[:, :2] ** 3)
+    long = Attribute("normal", "vertex", 7 * V, "normal")  # not of length 1
+    bright = Attribute("colour", "vertex", 9 * V**2, "colour")  # not within 0 .. 1
+    whole = Attribute("whole", "vertex", (100 * V[:, :1]).astype(np.int32))
+    one = encode_mesh(sphere(heat, long, bright, whole), Options(method="cartesian", bits_float=9))
+    *floats, integer = entries_of(one.data)
+    for given_, entry in zip((heat, long, bright), floats, strict=True):
+        assert (entry.coding, entry.bits) == ("grid", 9)
+        assert 0 < entry.error <= 0.51 * np.ptp(given_.values, axis=0).max() / 511
+    assert integer.error == 0
+    exact = entries_of(encode_mesh(sphere(heat), Options(method="cartesian")).data)[0]
+    assert floats[0].size < exact.size / 2
+
+
+def test_an_outlier_does_not_make_all_texture_coordinates_coarse() -> None:
+    plain = charts(12)
+    values = plain.values.astype(float)
+    for far in (1e2, 1e6, 1e12):
+        values[5] = far
+        uv = replace(plain, values=values)
+        one = encode_mesh(sphere(uv), Options(method="cartesian"))
+        (entry,) = entries_of(one.data)
+        step = np.ptp(plain.values, axis=0).max() / (2**12 - 1)
+        finest = far / (2.0**29 - 1)
+        assert entry.error <= max(2 * 0.51 * step, 0.51 * finest)
+    # One of few is no outlier, and those of a mesh without outliers are as they were.
+    few = from_triangles(*meshes.tetrahedron())
+    values = np.array([[0.0, 0.0], [1, 0], [0, 1], [1e6, 1]])
+    mesh = with_attributes(few, Attribute("uv", "vertex", values, "uv"))
+    (entry,) = entries_of(encode_mesh(mesh, Options(method="cartesian")).data)
+    assert entry.density == 4095 / 1e6
+    (usual,) = entries_of(encode_mesh(sphere(plain), Options(method="cartesian")).data)
+    assert usual.density == pytest.approx(1 / step)
+
+
+@pytest.mark.parametrize(
+    "bound", [{"bits_float": 8}, {"max_uv_error": 0.1}, {"max_attribute_error": {"heat": 0.1}}]
+)
+def test_bounds_contradict_lossless_attributes(bound: dict[str, Any]) -> None:
+    (name,) = bound
+    with pytest.raises(OptionError, match=f"{name} and lossless_attributes exclude each other"):
+        Options(lossless_attributes=True, **bound)
+    with pytest.raises(OptionError, match=f"{name} and method lossless exclude each other"):
+        Options(method="lossless", **bound)
+
+
+@pytest.mark.parametrize(
+    "bound",
+    [
+        {"bits_float": 0},
+        {"bits_float": 30},
+        {"max_uv_error": 0.0},
+        {"max_uv_error": np.nan},
+        {"max_attribute_error": {"heat": -1.0}},
+        {"max_attribute_error": {"": 1.0}},
+    ],
+)
+def test_bounds_of_attributes_are_checked(bound: dict[str, Any]) -> None:
+    with pytest.raises(OptionError, match=next(iter(bound))):
+        Options(**bound)

@@ -31,14 +31,8 @@ def test_a_folder_is_all_meshes_in_it_sorted(tree: Path) -> None:
     assert find([str(tree / "sub/deep")], ALL) == [str(tree / "sub/deep/d.ply")]
 
 
-def test_a_folder_needs_to_be_asked_for(tree: Path) -> None:
-    with pytest.raises(OptionError, match="'sub' is a folder: -r takes"):
-        find(["b.ply", "sub"], Selection(("ply",)))
-
-
-def test_of_a_folder_only_the_files_directly_in_it(tree: Path) -> None:
-    shallow = Selection(("ply", "obj"), shallow=True)
-    assert find([".", "sub"], shallow) == ["a.PLY", "b.ply", "sub/c.obj"]
+def test_without_r_only_the_files_directly_in_a_folder(tree: Path) -> None:
+    assert find([".", "sub"], Selection(("ply", "obj"))) == ["a.PLY", "b.ply", "sub/c.obj"]
 
 
 def test_an_empty_folder_holds_nothing(tree: Path) -> None:
@@ -153,3 +147,44 @@ def test_a_collision_through_a_link_to_a_folder_is_one(tree: Path) -> None:
     (tree / "also").symlink_to("sub")
     with pytest.raises(OptionError):
         check_targets([("x", "sub/out"), ("y", "also/out")])
+
+
+def test_folders_of_a_store_are_searched_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+    fsspec = pytest.importorskip("fsspec")
+    fs = fsspec.filesystem("memory")
+    monkeypatch.setattr(type(fs), "store", {})
+    monkeypatch.setattr(type(fs), "pseudo_dirs", [""])
+    names = ("a.ply", "b.txt", "draft/c.ply", "deep/d.PLY.gz", "deep/draft.ply", "out/e.ply")
+    fs.pipe({f"/shop/{name}": b"x" for name in names})
+
+    def found(*names: str, **rules: object) -> list[str]:
+        selection = Selection(("ply",), **rules)
+        return [name.removeprefix("memory:///shop/") for name in find(names, selection)]
+
+    top = "memory://shop"
+    assert found(top, recursive=True) == [
+        "a.ply",
+        "deep/d.PLY.gz",
+        "deep/draft.ply",
+        "draft/c.ply",
+        "out/e.ply",
+    ]
+    assert found(top, recursive=True, exclude=("draft*",), never="memory://shop/out") == [
+        "a.ply",
+        "deep/d.PLY.gz",
+    ]
+    assert found(top, recursive=True, include=("*.gz",)) == ["deep/d.PLY.gz"]
+    assert found(top) == ["a.ply"]
+    assert found(f"{top}/*.ply") == ["a.ply"]
+    assert found(f"{top}/none*.ply", "memory://shop/none.ply") == [
+        "memory://shop/none*.ply",
+        "memory://shop/none.ply",
+    ]
+
+
+def test_files_of_other_places_are_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A page of a server may name any: this ends, too."""
+    listed = ["http://h/in/a.ply", "http://other/in/b.ply", "http://h/c.ply", "x://d.ply", "e.ply"]
+    monkeypatch.setattr("deltamesh.batch._finding.is_folder", lambda url: True)
+    monkeypatch.setattr("deltamesh.batch._finding.files_below", lambda url, recursive: listed)
+    assert find(["http://h/in/"], Selection(("ply",), recursive=True)) == listed[:1]

@@ -175,6 +175,6 @@ def test_whose_output_it_is(done: dict[str, Any]) -> None:
 
 def test_the_digest_is_that_of_sha256sum(tmp_path: Path) -> None:
     (tmp_path / "abc").write_bytes(b"abc")
-    digest = manifest.digest_of(str(tmp_path / "abc"))
+    digest = manifest.digest_of([str(tmp_path / "abc")])
     # FIPS 180-2, appendix B.1
     assert digest == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"

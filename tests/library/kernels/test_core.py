@@ -40,6 +40,26 @@ def test_the_library_is_that_of_the_sources() -> None:
     assert core.LIBRARY.dm_sources().decode() == builder().digest()
 
 
+@pytest.mark.parametrize(
+    ("system", "target", "command"),
+    [
+        (["cc"], "", ["cc"]),
+        (None, "", ["zig", "-mcpu=baseline", "-s"]),  # not for this very processor
+        (["cc"], "aarch64-macos.11.0", ["zig", "-target", "aarch64-macos.11.0", "-s"]),
+    ],
+)
+def test_ziglang_compiles_for_others_and_where_there_is_no_compiler(
+    system: list[str] | None, target: str, command: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    build, commands = builder(), []
+    monkeypatch.setattr(build, "compiler", lambda: system)
+    monkeypatch.setattr(build, "zig", lambda: ["zig"])
+    monkeypatch.setattr(build, "_compile", lambda command, *_: commands.append(command))
+    build.build(target)
+    always = ("-fPIC", "-shared", build.FAST)
+    assert [part for part in commands[0] if part not in always] == command
+
+
 def test_the_tables_are_those_of_their_script() -> None:
     done = children.run(
         [sys.executable, str(ROOT / "src/core/make_tables.py")], text=True, check=True

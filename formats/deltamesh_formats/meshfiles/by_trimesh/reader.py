@@ -18,9 +18,11 @@ import numpy as np
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import placement
+from deltamesh_formats.meshfiles.plain_text import utf8
 from deltamesh_formats.meshfiles.welding import welded
 from deltamesh_formats.polymesh.concatenation import concatenate
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, from_triangles
+from deltamesh_formats.polymesh.units import METRES
 
 # Beginnings of elements that trimesh leaves out, or changes, and what is lost with them.
 _LEFT_OUT: Final = {
@@ -37,15 +39,13 @@ _LEFT_OUT: Final = {
     b"image": "textures",
     b"profile_COMMON": "the look of materials",
 }
+# Elements of triangles and polygons, whose inputs come before their first index.
+_PRIMITIVES: Final = re.compile(rb"<(?:\w+:)?(?:triangles|polylist|polygons)[\s>]")
+_INDICES: Final = re.compile(rb"<(?:\w+:)?(?:p|vcount)[\s>]")
+_NODE_NAME: Final = re.compile(rb"<(?:\w+:)?node\s[^>]*\bname=")
+_UP_AXIS: Final = re.compile(rb"<(?:\w+:)?up_axis>\s*([XZ])_UP\s*<")
 _TRIANGLES: Final = re.compile(rb"<vcount>[\s3]*</vcount>")
-_UNITS: Final = {
-    1.0: "meter",
-    0.01: "centimeter",
-    0.001: "millimeter",
-    1e-6: "micron",
-    0.0254: "inch",
-    0.3048: "foot",
-}
+_UNITS: Final = {length: name for name, length in METRES.items()}
 _UNIT: Final = re.compile(r"(?:([0-9.e+-]+) \* )?meters")
 
 
@@ -59,17 +59,26 @@ def read_collada(data: bytes) -> PolyMesh:
     """
     trimesh = _package("trimesh", "trimesh")
     _package("collada", "pycollada")
-    if b"<!DOCTYPE" in data:
+    text = utf8(data)
+    if b"<!DOCTYPE" in text:
         raise MeshError("its XML has a document type, which COLLADA has no use for")
+    broken: tuple[str, ...] = ()
     try:
-        scene = trimesh.load_scene(io.BytesIO(data), file_type="dae", process=False)
-    except Exception as error:
-        reason = str(error).rpartition("Error: ")[2] or type(error).__name__
-        raise MeshError(f"trimesh cannot read it: {reason}") from None
+        scene = _scene(trimesh, data, strict=True)
+    except Exception as fault:
+        # Parts of such a file may be sound; trimesh leaves the others out.
+        broken = (f"parts that are not readable ({_reason(fault)[:80]})",)
+        try:
+            scene = _scene(trimesh, data, strict=False)
+        except Exception as error:
+            raise MeshError(f"trimesh cannot read it: {_reason(error)}") from None
     placed = [(*scene.graph[node], node) for node in scene.graph.nodes_geometry]
     meshes = [_placed(scene.geometry[name], matrix) for matrix, name, _ in placed]
     if not meshes:
-        return from_triangles(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
+        if broken:
+            raise MeshError(f"trimesh reads no mesh of it: it has {broken[0]}")
+        nothing = from_triangles(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
+        return replace(nothing, lost=tuple(dict.fromkeys(_left_out(text))))
     mesh = concatenate(meshes)
     of_face = np.repeat(np.arange(len(meshes)), [len(one.sizes) for one in meshes])
     transforms = np.array([matrix for matrix, _, _ in placed], dtype=np.float64)
@@ -81,8 +90,19 @@ def read_collada(data: bytes) -> PolyMesh:
         mesh,
         parts=(objects, *(replace(one, of_face=one.of_face[of_face]) for one in materials)),
         metadata=_units(scene),
-        lost=tuple(dict.fromkeys(_left_out(data))),
+        lost=tuple(dict.fromkeys([*broken, *_left_out(text), *_left_out_of_inputs(text, scene)])),
     )
+
+
+def _scene(trimesh: Any, data: bytes, *, strict: bool) -> Any:
+    """Return the scene of a file; `strict` refuses one of which anything cannot be read."""
+    return trimesh.load_scene(
+        io.BytesIO(data), file_type="dae", process=False, ignore_broken=not strict
+    )
+
+
+def _reason(error: Exception) -> str:
+    return str(error).rpartition("Error: ")[2] or type(error).__name__
 
 
 def _package(module: str, package: str) -> Any:
@@ -143,3 +163,33 @@ def _left_out(data: bytes) -> Iterator[str]:
         if name == b"polylist" and data.count(b"<vcount>") == len(_TRIANGLES.findall(data)):
             continue
         yield lost
+    if _NODE_NAME.search(data):
+        yield "names of nodes"
+    axis = _UP_AXIS.search(data)
+    if axis is not None:
+        yield f"the axis that points up ({axis[1].decode()})"
+
+
+def _left_out_of_inputs(data: bytes, scene: Any) -> Iterator[str]:
+    """Yield descriptions of numbers of corners that trimesh leaves out.
+
+    It takes the first texture coordinates alone, those of meshes with a material, and colours of
+    meshes without one.
+    """
+    uvs, colours = 0, 0
+    for primitive in _PRIMITIVES.finditer(data):
+        end = _INDICES.search(data, primitive.end())
+        inputs = data[primitive.end() : len(data) if end is None else end.start()]
+        uvs = max(uvs, inputs.count(b'semantic="TEXCOORD"'))
+        colours = max(colours, inputs.count(b'semantic="COLOR"'))
+    has_look = [mesh.visual.kind == "texture" for mesh in scene.geometry.values()]
+    if uvs > 1:
+        yield "further texture coordinates"
+    if uvs and not all(has_look):
+        yield "texture coordinates of meshes without a material"
+    if colours > 1:
+        yield "further colours"
+    if colours and any(has_look):
+        yield "colours of meshes with a material"
+    if colours and not all(has_look):
+        yield "colours beyond 8 bits"

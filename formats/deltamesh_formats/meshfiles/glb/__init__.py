@@ -7,16 +7,15 @@ from typing import TYPE_CHECKING, Final
 from deltamesh_formats.meshfiles.file_format import FileFormat, Written
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
+    from deltamesh_formats.meshfiles.beside import Beside
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
 
-def _read(data: bytes, folder: Path | None) -> PolyMesh:
+def _read(data: bytes, beside: Beside | None) -> PolyMesh:
     from deltamesh_formats.meshfiles.glb.chunks import read_chunks
     from deltamesh_formats.meshfiles.glb.reader import read
 
-    return read(read_chunks(data, folder))
+    return read(read_chunks(data, beside))
 
 
 def _write(mesh: PolyMesh) -> Written:
@@ -32,6 +31,7 @@ GLB: Final = FileFormat(
     extensions=("glb",),
     beginnings=(b"glTF",),
     bytes_per_vertex=24,  # three float32, six 16-bit indices
+    unit="meter",
     has_top_left_textures=True,
     transforms=True,
     gaps=("vertex", "corner"),

@@ -10,8 +10,10 @@ from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles.glb.compression import DRACO, MESHOPT
 from deltamesh_formats.meshfiles.glb.schema import Tree, items
 
+# It allows positions, normals, tangents and texture coordinates of integers.
+QUANTIZED: Final = "KHR_mesh_quantization"
 # Integer positions and normals are read as they are; what is compressed is decoded.
-_READ: Final = frozenset(["KHR_mesh_quantization", DRACO, *MESHOPT])
+_READ: Final = frozenset([QUANTIZED, DRACO, *MESHOPT])
 # Extensions of materials and textures: without them a file has the same mesh, in another look.
 _OF_LOOKS: Final = re.compile(
     r"KHR_materials_.+|(KHR|EXT|MSFT)_texture_.+|(KHR|EXT)_lights_.+|KHR_xmp.*"

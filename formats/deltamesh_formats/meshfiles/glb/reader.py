@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import placement
-from deltamesh_formats.meshfiles.glb.chunks import Gltf
+from deltamesh_formats.meshfiles.glb.accessors import Gltf
 from deltamesh_formats.meshfiles.glb.compression import DRACO
 from deltamesh_formats.meshfiles.glb.scene import Placed, placed_meshes, scene_losses
 from deltamesh_formats.meshfiles.glb.schema import Tree, items, shown

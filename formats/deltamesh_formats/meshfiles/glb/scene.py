@@ -9,7 +9,7 @@ import numpy as np
 
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
-from deltamesh_formats.meshfiles.glb.chunks import Gltf, reals
+from deltamesh_formats.meshfiles.glb.accessors import Gltf, reals
 from deltamesh_formats.meshfiles.glb.extensions import extension_losses
 from deltamesh_formats.meshfiles.glb.schema import Tree, items
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
-from typing import Final
+from typing import Any, Final
+
+from numpy.typing import NDArray
 
 from deltamesh_formats.polymesh.mesh import Attribute, Role
 
@@ -33,14 +35,24 @@ def name_of(semantic: str) -> tuple[str, Role]:
 
 def semantic_of(attribute: Attribute) -> str:
     """Return the semantic of an attribute; where glTF has none, it is "_" and the name."""
-    name, real = attribute.name, attribute.values.dtype.kind == "f"
+    name, dtype = attribute.name, attribute.values.dtype
+    # Integers that stand for fractions; signed ones are those of KHR_mesh_quantization.
+    short = attribute.normalized and dtype.itemsize <= 2
+    signed, unsigned = short and dtype.kind == "i", short and dtype.kind == "u"
+    real = dtype.kind == "f"
     if attribute.role != "other" and attribute.width in _WIDTHS[attribute.role]:
         found = _NAME.fullmatch(name)
-        if found and (real or attribute.normalized):
-            key = "TEXCOORD" if found[1] == "uv" else "COLOR"
-            return f"{key}_{int(found[2] or 0)}"
-        if name == "normal" and real:
+        if found and found[1] == "uv" and (real or signed or unsigned):
+            return f"TEXCOORD_{int(found[2] or 0)}"
+        if found and found[1] == "colour" and (real or unsigned):
+            return f"COLOR_{int(found[2] or 0)}"
+        if name == "normal" and (real or signed):
             return "NORMAL"
-    if (name == "tangent" and attribute.width == 4 and real) or _SKIN.fullmatch(name):
-        return name.upper()
-    return "_" + name
+    is_tangent = name == "tangent" and attribute.width == 4 and (real or signed)
+    return name.upper() if is_tangent or _SKIN.fullmatch(name) else "_" + name
+
+
+def is_quantized(semantic: str, values: NDArray[Any]) -> bool:
+    """Return whether an attribute is one that only KHR_mesh_quantization allows."""
+    named = semantic in _PLAIN or semantic.startswith("TEXCOORD")
+    return named and values.dtype.kind == "i"

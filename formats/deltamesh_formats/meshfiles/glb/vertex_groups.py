@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from deltamesh_formats.array_types import Bools, Ints
+from deltamesh_formats.caching import cached_property
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 from deltamesh_formats.polymesh.permutations import inverse, ranges
 

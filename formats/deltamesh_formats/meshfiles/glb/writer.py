@@ -23,8 +23,10 @@ from deltamesh_formats.meshfiles.float32 import (
     rounding_losses,
     single_positions,
 )
-from deltamesh_formats.meshfiles.glb.chunks import BINARY_CHUNK, COMPONENTS, JSON_CHUNK, MAGIC
-from deltamesh_formats.meshfiles.glb.semantics import semantic_of
+from deltamesh_formats.meshfiles.glb.accessors import COMPONENTS
+from deltamesh_formats.meshfiles.glb.chunks import BINARY_CHUNK, JSON_CHUNK, MAGIC
+from deltamesh_formats.meshfiles.glb.extensions import QUANTIZED
+from deltamesh_formats.meshfiles.glb.semantics import is_quantized, semantic_of
 from deltamesh_formats.meshfiles.glb.vertex_groups import Groups, grouped
 from deltamesh_formats.polymesh.descriptions import describe_attribute
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
@@ -208,7 +210,7 @@ class _Writer:
             accessor = self._accessor(
                 placement.turned(attribute.name, values[rows], back), _VERTICES
             )
-            if attribute.normalized:
+            if attribute.normalized and values.dtype.kind in "iu":
                 accessor["normalized"] = True
             attributes[semantic] = self._add(accessor)
         begin, end = np.searchsorted(self.sorted[:, 0], [group, group + 1]).tolist()
@@ -274,6 +276,8 @@ class _Writer:
             "bufferViews": self.views,
             "buffers": [{"byteLength": self.size}],
         }
+        if any(is_quantized(semantic, values) for _, semantic, values in self.kept):
+            tree |= {"extensionsUsed": [QUANTIZED], "extensionsRequired": [QUANTIZED]}
         if self.materials:
             tree["materials"] = [{"name": _valid(name)} for name in self.materials]
         return tree

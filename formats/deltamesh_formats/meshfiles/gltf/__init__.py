@@ -9,16 +9,21 @@ from deltamesh_formats.meshfiles.file_format import Written
 from deltamesh_formats.meshfiles.glb import GLB
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
+    from deltamesh_formats.meshfiles.beside import Beside
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
 
-def _read(data: bytes, folder: Path | None) -> PolyMesh:
+def _read(data: bytes, beside: Beside | None) -> PolyMesh:
     from deltamesh_formats.meshfiles.glb.chunks import read_json
     from deltamesh_formats.meshfiles.glb.reader import read
 
-    return read(read_json(data, folder))
+    return read(read_json(data, beside))
+
+
+def _names_beside(data: bytes) -> list[str]:
+    from deltamesh_formats.meshfiles.glb.chunks import names_beside
+
+    return names_beside(data)
 
 
 def _write(mesh: PolyMesh) -> Written:
@@ -41,5 +46,6 @@ GLTF: Final = replace(
     extensions=("gltf",),
     beginnings=(),
     read=_read,
+    names_beside=_names_beside,
     write=_write,
 )

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.caching import cached_property
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles import text
 

@@ -20,6 +20,7 @@ from deltamesh_formats.meshfiles.ply.properties import (
 )
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 from deltamesh_formats.polymesh.names import distinct_names
+from deltamesh_formats.polymesh.permutations import distinct
 
 _METADATA: Final = {"comments": "comment", "obj_info": "obj_info"}
 
@@ -132,7 +133,7 @@ def _face_bytes(
 ) -> bytes:
     """Return the bytes of the faces; records of one size are packed as one array."""
     sizes = mesh.sizes
-    of_size = {int(k): _face_type(int(k), lists, counts, columns) for k in np.unique(sizes)}
+    of_size = {int(k): _face_type(int(k), lists, counts, columns) for k in distinct(sizes)}
     lengths = np.zeros(len(sizes), dtype=np.int64)
     for size, kind in of_size.items():
         lengths[sizes == size] = kind.itemsize

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Final
 from deltamesh_formats.meshfiles.file_format import FileFormat, Written
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
+    from deltamesh_formats.meshfiles.beside import Beside
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
 
-def _read(data: bytes, folder: Path | None) -> PolyMesh:
+def _read(data: bytes, beside: Beside | None) -> PolyMesh:
     from deltamesh_formats.meshfiles.stl.reader import read
 
     return read(data)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import io
-import zipfile
-import zlib
 from collections.abc import Callable
 from typing import Any, Final
 from xml.parsers import expat
 
 from deltamesh_formats.errors import MeshError
+from deltamesh_formats.meshfiles.zip_files import opened, reading
 
 MODEL: Final = "3D/3dmodel.model"
 RELATIONS: Final = "_rels/.rels"
@@ -24,11 +22,8 @@ class Archive:
     """ZIP whose files are found by their names in lower case."""
 
     def __init__(self, data: bytes) -> None:
-        try:
-            self._zip = zipfile.ZipFile(io.BytesIO(data))
-            self._names = {one.filename.lower(): one for one in self._zip.infolist()}
-        except (zipfile.BadZipFile, ValueError, NotImplementedError, OverflowError) as error:
-            raise MeshError(f"it is no ZIP: {error}") from None
+        self._zip = opened(data)
+        self._names = {one.filename.lower(): one for one in self._zip.infolist()}
 
     def model(self) -> str:
         """Return the name of the model, which the relations of the package say."""
@@ -62,12 +57,10 @@ class Archive:
             parser.EndElementHandler = lambda name: end(_local(name))
         parser.StartDoctypeDeclHandler = _refuse_doctype
         try:
-            with self._zip.open(info) as stream:
+            with reading(path), self._zip.open(info) as stream:
                 parser.ParseFile(stream)
         except expat.ExpatError as error:
             raise MeshError(f"its {path} is not readable as XML: {error}") from None
-        except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as bad:
-            raise MeshError(f"its {path} is damaged or encrypted: {bad}") from None
 
 
 def _local(name: str) -> str:

@@ -24,6 +24,7 @@ from deltamesh_formats.meshfiles.threemf.model import GREY
 from deltamesh_formats.polymesh.colours import as_fractions
 from deltamesh_formats.polymesh.descriptions import describe_attribute
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
+from deltamesh_formats.polymesh.units import METRES
 
 _HEAD: Final = '<?xml version="1.0" encoding="UTF-8"?>\n'
 _PACKAGE: Final = "http://schemas.openxmlformats.org/package/2006/"
@@ -31,7 +32,7 @@ _CORE: Final = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _COLOURS: Final = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02"
 _MODEL_CONTENT: Final = "application/vnd.ms-package.3dmanufacturing-3dmodel+xml"
 _RELATION_CONTENT: Final = "application/vnd.openxmlformats-package.relationships+xml"
-_UNITS: Final = ("micron", "millimeter", "centimeter", "inch", "foot", "meter")
+_DEFAULT_UNIT: Final = "millimeter"
 # Of fractions that stand for bytes.
 _NEAR: Final = 1e-6
 _PROPERTIES: Final = 1  # the id of materials or colours; objects follow
@@ -68,7 +69,7 @@ def write(mesh: PolyMesh) -> Written:
         rows = (f'<m:color color="#{bytes(row).hex().upper()}"/>' for row in colours.tolist())
         group = f'<m:colorgroup id="{_PROPERTIES}">{"".join(rows)}</m:colorgroup>\n'
     lines = [
-        f'{_HEAD}<model unit="{unit if unit in _UNITS else _UNITS[1]}" xml:lang="en-US"'
+        f'{_HEAD}<model unit="{unit if unit in METRES else _DEFAULT_UNIT}" xml:lang="en-US"'
         f' xmlns="{_CORE}" xmlns:m="{_COLOURS}">\n<resources>\n{group}'
     ]
     texts = np.array(number_texts(rounded(mesh.vertices, mesh.margin)), dtype=object)
@@ -90,7 +91,7 @@ def write(mesh: PolyMesh) -> Written:
         lines.append("</triangles>\n</mesh></object>\n")
     items = (f'<item objectid="{number + 2 + _PROPERTIES}"/>\n' for number in numbers)
     lines.append(f"</resources>\n<build>\n{''.join(items)}</build>\n</model>\n")
-    if unit and unit not in _UNITS:
+    if unit and unit not in METRES:
         extra.append(f"the unit {unit[:40]!r}")
     lost = THREEMF.losses(mesh, [] if kept is None else [kept])
     return Written(_package("".join(lines)), (*lost, *extra))
