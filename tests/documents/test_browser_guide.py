@@ -32,7 +32,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_every_block_is_run_here() -> None:
     assert set(BLOCKS) == {"view", "decode"}
     assert BUILD in GUIDE
-    assert GUIDE.count("```") / 2 == len(BLOCKS) + 1
+    assert GUIDE.count("```") / 2 == len(BLOCKS) + 2
+    # That one needs an extra: cli/test_render.py.
+    assert "deltamesh render torus.dmesh --error torus.ply -o torus.png\n" in GUIDE
 
 
 @pytest.mark.skipif(os.name != "posix", reason="a block for a shell of POSIX")

@@ -19,6 +19,7 @@ from deltamesh_cli.output import display_name, print_json
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.signals import interruptible
 from deltamesh_cli.value_types import FILE
+from deltamesh_formats.remote import is_url
 
 if TYPE_CHECKING:
     from deltamesh._page.filling import PageFile
@@ -76,7 +77,7 @@ def command(
     If the vertices of both correspond, the page holds the positions of ORIGINAL rounded to a
     millionth of its size; the numbers beside them are of ORIGINAL itself.
     """
-    target = output or f"{source}.html"
+    target = output or f"{os.path.basename(source) if is_url(source) else source}.html"
     if files.STDIO in (source, original):
         raise click.UsageError("FILE and ORIGINAL are names of files.")
 
@@ -152,5 +153,6 @@ def _original(name: str, comparison: Comparison, progress: Progress) -> PageFile
 
 def _open(target: str, quiet: bool) -> None:
     """Open a page in the browser of the system, if it has one."""
-    if not webbrowser.open(Path(target).resolve().as_uri()) and not quiet:
+    address = target if is_url(target) else Path(target).resolve().as_uri()
+    if not webbrowser.open(address) and not quiet:
         click.echo(f"note: {display_name(target)}: no browser was found to open it", err=True)
