@@ -318,6 +318,19 @@ def test_all_golden_files_open(browser: Browser, tmp_path: Path) -> None:
         )
 
 
+def test_a_notebook_shows_a_page_in_a_frame(browser: Browser, tmp_path: Path) -> None:
+    cell = deltamesh.view(scene(), title="in a cell")._repr_html_()
+    path = tmp_path / "notebook.html"
+    path.write_text(f"<!doctype html><body data-state=ready>{cell}", encoding="utf-8")
+    browser.open(path)
+    browser.of_session("POST", "/frame", id=0)
+    browser.wait("return document.body.dataset.state === 'ready'")
+    assert browser.run(browsers.MESSAGES) == ""
+    assert "in a cell" in browser.run("return document.querySelector('#names').textContent")
+    assert len(colours(browser)) > 20
+    browser.of_session("POST", "/frame", id=None)
+
+
 def test_dark_and_light_grounds_differ(browser: Browser, compared: Path) -> None:
     browser.open(compared)
     grounds = set()

@@ -4,28 +4,25 @@ from __future__ import annotations
 
 import os
 import webbrowser
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from deltamesh._progress import Progress
 from deltamesh_cli import files, options
-from deltamesh_cli.comparing import Comparison, compare_meshes, comparison_tables
+from deltamesh_cli.comparing import compare_meshes
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import attempt, process_all_and_exit
 from deltamesh_cli.meshes import LoadedMesh, load_mesh
 from deltamesh_cli.output import display_name, print_json
+from deltamesh_cli.pages import page_of_comparison, page_of_mesh
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.signals import interruptible
 from deltamesh_cli.value_types import FILE
 from deltamesh_formats.remote import is_url
 
-if TYPE_CHECKING:
-    from deltamesh._page.filling import PageFile
-
-# Bits of a coordinate of an original: a two-hundredth of a degree on meshes of a million faces.
-_BITS = 20
 _EXAMPLES = """\
 deltamesh view bunny.ply.dmesh                  writes bunny.ply.dmesh.html
 deltamesh view bunny.ply.dmesh bunny.ply        with its errors in colours
@@ -85,11 +82,12 @@ def command(
         files.check_output(name, target, force=force, text=True)
         with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
             mesh = load_mesh(name, input_format, progress, **parameters)
-            other = None
+            make = partial(page_of_mesh, name)
             if original is not None:
                 other = load_mesh(original, input_format, progress, **parameters)
+                make = partial(_beside, name, original, other)
             with attempt(name, "cannot show"):
-                page = interruptible(lambda: _page(name, mesh, original, other, progress))
+                page = interruptible(lambda: make(mesh, progress))
             data = page.encode()
             files.write_output(target, data, force=force)
         if as_json:
@@ -102,53 +100,12 @@ def command(
     process_all_and_exit([source], view, as_json=as_json)
 
 
-def _page(
-    name: str,
-    mesh: LoadedMesh,
-    original: str | None,
-    other: LoadedMesh | None,
-    progress: Progress,
+def _beside(
+    name: str, original: str, other: LoadedMesh, mesh: LoadedMesh, progress: Progress
 ) -> str:
-    """Return the page of a mesh and, if there is one, its original."""
-    from deltamesh._page.filling import page_of
-
-    held = [_page_file(name, mesh, progress)]
-    tables: list[list[tuple[str, ...]]] = []
-    if original is not None and other is not None:
-        comparison = compare_meshes(other, mesh, progress)
-        held.insert(0, _original(original, comparison, progress))
-        tables = comparison_tables(comparison)
-    progress("page")
-    return page_of(held, os.path.basename(name), tables)
-
-
-def _page_file(name: str, loaded: LoadedMesh, progress: Progress) -> PageFile:
-    """Return a mesh as the page holds it: a `.dmesh` as it is, others to the last bit."""
-    import deltamesh
-    from deltamesh._page.filling import PageFile
-    from deltamesh_formats.container.writer import write_container
-
-    if loaded.container is not None:
-        data = write_container(loaded.container)
-    else:
-        data = deltamesh.encode(loaded.mesh, method="lossless", keep_order=True, progress=progress)
-    return PageFile(os.path.basename(name), data, "", loaded.size)
-
-
-def _original(name: str, comparison: Comparison, progress: Progress) -> PageFile:
-    """Return an original as the page holds it, with the vertices and faces of the other mesh."""
-    import deltamesh
-    from deltamesh._page.alignment import aligned, shown
-    from deltamesh._page.filling import PageFile
-    from deltamesh_formats.container.layout import METHODS
-
-    match, container = comparison.match, comparison.b.container
-    mesh = shown(comparison.a.mesh) if match is None else aligned(comparison.b.mesh, match)
-    keywords: dict[str, Any] = {"method": "cartesian", "bits": _BITS}
-    if container is None or METHODS[container.parameters.method].exact:
-        keywords = {"method": "lossless"}
-    data = deltamesh.encode(mesh, keep_order=True, progress=progress, **keywords)
-    return PageFile(os.path.basename(name), data, "original", comparison.a.size)
+    """Return the page of a mesh beside its original."""
+    comparison = compare_meshes(other, mesh, progress)
+    return page_of_comparison(name, original, comparison, progress)
 
 
 def _open(target: str, quiet: bool) -> None:
