@@ -180,6 +180,24 @@ def test_damaged_files_are_refused_alike(node: str, package: Path, tmp_path: Pat
         assert (error["name"], error["offset"]) == (name, offset), (path, error)
 
 
+def test_a_vertex_of_many_neighbours_is_solved_for(
+    node: str, package: Path, tmp_path: Path
+) -> None:
+    """Its row of the normal equations would have ten million entries."""
+    n = 3200
+    t = np.linspace(0, 2 * np.pi, n, endpoint=False)
+    rim = np.stack([np.cos(t), np.sin(t), 0.1 * np.sin(9 * t)], axis=1)
+    V = np.concatenate([[[0, 0, 1.0]], rim, [[0, 0, -1.0]]])
+    i = np.arange(n)
+    top = np.stack([0 * i, 1 + i, 1 + (i + 1) % n], axis=1)
+    bottom = np.stack([0 * i + n + 1, 1 + (i + 1) % n, 1 + i], axis=1)
+    data = encode(V, np.concatenate([top, bottom]), method="highpass", bits=8, anchors=20)
+    path = tmp_path / "hub.dmesh"
+    path.write_bytes(data)
+    (found,) = decoded_by_node(node, package, tmp_path / "arrays", [path])
+    assert_alike(found["mesh"], decode(data), read_container(data))
+
+
 def test_limits_are_kept(node: str, package: Path, tmp_path: Path) -> None:
     V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     F = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])

@@ -4,9 +4,10 @@
 // anchors: normal equations, factored once, and refined by residuals of [L; S] as in A. Bjorck,
 // "Stability analysis of the method of seminormal equations", 1987.
 import { at, out, place, room } from "./core.mjs";
-import { LimitError, SolveError } from "./errors.mjs";
+import { SolveError } from "./errors.mjs";
 import { given } from "./graph.mjs";
 import { largest } from "./integers.mjs";
+import { normalEquations, tooLarge } from "./normal_equations.mjs";
 
 const REFINED = 1e-7;
 const MAX_REFINEMENTS = 5;
@@ -89,22 +90,20 @@ function sizesOf(labels, x) {
 
 /** Return the factors of the normal equations: `solve` of right-hand sides, and `free`. */
 function factorOf(core, graph, anchors) {
-  const n = graph.count;
-  const bounds = new Int32Array(n + 1);
-  core.call("dm_normal_bounds", ...given(graph), out(bounds), room(n));
-  const filled = bounds[n];
-  if (filled > MOST_ENTRIES / 8) throw tooLarge();
-  const columns = new Int32Array(filled);
-  const values = new Float64Array(filled);
-  const rows = [bounds, out(columns), out(values), filled, room(n)];
-  core.call("dm_normal_matrix", ...given(graph), anchors, anchors.length, ...rows);
-  const matrix = [bounds, n, columns, filled];
-  const order = new Int32Array(n);
-  core.call("dm_minimum_degree", ...matrix, out(order), room(filled + n), room(14 * (n + 1)));
-  return factored(core, matrix, values, planOf(core, matrix, order));
+  const { size, indptr, columns, values } = normalEquations(core, graph, anchors);
+  const matrix = [indptr, size, columns, columns.length];
+  const order = new Int32Array(size);
+  const memory = [room(columns.length + size), room(14 * (size + 1))];
+  core.call("dm_minimum_degree", ...matrix, out(order), ...memory);
+  const { solve, free } = factored(core, matrix, values, planOf(core, matrix, order));
+  if (size === graph.count) return { solve, free };
+  const padded = (b) => {
+    const whole = new Float64Array(COLUMNS * size);
+    whole.set(b);
+    return solve(whole).slice(0, b.length);
+  };
+  return { solve: padded, free };
 }
-
-const tooLarge = () => new LimitError("the edges are not those of a surface: too large a factor");
 
 /** Return the order of elimination, and the columns that are factored together. */
 function planOf(core, matrix, order) {
