@@ -11,12 +11,14 @@ from deltamesh._methods import AUTO, LOSSLESS
 from deltamesh._options import (
     ANCHOR_METHODS,
     CHOICES,
+    DEFAULT_COARSE,
     DEFAULT_EFFORT,
     DEFAULT_QUALITY,
     MAX_BITS,
     MAX_COARSE,
     MAX_EFFORT,
     MAX_QUALITY,
+    SOLUTIONS,
     check_together,
 )
 from deltamesh_cli import options
@@ -135,7 +137,7 @@ _METHOD: Final = options.combined(
         type=coarse_factor,
         metavar="C",
         help="With refined, the ratio of the step along the surface to the step across it,"
-        f" 1 to {MAX_COARSE:g}.  [default: 8, or found by search]",
+        f" 1 to {MAX_COARSE:g}.  [default: {DEFAULT_COARSE:g}, or found by search]",
     ),
 )
 
@@ -158,6 +160,13 @@ _ANCHORS: Final = options.combined(
         default=None,
         help="Pass each rounding error on to the neighbours that are coded later, which lowers the"
         " error at the same size, or use plain rounding.  [default: diffusion]",
+    ),
+    click.option(
+        "--solution",
+        type=click.Choice(SOLUTIONS),
+        help="Positions that anchors and differential coordinates give: interpolated go through the"
+        " anchors, and are found in a time that grows with the mesh alone; least-squares come as"
+        " near to both as they can.  [default: interpolated with refined, else least-squares]",
     ),
     click.option(
         "--seed",

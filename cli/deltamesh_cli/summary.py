@@ -90,6 +90,7 @@ def _parameters_object(parameters: Parameters) -> dict[str, object]:
         "anchors": parameters.anchor_count,
         "anchor_method": parameters.anchor_method,
         "anchor_step": parameters.anchor_step,
+        "solution": parameters.solution,
         "seed": parameters.seed,
         "origin": list(parameters.origin),
         "isolated_vertices": parameters.isolated,

@@ -9,6 +9,7 @@
 #include "grid.h"
 #include "hidden_edges.h"
 #include "labels.h"
+#include "multigrid.h"
 #include "parallelogram.h"
 #include "points.h"
 #include "rotation.h"
@@ -107,6 +108,9 @@ static const dm_constant CONSTANTS[] = {
     CONSTANT(DM_LEAF),
     CONSTANT(DM_WIDEST),
     CONSTANT(DM_TILE),
+    CONSTANT(DM_LANES),
+    CONSTANT(DM_MAX_LEVELS),
+    CONSTANT(DM_MAX_DENSE),
 };
 
 const dm_model *dm_find_model(const char *name)

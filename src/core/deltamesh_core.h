@@ -295,6 +295,8 @@ DM_API int dm_choose_diagonals(const int64_t *start, int64_t quads, const int64_
 DM_API int dm_farthest_points(const int64_t *indptr, int64_t n, const int64_t *indices,
                               int64_t entries, const int64_t *first, int64_t first_count,
                               int64_t *anchors, int64_t count, int64_t *distance, int64_t *queue);
+DM_API int dm_nearest(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+                      const int64_t *sources, int64_t count, int64_t *nearest, int64_t *queue);
 DM_API int dm_local_maxima(const int64_t *indptr, int64_t n, const int64_t *indices,
                            int64_t entries, const double *value, uint8_t *is_maximum);
 DM_API int dm_subtract_product(double *block, int64_t n, int64_t width, const double *W,
@@ -317,12 +319,31 @@ DM_API int dm_product_entries(const int64_t *rows, int64_t m, const int64_t *row
 /* laplacian.c */
 DM_API int dm_apply_laplacian(const int64_t *indptr, int64_t n, const int64_t *indices,
                               int64_t entries, const double *x, int64_t columns, double *out);
+DM_API int dm_smooth(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+                     double *x, int64_t columns, int64_t rounds, double *shares);
 DM_API int dm_normal_bounds(const int64_t *indptr, int64_t n, const int64_t *indices,
                             int64_t entries, int64_t *bounds, int64_t *seen);
 DM_API int dm_normal_matrix(const int64_t *indptr, int64_t n, const int64_t *indices,
                             int64_t entries, const int64_t *anchors, int64_t anchor_count,
                             const int64_t *bounds, int64_t *columns, double *values,
                             int64_t filled, int64_t *place);
+
+/* multigrid.c */
+DM_API int dm_aggregate(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
+                        const float *inverse, int32_t *aggregate, int64_t *count);
+DM_API int dm_coarsen(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
+                      const float *weights, const float *diagonal, const int32_t *aggregate,
+                      int64_t m, int32_t *coarse_indptr, int32_t *coarse_indices,
+                      float *coarse_weights, float *coarse_diagonal, int64_t *coarse_entries,
+                      int32_t *members, int32_t *starts, int32_t *place);
+DM_API int dm_factor_dense(double *factor, int64_t n);
+DM_API int dm_solve_poisson(const int64_t *sizes, const int64_t *entries, int64_t levels,
+                            const int32_t *indptr, const int32_t *indices, const float *weights,
+                            const float *diagonal, const float *inverse, const int32_t *aggregate,
+                            const double *factor, int64_t dense, const double *b, double *x,
+                            double tolerance, int64_t most, double *barrier, double *bound,
+                            int64_t *iterations, double *r, double *p, double *q, float *cycle_b,
+                            float *cycle_x);
 
 /* supernodes.c */
 DM_API int dm_plan(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,

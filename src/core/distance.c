@@ -58,6 +58,36 @@ int dm_farthest_points(const int64_t *indptr, int64_t n, const int64_t *indices,
     return DM_OK;
 }
 
+/* Set `nearest` (n,) to the source that is the fewest edges away, by its place among the sources;
+   -1 where there is none.
+
+   A breadth-first search from all sources at once, in their order: of equally near ones, the vertex
+   takes that of the neighbour which the search came to first. Scratch: queue (n,). */
+int dm_nearest(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+               const int64_t *sources, int64_t count, int64_t *nearest, int64_t *queue)
+{
+    if (!dm_is_graph(indptr, n, indices, entries) || !dm_all_in(sources, count, 0, n))
+        return DM_INVALID;
+    int64_t head = 0, tail = 0;
+    for (int64_t v = 0; v < n; v++)
+        nearest[v] = -1;
+    for (int64_t k = 0; k < count; k++) {
+        if (nearest[sources[k]] >= 0)
+            return DM_INVALID;
+        nearest[sources[k]] = k;
+        queue[tail++] = sources[k];
+    }
+    for (; head < tail; head++) {
+        const int64_t v = queue[head];
+        for (int64_t at = indptr[v]; at < indptr[v + 1]; at++) {
+            const int64_t w = indices[at];
+            if (nearest[w] < 0)
+                nearest[w] = nearest[v], queue[tail++] = w;
+        }
+    }
+    return DM_OK;
+}
+
 /* Mark the vertices whose value no neighbour exceeds; of equal neighbours the lowest index. */
 int dm_local_maxima(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
                     const double *value, uint8_t *is_maximum)

@@ -32,6 +32,31 @@ int dm_apply_laplacian(const int64_t *indptr, int64_t n, const int64_t *indices,
     return DM_OK;
 }
 
+/* Smooth x (n, columns) in place, keeping the sum of each column over a component: in every round a
+   vertex keeps half of its value and hands the rest on to its neighbours, in equal parts.
+   Scratch: shares (n, columns). */
+int dm_smooth(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries, double *x,
+              int64_t columns, int64_t rounds, double *shares)
+{
+    if (!dm_is_graph(indptr, n, indices, entries) || columns < 0)
+        return DM_INVALID;
+    for (int64_t round = 0; round < rounds; round++) {
+        for (int64_t i = 0; i < n; i++) {
+            const int64_t valence = indptr[i + 1] - indptr[i];
+            const double share = valence ? 0.5 / (double)valence : 0.0;
+            for (int64_t k = 0; k < columns; k++) {
+                shares[i * columns + k] = share * x[i * columns + k];
+                x[i * columns + k] *= valence ? 0.5 : 1.0;
+            }
+        }
+        for (int64_t i = 0; i < n; i++)
+            for (int64_t at = indptr[i]; at < indptr[i + 1]; at++)
+                for (int64_t k = 0; k < columns; k++)
+                    x[i * columns + k] += shares[indices[at] * columns + k];
+    }
+    return DM_OK;
+}
+
 /* Set the bounds (n + 1,) of the rows of L^T L. Scratch: seen (n,). */
 int dm_normal_bounds(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
                      int64_t *bounds, int64_t *seen)

@@ -60,6 +60,7 @@ def encode(
     anchor_method: str = "farthest",
     seed: int = 0,
     coarse: float | None = None,
+    solution: str | None = None,
     solver: str = "auto",
     threads: int | None = None,
     drop_isolated: bool = False,
@@ -131,8 +132,14 @@ def encode(
     seed : int
         Of the random anchors.
     coarse : float, optional
-        With "refined", the step along the surface over that across it, 1 to 64. Default: 8, or
+        With "refined", the step along the surface over that across it, 1 to 64. Default: 5, or
         what the search finds.
+    solution : {"interpolated", "least-squares"}, optional
+        What positions make of differential coordinates and anchors. "interpolated", the default of
+        "refined", go through the anchors, by a Poisson problem that multigrid solves; the encoder
+        stores what makes up for the rounding of the coordinates around each anchor.
+        "least-squares", the default of "highpass" and of 0 bits, come as near to both as they can,
+        by a factorization, as in the papers.
     solver : {"auto", "core", "rslab", "pardiso", "scipy"}
         Default: the compiled core for small meshes, else rslab or, where it is missing, scipy.
     threads : int, optional
@@ -210,6 +217,7 @@ def encode(
         anchor_method=anchor_method,
         seed=seed,
         coarse=coarse,
+        solution=solution,
         solver=solver,
         threads=threads,
         drop_isolated=drop_isolated,

@@ -125,7 +125,7 @@ def digest(
     i = integers
     all_of_them = (
         *(faces, split_points, i.values, i.anchors, i.positions, i.isolated, i.refinements),
-        *(i.corrections, i.formats, i.exponents, *further),
+        *(i.corrections, i.formats, i.exponents, i.units, i.cells, *further),
     )
     result = hashlib.blake2b(digest_size=8)
     for array in all_of_them:

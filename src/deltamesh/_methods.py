@@ -23,7 +23,7 @@ ANGLE_BOUNDS: Final = ("normal_error", "dihedral_error")
 DISTANCE_BOUNDS: Final = ("rms_error", "rms_error_rel", "max_error", "max_error_rel")
 BOUNDS: Final = ("quality", *ANGLE_BOUNDS, *DISTANCE_BOUNDS)
 # Options of the methods that have anchors.
-ANCHORING: Final = ("anchors", "anchor_method", "diffusion", "seed")
+ANCHORING: Final = ("anchors", "anchor_method", "diffusion", "seed", "solution")
 
 
 @dataclass(frozen=True)
@@ -39,15 +39,18 @@ class Method:
         (`benchmarks/memory.py`), and rounded up: coder tables; factorization and its solves.
     options : tuple of str
         The options of the encoder that mean something to it and not to all methods.
+    solution : str
+        What positions make of deltas and anchors by default; empty without anchors.
     first_step : float
         Where the search begins: the step over the mean edge for a mean normal deviation of one
-        degree, where the coarse factor is 8; medians over scans and CAD parts. 0 without a search.
+        degree, at the default coarse factor; medians over scans and CAD parts. 0 without a search.
     """
 
     layout: MethodLayout
     memory: int
     memory_per_vertex: int
     options: tuple[str, ...] = ()
+    solution: str = ""
     first_step: float = 0.0
 
     @property
@@ -61,13 +64,15 @@ REFINED: Final = Method(
     memory=256 << 20,
     memory_per_vertex=4000,
     options=(*RATES, *BOUNDS, *ANCHORING, "coarse"),
-    first_step=0.09,
+    solution=layout.INTERPOLATED,
+    first_step=0.117,
 )
 HIGHPASS: Final = Method(
     layout.METHODS["highpass"],
     memory=256 << 20,
     memory_per_vertex=4000,
     options=(*RATES, *BOUNDS, *ANCHORING),
+    solution=layout.LEAST_SQUARES,
     first_step=0.12,
 )
 CARTESIAN: Final = Method(

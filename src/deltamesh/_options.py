@@ -16,7 +16,8 @@ from deltamesh_formats.errors import OptionError
 CHOICES = (AUTO, *METHODS)
 ANCHOR_METHODS = tuple(sorted(filter(None, layout.ANCHOR_METHODS)))
 # The step of the deltas that get refined along the normals, in steps of these refinements.
-DEFAULT_COARSE = 8.0
+DEFAULT_COARSE = 5.0
+SOLUTIONS = (INTERPOLATED, LEAST_SQUARES) = (layout.INTERPOLATED, layout.LEAST_SQUARES)
 MAX_COARSE = 64.0
 SOLVERS = ("auto", "core", "rslab", "pardiso", "scipy")
 DEFAULT_QUALITY, MAX_QUALITY = 5, 9
@@ -52,6 +53,7 @@ class EncodeOptions(TypedDict, total=False):
     anchor_method: str
     seed: int
     coarse: float | None
+    solution: str | None
     solver: str
     threads: int | None
     drop_isolated: bool
@@ -96,6 +98,7 @@ class Options:
     solver: str = "auto"
     threads: int | None = None
     coarse: float | None = None
+    solution: str | None = None
     drop_isolated: bool = False
     keep_order: bool = False
     drop: tuple[str, ...] = ()
@@ -110,6 +113,10 @@ class Options:
     def __post_init__(self) -> None:
         _require_one_of("method", self.method, CHOICES)
         _require_one_of("anchor_method", self.anchor_method, ANCHOR_METHODS)
+        if self.solution is not None:
+            _require_one_of("solution", self.solution, SOLUTIONS)
+            bare = self.solution == INTERPOLATED and self.bits == 0
+            _require(not bare, "of 0 bits, anchors are not interpolated: they would be spikes")
         _require_one_of("solver", self.solver, SOLVERS)
         self._check_rate()
         _require_within("effort", self.effort, 1, MAX_EFFORT)
@@ -222,6 +229,8 @@ class Settings:
     diffusion : bool
     anchors, anchor_method, seed
         As in `Options`.
+    interpolated : bool
+        Whether positions go through the anchors.
     largest : float
         Correct the vertices that would be further than that from their input positions.
     exponents : bytes
@@ -237,6 +246,7 @@ class Settings:
     anchors: int | float | None = None
     anchor_method: str = "farthest"
     seed: int = 0
+    interpolated: bool = False
     largest: float = math.inf
     exponents: bytes = b""
 
@@ -248,6 +258,7 @@ class Settings:
 
 def settings_of(options: Options, method: str) -> Settings:
     """Return the settings that options ask of a method, whatever their bounds."""
+    solution = options.solution or METHODS[method].solution
     return Settings(
         method=method,
         bits=options.bits,
@@ -257,6 +268,7 @@ def settings_of(options: Options, method: str) -> Settings:
         anchors=options.anchors,
         anchor_method=options.anchor_method,
         seed=options.seed,
+        interpolated=solution == INTERPOLATED and options.bits != 0,
     )
 
 

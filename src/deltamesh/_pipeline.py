@@ -15,7 +15,7 @@ import numpy as np
 from deltamesh._content import NOTHING, Content
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
-from deltamesh._geometry.solve import factorization
+from deltamesh._geometry.systems import Systems
 from deltamesh._limits import check_limits, filling, memory_to_solve
 from deltamesh._measures.metrics import diagonal
 from deltamesh._methods import LOSSLESS
@@ -180,9 +180,9 @@ def decode_mesh(
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
     to_solve = memory_to_solve(container, memory)
-    factor = factorization(surface.graph, solver, threads, to_solve)
+    systems = Systems(surface, solver, threads, to_solve)
     coder = geometry_codec(parameters.method)
-    points = coder.reconstruct(surface, parameters, content.integers, factor)
+    points = coder.reconstruct(surface, parameters, content.integers, systems)
     margin = 0.0 if container.meta is None else container.meta.room
     return content.mesh(points, parameters.single, margin)
 

@@ -31,6 +31,7 @@ def test_round_trip(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_the_options_reach_the_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     line = "encode torus.ply a.dmesh --method highpass --bits 6 --anchors 20 --seed 7 --json"
+    line += " --solution interpolated"
     assert cli(line, "--anchor-method", "random", "--no-diffusion") == 0
     made = json.loads(capsys.readouterr().out)
     assert made["parameters"] | {"step": 0, "anchor_step": 0, "origin": []} == {
@@ -39,6 +40,7 @@ def test_the_options_reach_the_file(folder: Path, capsys: pytest.CaptureFixture[
         "diffusion": False,
         "anchors": 20,
         "anchor_method": "random",
+        "solution": "interpolated",
         "seed": 7,
         "isolated_vertices": 0,
         "coarse": 1,

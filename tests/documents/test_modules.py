@@ -81,11 +81,16 @@ TWINS: Mapping[str, tuple[str, ...] | str] = {
     "mesh.correspondence": ("oracle.patch",),
     "mesh.cutting": ("oracle.fans", "oracle.orient"),
     "mesh.diagonals": ("polygon_oracle.choose",),
-    "mesh.distance": ("oracle.farthest",),
+    "mesh.distance": ("oracle.farthest", "poisson_oracle.nearest"),
     "mesh.elimination": ("oracle.factor_entries",),
     "mesh.factor": ("oracle.solve_by_elimination", "oracle.factor_entries"),
     "mesh.halfedges": ("polygon_oracle.after", "polygon_oracle.before"),
-    "mesh.laplacian": ("oracle.laplacian",),
+    "mesh.laplacian": ("oracle.laplacian", "poisson_oracle.smoothed"),
+    "mesh.multigrid": (
+        "poisson_oracle.aggregates",
+        "poisson_oracle.coarsened",
+        "poisson_oracle.factor",
+    ),
     "mesh.neighbours": ("oracle.neighbours", "oracle.component_labels"),
     "mesh.outlines": ("polygon_oracle.outlines",),
 }

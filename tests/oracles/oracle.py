@@ -661,7 +661,7 @@ def normals(V, F, step):
         for v in (a, b, c):
             s[v] += cross
             area[v] += np.linalg.norm(cross)
-    length = np.linalg.norm(s, axis=1) + 1e-6 * (area + np.ravel(step) ** 2)
+    length = np.linalg.norm(s, axis=1) + 1e-3 * (area + np.ravel(step) ** 2)
     return s / length[:, None]
 
 

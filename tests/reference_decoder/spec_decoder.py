@@ -14,6 +14,7 @@ from fractions import Fraction
 from itertools import chain, count
 
 import numpy as np
+import spec_cells
 import spec_steps
 from spec_coder import Bytes, Stream, check, clamp, level, side, wrapped
 from spec_parts import neighbours_of_faces, read_parts
@@ -35,7 +36,7 @@ HIGHPASS, CARTESIAN, REFINED, LOSSLESS = 0, 1, 2, 3
 def container(data):
     """§2, §3: the counts of vertices and faces, the payloads by their id."""
     file, sections = Bytes(data), {}
-    check(file.unpack("8sHH") == (b"\x89DMS\r\n\x1a\n", 3, 0), "magic, version, reserved")
+    check(file.unpack("8sHH") == (b"\x89DMS\r\n\x1a\n", 4, 0), "magic, version, reserved")
     vertices, faces = file.varint(), file.varint()
     check(vertices <= 1 << 40 and 1 <= faces <= 1 << 40, "counts")
     file.crc(0)
@@ -50,7 +51,8 @@ def container(data):
     geometry = geometries.get(method, ["ANCH", "DELT"])
     after = ["STCH", "COPY", "POLY"] + (["STEP"] if method != b"\3" else [])
     needed = [name for name in after if name in sections]
-    further = [[], ["FIXS"]][method not in (b"\1", b"\3")] + ["ATTR", "PART", "ORDR", "FILL"]
+    further = [[], ["CELL", "FIXS"]][method not in (b"\1", b"\3")]
+    further += ["ATTR", "PART", "ORDR", "FILL"]
     further = [name for name in further if name in sections]
     order = ["PARM", "CONN", *needed, *geometry, *further, *meta]
     names = list(sections)
@@ -79,6 +81,8 @@ def parameters(payload, vertices):
     check(p["coarse"] == 1 or (p["method"] == REFINED and p["coarse"] > 1), "coarse")
     none = lossless or (p["method"] == HIGHPASS and p["bits"] == 0)
     check((p["step"] == 0) == none, "step")
+    p["interpolated"] = bool(p["flags"] & 4)
+    check(not p["interpolated"] or not (free or none), "interpolated anchors without deltas")
     check(not free or p["anchor_step"] == p["anchor_count"] == 0, "anchors")
     check(not lossless or (p["bits"] == 255 and p["x"] == p["y"] == p["z"] == 0), "lossless")
     check(max(p["isolated"], p["anchor_count"]) <= vertices, "counts of PARM")
@@ -1327,7 +1331,7 @@ def normals(x, faces, step):
         for v in face:
             s[v] += cross
             m[v] += np.linalg.norm(cross)
-    return s / (np.linalg.norm(s, axis=1, keepdims=True) + 1e-6 * (m + step**2))
+    return s / (np.linalg.norm(s, axis=1, keepdims=True) + 1e-3 * (m + step**2))
 
 
 def positions(p, faces, near, exact):
@@ -1344,7 +1348,11 @@ def positions(p, faces, near, exact):
     free = np.ones((len(vectors) - len(r), 1))
     of_vectors = np.concatenate((r, free))
     held = r[indices] if indices else free[:0]
-    all_of_them = vectors * of_vectors, points * held, isolated, fine * r[: len(fine)], fixes
+    all_of_them = [vectors * of_vectors, points * held, isolated, fine * r[: len(fine)], fixes]
+    units, of_cells = exact["units"][0] if exact["units"] else [], exact["cells"]
+    for k, unit in enumerate(units):
+        count = len(of_cells) // len(units)
+        all_of_them.append(np.ldexp(np.array(of_cells[k * count :][:count], float), unit))
     largest = max(float(np.abs(one).max(initial=0)) for one in all_of_them)
     check(
         largest * max(step * p["coarse"], p["anchor_step"]) + max(map(abs, origin)) <= 1e152,
@@ -1353,11 +1361,20 @@ def positions(p, faces, near, exact):
     if p["method"] == CARTESIAN:
         return origin + vectors * (step * of_vectors)
     system = near, indices, origin + points * (p["anchor_step"] * held)
+    y = np.zeros((2, len(indices), 3))
+    if units:
+        y[: len(units)] = spec_cells.added(units, of_cells, step, near, indices, r[:, 0])
+
+    def solved(delta, stage):
+        if p["interpolated"]:
+            return spec_cells.interpolated(delta, *system, y[stage])
+        return least_squares(delta, *system)
+
     delta = vectors * (p["coarse"] * step * r)
-    x = least_squares(delta, *system)
+    x = solved(delta, 0)
     if p["method"] == REFINED:
         delta += fine * (step * r) * normals(x, faces, p["coarse"] * step * r)
-        x = least_squares(delta, *system)
+        x = solved(delta, 1)
     if exact["corrections"]:
         x = x + step * r * fixes
     return np.concatenate((x, origin + isolated * p["anchor_step"]))
@@ -1368,7 +1385,7 @@ def positions(p, faces, near, exact):
 # §5.7, in the order of the digest
 EXACT = (
     *("faces", "copied", "vectors", "anchors", "points", "isolated", "refinements", "corrections"),
-    *("forms", "exponents"),
+    *("forms", "exponents", "units", "cells"),
 )
 
 
@@ -1446,6 +1463,11 @@ def decode(data):
         exact["vectors"] = deltas(sections["DELT"], p["step"], near)
     if p["method"] == REFINED:
         exact["refinements"] = refinements(sections["NORM"], near, exact["vectors"])
+    if "CELL" in sections:
+        stages, anchors = (2 if p["method"] == REFINED else 1), [v for (v,) in exact["anchors"]]
+        units, many = spec_cells.units_of(sections["CELL"], stages, p, near, anchors)
+        exact["units"], exact["cells"] = [units], vectors_of(sections["CELL"][stages:], [[]] * many)
+        check(any(map(any, exact["cells"])), "vectors of cells that are all 0")
     if "FIXS" in sections:
         check(p["step"] > 0, "corrections without a step")
         exact["corrections"] = vectors_of(sections["FIXS"], near)

@@ -110,9 +110,9 @@ def two_components() -> Arrays:
     return union(icosphere(1), (V + np.array([5.0, 0, 0]), F))
 
 
-def with_isolated() -> Arrays:
-    """A sphere with four vertices on no face: first, amid, and the last two."""
-    V, F = icosphere(1)
+def with_isolated(mesh: Arrays | None = None) -> Arrays:
+    """A mesh, or a sphere, with four vertices on no face: first, amid, and the last two."""
+    V, F = icosphere(1) if mesh is None else mesh
     places = np.array([0, 20, len(V), len(V)])
     number = np.arange(len(V)) + np.searchsorted(places, np.arange(len(V)), side="right")
     extra = np.array([[3.0, 0, 0], [0, 3, 0], [0, 0, 3], [0, 0, 4]])

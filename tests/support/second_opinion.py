@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import spec_attributes
 import spec_decoder
-from graphs import tolerances
+from graphs import tolerances_of
 
 from deltamesh import decode, info
-from deltamesh._measures.metrics import diagonal
 from deltamesh_formats.polymesh.mesh import Attribute
 
 
@@ -31,10 +30,7 @@ def assert_same(data: bytes) -> None:
     if info(data).parameters.method == "lossless":
         assert vertices.tobytes() == mesh.vertices.tobytes()
         return
-    error = np.abs(vertices - mesh.vertices)
-    assert error.max() <= 1e-9 * diagonal(mesh.vertices)
-    if "STEP" in info(data).sections and "COPY" not in info(data).sections:
-        assert (error <= tolerances(mesh.vertices, mesh.triangles)).all()
+    assert (np.abs(vertices - mesh.vertices) <= tolerances_of(data, mesh)).all()
 
 
 def assert_same_attribute(attribute: Attribute, found: spec_attributes.Decoded) -> None:

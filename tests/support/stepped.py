@@ -10,7 +10,7 @@ import meshes
 import numpy as np
 
 from deltamesh._geometry.methods import geometry_codec
-from deltamesh._geometry.solve import factorization
+from deltamesh._geometry.systems import Systems
 from deltamesh._measures.metrics import vertex_errors
 from deltamesh._options import Options
 from deltamesh._pipeline import Encoded, encode_mesh
@@ -76,7 +76,7 @@ def restepped(
         trial.settings, exponents=bytes(each.astype(np.uint8)), **changes
     )
     parameters, integers, decoded = coder.quantize(
-        surface, V[:used], V[used:], settings, factorization(surface.graph)
+        surface, V[:used], V[used:], settings, Systems(surface)
     )
     own = (layout.PARAMETERS, layout.META, layout.CHECK, layout.STEPS, layout.CORRECTIONS)
     payloads = {
@@ -136,6 +136,14 @@ def golden() -> list[tuple[str, meshes.Arrays, dict[str, object], Exponents, dic
             across,
             {},
         ),
+        (
+            "highpass-steps-interpolated",
+            meshes.torus(9, 7),
+            {"step": 0.05, "anchors": 8, "solution": "interpolated"},
+            across,
+            {},
+        ),
+        ("refined-steps-interpolated", scene(), fine | {"anchors": 12}, by_size, {}),
         ("refined-steps", scene(isolated=True), fine, by_size, {}),
         (
             "refined-steps-corrected",

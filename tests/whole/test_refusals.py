@@ -127,7 +127,8 @@ def test_other_magic_and_versions() -> None:
     data = FILES["farthest"]
     assert refusal(forging.with_header(data, magic=b"\x89PNG\r\n\x1a\n")).offset == 0
     assert refusal(forging.with_header(data, magic=b"\x09DMS\r\n\x1a\n")).offset == 0
-    assert "newer" in str(refusal(forging.with_header(data, version=4)))
+    assert "older" in str(refusal(forging.with_header(data, version=3)))
+    assert "newer" in str(refusal(forging.with_header(data, version=5)))
     assert "newer" in str(refusal(forging.with_header(data, version=65535)))
     assert refusal(forging.with_header(data, version=0)).offset == 8
     assert refusal(forging.with_header(data, reserved=1)).offset == 10

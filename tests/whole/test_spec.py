@@ -37,6 +37,7 @@ LONG = {
 REFUSED = sorted(places.REFUSED.glob("*.dmesh"))
 
 HIGHPASS, REFINED = {"method": "highpass"}, {"method": "refined"}
+THROUGH = {"solution": "interpolated"}
 FRESH = {
     "triangle": ((np.eye(3), np.array([[0, 1, 2]])), HIGHPASS),
     "closed": (meshes.icosphere(1), HIGHPASS | {"bits": 9}),
@@ -61,7 +62,23 @@ FRESH = {
     "0 bits": (meshes.torus(8, 6), HIGHPASS | {"bits": 0, "anchors": 8}),
     "26 bits": (meshes.icosphere(1), HIGHPASS | {"bits": 26}),
     "30 bits": (meshes.icosphere(1), HIGHPASS | {"bits": 30}),
+    "interpolated": (meshes.torus(8, 6), HIGHPASS | THROUGH | {"bits": 9, "anchors": 6}),
+    "interpolated, 26 bits": (meshes.torus(8, 6), HIGHPASS | THROUGH | {"bits": 26, "anchors": 2}),
+    "interpolated, greedy": (
+        meshes.two_components(),
+        HIGHPASS | THROUGH | {"anchor_method": "greedy", "anchors": 7},
+    ),
+    "interpolated, isolated": (meshes.with_isolated(), HIGHPASS | THROUGH | {"anchors": 5}),
     "refined": (meshes.two_components(), REFINED | {"anchors": 3}),
+    "refined, many anchors": (meshes.two_components(), REFINED | {"anchors": 30, "bits": 8}),
+    "refined, random": (
+        meshes.two_components(),
+        REFINED | {"anchor_method": "random", "seed": 7, "anchors": 12},
+    ),
+    "refined, least squares": (
+        meshes.two_components(),
+        REFINED | {"anchors": 6, "solution": "least-squares"},
+    ),
     "refined, boundary": (meshes.grid(9, 6), REFINED | {"step": 1e-3}),
     "cartesian": (meshes.torus(9, 5), {"method": "cartesian", "bits": 10}),
     "cartesian, 30 bits": (meshes.torus(9, 5), {"method": "cartesian", "bits": 30}),
@@ -86,8 +103,8 @@ KEPT = {
 # Few anchors, and a bound on the largest error that is kept best by corrections.
 CORRECTED = {
     "highpass": (meshes.grid(15, 15), HIGHPASS | {"anchors": 1}),
-    "refined": (meshes.icosphere(2), REFINED | {"anchors": 1}),
-    "refined, isolated": (meshes.with_isolated(), REFINED),
+    "refined": (meshes.grid(15, 15), REFINED | {"anchors": 1}),
+    "refined, isolated": (meshes.with_isolated(meshes.grid(15, 15)), REFINED | {"anchors": 1}),
 }
 
 

@@ -14,6 +14,8 @@ from deltamesh_formats.container.layout import (
     CHECK,
     CRC_SIZE,
     ID_SIZE,
+    INTERPOLATED,
+    LEAST_SQUARES,
     MAX_BITS,
     METHODS,
     RANDOM,
@@ -55,6 +57,9 @@ class Parameters:
         steps; multiples of 0.01. The decoder has no use for them.
     single : bool
         Whether the source holds positions in float32.
+    interpolated : bool
+        Whether the positions go through the anchors; else deltas and anchors are weighed against
+        each other, in the least-squares sense.
     """
 
     method: str
@@ -71,6 +76,14 @@ class Parameters:
     dead_zone: float = 0.0
     normal_dead_zone: float = 0.0
     single: bool = False
+    interpolated: bool = False
+
+    @property
+    def solution(self) -> str | None:
+        """Name of what positions make of deltas and anchors; None without anchors."""
+        if self.anchor_method is None:
+            return None
+        return INTERPOLATED if self.interpolated else LEAST_SQUARES
 
 
 @dataclass(frozen=True)
@@ -250,6 +263,8 @@ def parameter_faults(parameters: Parameters, vertices: int) -> Iterator[tuple[st
             yield name, f"a dead zone of {getattr(p, name)}"
     if p.seed and p.anchor_method != RANDOM:
         yield "anchor_method", f"a seed of {p.seed} for anchors that are not random"
+    if p.interpolated and (not method.anchored or stepless):
+        yield "flags", "interpolated anchors in a file without deltas"
     if not method.anchored and (p.anchor_step or p.anchor_count):
         yield "anchor_count", f"anchors in a {method.title} file"
 

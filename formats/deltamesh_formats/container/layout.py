@@ -57,7 +57,7 @@ STRING_MAX_BYTES: Final = 255
 # In the manner of PNG: a byte above 127 shows a seven-bit channel, CR LF and LF show a translation
 # of line ends, 1A stops `type` on Windows.
 MAGIC: Final = b"\x89DMS\r\n\x1a\n"
-VERSION: Final = 3
+VERSION: Final = 4
 HEADER_FIELDS: Final = (
     Field("magic", "bytes8"),
     Field("version", "u16"),
@@ -81,6 +81,7 @@ SPLIT_VERTICES: Final = "COPY"
 POLYGONS: Final = "POLY"
 STEPS: Final = "STEP"
 ANCHORS: Final = "ANCH"
+CELLS: Final = "CELL"
 DELTAS: Final = "DELT"
 NORMALS: Final = "NORM"
 CARTESIAN: Final = "CART"
@@ -113,7 +114,7 @@ class MethodLayout:
     corrected : bool
         Whether `FIXS` may follow them.
     anchored : bool
-        Whether the file has anchors, from which positions are solved for.
+        Whether the file has anchors, from which positions are solved for; `CELL` may follow, then.
     exact : bool
         Whether positions are stored to the last bit: without bits, a step, or an origin.
     bare : bool
@@ -145,7 +146,11 @@ class MethodLayout:
     @property
     def further(self) -> tuple[str, ...]:
         """The sections that may follow these, in this order."""
-        return (*((CORRECTIONS,) if self.corrected else ()), *AFTER_GEOMETRY)
+        cells, corrections = (
+            (CELLS,) if self.anchored else (),
+            (CORRECTIONS,) if self.corrected else (),
+        )
+        return (*cells, *corrections, *AFTER_GEOMETRY)
 
 
 METHODS: Final[Mapping[str, MethodLayout]] = {
@@ -196,6 +201,10 @@ SEED_FIELDS: Final = (Field("seed", "u64"),)
 RANDOM: Final = "random"
 FLAG_DIFFUSION: Final = 1
 FLAG_SINGLE: Final = 2
+FLAG_INTERPOLATED: Final = 4
+# What positions make of deltas and anchors: they go through the anchors, or come near to both.
+INTERPOLATED: Final = "interpolated"
+LEAST_SQUARES: Final = "least-squares"
 ANCHOR_METHODS: Final[Mapping[str | None, int]] = {
     "farthest": 0,
     RANDOM: 1,
@@ -359,6 +368,12 @@ MAX_ELEMENTS_PER_BYTE: Final = 15200
 MAX_EXPONENT: Final = 120
 PER_OCTAVE: Final = 4
 QUARTERS: Final = (1.0, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605)
+
+# SPEC.md#520-cell
+
+# Octaves of a unit above the step; a byte of 0 stands for the least.
+LEAST_UNIT: Final = -32
+MOST_UNIT: Final = 32
 
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:

@@ -176,11 +176,12 @@ def _read_header(view: memoryview) -> tuple[dict[str, Any], int]:
     _check_magic(view)
     # Another version may order what follows differently, so this comes before the checksum.
     version = _read_field(view, len(layout.MAGIC), "u16")[0]
-    if version > layout.VERSION:
-        message = f"container version {version} needs a newer deltamesh"
-        raise FormatError(f"{message}, this one reads {layout.VERSION}", len(layout.MAGIC))
+    if not version:
+        raise FormatError("there is no container version 0", len(layout.MAGIC))
     if version != layout.VERSION:
-        raise FormatError(f"there is no container version {version}", len(layout.MAGIC))
+        one = "a newer" if version > layout.VERSION else "an older"
+        message = f"container version {version} needs {one} deltamesh"
+        raise FormatError(f"{message}, this one reads {layout.VERSION}", len(layout.MAGIC))
     values, offsets, position = _read_fields(view, 0, layout.HEADER_FIELDS)
     _check_crc(view, 0, offsets["crc"], "the header")
     if values["reserved"]:
@@ -301,6 +302,7 @@ def read_parameters(payload: Buffer, vertices: int) -> Parameters:
         dead_zone=values["dead_zone"] / layout.ZONE_UNIT,
         normal_dead_zone=values["normal_dead_zone"] / layout.ZONE_UNIT,
         single=bool(values["flags"] & layout.FLAG_SINGLE),
+        interpolated=bool(values["flags"] & layout.FLAG_INTERPOLATED),
     )
     for field, message in parameter_faults(parameters, vertices):
         raise FormatError(message, offsets[field])

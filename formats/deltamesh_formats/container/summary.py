@@ -148,7 +148,8 @@ def _described(parameters: Parameters, finest: float) -> Iterator[str]:
     yield ": ".join(filter(None, (method.title, ", ".join(facts))))
     if parameters.anchor_method is not None:
         seed = f", seed {parameters.seed}" if parameters.anchor_method == "random" else ""
-        yield f"anchors: {parameters.anchor_count}, {parameters.anchor_method}{seed}"
+        chosen = f"{parameters.anchor_count}, {parameters.anchor_method}{seed}"
+        yield f"anchors: {chosen}, {parameters.solution}"
     if parameters.isolated:
         yield f"isolated vertices: {parameters.isolated}"
 

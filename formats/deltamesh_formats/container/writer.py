@@ -57,9 +57,10 @@ def write_parameters(parameters: Parameters) -> bytes:
         For a value that its field does not hold.
     """
     p = parameters
+    flags = p.diffusion * layout.FLAG_DIFFUSION | p.single * layout.FLAG_SINGLE
     values = {
         "method": layout.METHODS[p.method].id,
-        "flags": p.diffusion * layout.FLAG_DIFFUSION | p.single * layout.FLAG_SINGLE,
+        "flags": flags | p.interpolated * layout.FLAG_INTERPOLATED,
         "anchor_method": layout.ANCHOR_METHODS[p.anchor_method],
         "bits": layout.BITS_FROM_STEP if p.bits is None else p.bits,
         "step": p.step,

@@ -87,10 +87,10 @@ class Bounds:
         return min(self.normal_deviation, self.dihedral) < math.inf
 
     def _of_whole(self, measured: Measured) -> tuple[_Bounded, ...]:
-        e = measured.errors
+        e, doubt = measured.errors, measured.doubt
         return (
-            _Bounded("RMS distance", np.array([e.rms]), self.rms, is_length=True),
-            _Bounded("maximum distance", np.array([e.max]), self.max, is_length=True),
+            _Bounded("RMS distance", np.array([e.rms + doubt]), self.rms, is_length=True),
+            _Bounded("maximum distance", np.array([e.max + doubt]), self.max, is_length=True),
             _Bounded("normal deviation", np.array([e.normal_deviation]), self.normal_deviation),
             _Bounded("dihedral deviation", np.array([e.dihedral]), self.dihedral),
         )
@@ -99,11 +99,11 @@ class Bounds:
         e = measured.parts
         if e is None:
             return ()
-        relative = "RMS distance over the diagonal"
+        relative, doubt = "RMS distance over the diagonal", measured.doubt
         return (
             _Bounded(relative, e.relative_rms, self.part_rms, is_length=True),
-            _Bounded("RMS distance", e.rms, self.rms, is_length=True),
-            _Bounded("maximum distance", e.max, self.max, is_length=True),
+            _Bounded("RMS distance", e.rms + doubt, self.rms, is_length=True),
+            _Bounded("maximum distance", e.max + doubt, self.max, is_length=True),
             _Bounded("normal deviation", e.normal_deviation, self.part_normal),
             _Bounded("dihedral deviation", e.dihedral, self.part_dihedral),
         )

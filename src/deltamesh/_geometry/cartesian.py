@@ -14,7 +14,7 @@ import numpy as np
 from deltamesh._geometry import steps
 from deltamesh._geometry.integers import NONE, Integers, Quantized
 from deltamesh._geometry.quantize import check_size, from_grid, grid_step, to_grid
-from deltamesh._geometry.solve import Factor
+from deltamesh._geometry.systems import Systems
 from deltamesh._graph.adjacency import lowest
 from deltamesh._kernels.coding import points
 from deltamesh._kernels.coding.coder import Coder
@@ -36,7 +36,7 @@ def quantize(
     vertices: Floats,
     isolated: Floats,
     settings: Settings,
-    factor: Factor,
+    systems: Systems,
 ) -> Quantized:
     """Choose the grid, and round to its points.
 
@@ -60,7 +60,7 @@ def quantize(
     )
     integers = Integers(grid, exponents=exponents)
     check_size(from_roots(surface, integers), step * steps.ratios(integers))
-    return parameters, integers, reconstruct(surface, parameters, integers, factor)
+    return parameters, integers, reconstruct(surface, parameters, integers, systems)
 
 
 def _of_components(surface: Surface, exponents: Ints) -> tuple[Ints, int]:
@@ -76,7 +76,7 @@ def _of_components(surface: Surface, exponents: Ints) -> tuple[Ints, int]:
 
 
 def reconstruct(
-    surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
+    surface: Surface, parameters: Parameters, integers: Integers, systems: Systems
 ) -> Floats:
     """Return the grid points; there is nothing to solve."""
     each = parameters.step * steps.ratios(integers)

@@ -13,9 +13,18 @@ import numpy as np
 
 from deltamesh._geometry import anchors as choice
 from deltamesh._geometry import steps
-from deltamesh._geometry.integers import Integers, Quantized
-from deltamesh._geometry.quantize import delta_step, from_grid, quantize_delta, to_delta, to_grid
-from deltamesh._geometry.solve import Factor
+from deltamesh._geometry.cells import Cells
+from deltamesh._geometry.integers import NONE, Integers, Quantized
+from deltamesh._geometry.positions import (
+    UNITS,
+    all_positions,
+    fitted,
+    grid_points,
+    placed,
+    solved,
+)
+from deltamesh._geometry.quantize import delta_step, quantize_delta, to_delta, to_grid
+from deltamesh._geometry.systems import Systems
 from deltamesh._kernels.coding import points
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.mesh import laplacian
@@ -27,7 +36,7 @@ from deltamesh._vectors import safe_lengths
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Parameters, Section
-from deltamesh_formats.container.reader import payload_of
+from deltamesh_formats.container.reader import payload_of, take
 from deltamesh_formats.errors import FormatError, OptionError
 from deltamesh_formats.polymesh.permutations import distinct
 
@@ -43,7 +52,7 @@ def quantize(
     vertices: Floats,
     isolated: Floats,
     settings: Settings,
-    factor: Factor,
+    systems: Systems,
 ) -> Quantized:
     """Choose steps and anchors, and round deltas and anchors."""
     delta = laplacian.apply(*surface.graph, vertices)
@@ -54,16 +63,21 @@ def quantize(
         share, each = float(settings.diffusion), step * steps.ratios(integers)
         values = quantize_delta(delta, surface.graph, each, (share, share))
         integers = replace(integers, values=values)
-    parameters, integers = anchored(surface, vertices, isolated, integers, step, settings, factor)
-    W = solved(deltas(parameters, integers), parameters, integers, factor)
+    parameters, integers = anchored(surface, vertices, isolated, integers, step, settings, systems)
+    rounded, start = deltas(parameters, integers), vertices
+    if settings.interpolated:
+        parameters, integers, start = fitted(
+            delta - rounded, vertices, isolated, parameters, integers, systems
+        )
+    W = solved(rounded, parameters, integers, systems, start=start)
     return corrected(W, vertices, parameters, integers, settings)
 
 
 def reconstruct(
-    surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
+    surface: Surface, parameters: Parameters, integers: Integers, systems: Systems
 ) -> Floats:
     """Solve [L; S] x = [delta'; c] in the least-squares sense, and add the corrections."""
-    W = solved(deltas(parameters, integers), parameters, integers, factor)
+    W = solved(deltas(parameters, integers), parameters, integers, systems)
     return all_positions(W, parameters, integers)
 
 
@@ -74,34 +88,25 @@ def anchored(
     integers: Integers,
     step: float,
     settings: Settings,
-    factor: Factor,
+    systems: Systems,
 ) -> tuple[Parameters, Integers]:
     """Choose the anchors of quantized deltas, and round their positions."""
-    everything = np.concatenate([vertices, isolated])
-    origin, fine = everything.min(axis=0), _anchor_step(everything, step)
-    ratios, extra = steps.ratios(integers), steps.extra_bits(integers.exponents, len(vertices))
-    grid = to_grid(vertices, origin, fine * ratios, extra[:, None])
-    isolated_grid = to_grid(isolated, origin, fine)
-    coarse = settings.coarse if settings.layout.coarse else 1.0
-    delta = to_delta(integers.values, coarse * (step * ratios))
-    fixed = from_grid(grid, origin, fine * ratios)
-    anchors = _choose(surface, vertices, delta, fixed, settings, factor)
     parameters = Parameters(
         method=settings.method,
         diffusion=settings.diffusion,
         anchor_method=settings.anchor_method,
         bits=settings.bits,
         step=step,
-        origin=(float(origin[0]), float(origin[1]), float(origin[2])),
-        anchor_step=fine,
+        anchor_step=_anchor_step(np.concatenate([vertices, isolated]), step),
         seed=settings.seed if settings.anchor_method == layout.RANDOM else 0,
-        anchor_count=len(anchors),
         isolated=surface.isolated_count,
-        coarse=coarse,
+        coarse=settings.coarse if settings.layout.coarse else 1.0,
+        interpolated=settings.interpolated,
     )
-    return parameters, replace(
-        integers, anchors=anchors, positions=grid[anchors], isolated=isolated_grid
-    )
+    anchors = _choose(surface, vertices, parameters, integers, settings, systems)
+    integers = replace(integers, anchors=anchors)
+    parameters = replace(parameters, anchor_count=len(anchors))
+    return placed(vertices[anchors], vertices, isolated, parameters, integers)
 
 
 def corrected(
@@ -128,13 +133,6 @@ def corrected(
     return parameters, integers, all_positions(W, parameters, integers)
 
 
-def solved(delta: Floats, parameters: Parameters, integers: Integers, factor: Factor) -> Floats:
-    """Return the vertices of the faces that deltas and anchors make."""
-    each = parameters.anchor_step * steps.anchor_ratios(integers)
-    positions = from_grid(integers.positions, np.array(parameters.origin), each)
-    return factor(integers.anchors).solve(delta, positions)
-
-
 def deltas(parameters: Parameters, integers: Integers) -> Floats:
     """Return the delta coordinates as they were quantized, before any refinement."""
     return to_delta(integers.values, coarse_steps(parameters, integers))
@@ -143,14 +141,6 @@ def deltas(parameters: Parameters, integers: Integers) -> Floats:
 def coarse_steps(parameters: Parameters, integers: Integers) -> Floats:
     """Return the step of the deltas of each vertex, float64 (n, 1)."""
     return parameters.coarse * (parameters.step * steps.ratios(integers))
-
-
-def all_positions(vertices: Floats, parameters: Parameters, integers: Integers) -> Floats:
-    """Return the solution with its corrections, then the isolated vertices."""
-    if len(integers.corrections):
-        vertices = vertices + parameters.step * steps.ratios(integers) * integers.corrections
-    isolated = from_grid(integers.isolated, np.array(parameters.origin), parameters.anchor_step)
-    return np.concatenate([vertices, isolated])
 
 
 def step_of(vertices: Floats, delta: Floats, settings: Settings) -> float:
@@ -172,10 +162,10 @@ def _anchor_step(vertices: Floats, step: float) -> float:
 def _choose(
     surface: Surface,
     vertices: Floats,
-    delta: Floats,
-    fixed: Floats,
+    parameters: Parameters,
+    integers: Integers,
     settings: Settings,
-    factor: Factor,
+    systems: Systems,
 ) -> Ints:
     """Return the anchors of the settings, ascending where their indices are stored."""
     components = int(surface.labels.max(initial=-1)) + 1
@@ -183,9 +173,11 @@ def _choose(
         k = choice.count_anchors(settings.anchors, surface.vertex_count, components)
     except ValueError as error:
         raise OptionError(str(error)) from None
-    if settings.anchor_method == "greedy":
-        return np.sort(choice.greedy(surface.graph, vertices, delta, k, fixed, factor))
-    return _computed(surface, settings.anchor_method, k, settings.seed)
+    if settings.anchor_method != "greedy":
+        return _computed(surface, settings.anchor_method, k, settings.seed)
+    delta, fixed = deltas(parameters, integers), grid_points(vertices, parameters, integers)
+    system = systems.least_squares
+    return np.sort(choice.greedy(surface.graph, vertices, delta, k, fixed, system))
 
 
 def _computed(surface: Surface, method: str, k: int, seed: int) -> Ints:
@@ -196,12 +188,20 @@ def _computed(surface: Surface, method: str, k: int, seed: int) -> Ints:
 
 
 def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
-    """Return the payloads of ANCH and DELT; of STEP, where steps differ; of FIXS, if corrected."""
+    """Return the payloads of the sections that both methods with anchors have.
+
+    They are ANCH and DELT; STEP, where steps differ; CELL, where cells have lost anything; FIXS, if
+    positions are corrected.
+    """
     payloads = {
         **steps.encode(surface, integers.exponents),
         layout.ANCHORS: _encode_anchors(surface, parameters, integers),
         layout.DELTAS: encode_vectors(*surface.graph, integers.values) if parameters.step else b"",
     }
+    if len(integers.cells):
+        rows = integers.cells.reshape(-1, 3)
+        stream = encode_vectors(*_without_edges(len(rows)), rows)
+        payloads[layout.CELLS] = bytes((integers.units - layout.LEAST_UNIT).tolist()) + stream
     if len(integers.corrections):
         payloads[layout.CORRECTIONS] = encode_vectors(*surface.graph, integers.corrections)
     return payloads
@@ -221,12 +221,39 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
         else:
             values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
     integers = Integers(values, anchors, positions, isolated, exponents=exponents)
+    if layout.CELLS in sections:
+        units, cells = _decode_cells(surface, parameters, anchors, sections[layout.CELLS])
+        integers = replace(integers, units=units, cells=cells)
     if layout.CORRECTIONS not in sections:
         return integers
     with payload_of(sections[layout.CORRECTIONS]) as payload:
         if not parameters.step:
             raise FormatError("corrections in a file of 0 bits", 0)
         return replace(integers, corrections=decode_vectors(*surface.graph, payload))
+
+
+def _decode_cells(
+    surface: Surface, parameters: Parameters, anchors: Ints, section: Section
+) -> tuple[Ints, Ints]:
+    shared = Cells(surface.graph, surface.labels, anchors).shared
+    stages = len(UNITS[str(parameters.method)])
+    with payload_of(section) as payload:
+        if not (parameters.interpolated and len(shared)):
+            raise FormatError("vectors of cells that have none", 0)
+        units = np.array(take(payload, 0, stages), dtype=np.int64) + layout.LEAST_UNIT
+        if units.max() > layout.MOST_UNIT:
+            raise FormatError(f"a unit of 2^{units.max()} steps", int(np.argmax(units)))
+        values = decode_vectors(
+            *_without_edges(stages * len(shared)), payload[stages:], offset=stages
+        )
+        if not values.any():
+            raise FormatError("no cell has lost anything", stages)
+    return units, values.reshape(stages, len(shared), 3)
+
+
+def _without_edges(n: int) -> tuple[Ints, Ints]:
+    """Return the neighbours of n vertices that have none."""
+    return np.zeros(n + 1, dtype=np.int64), NONE
 
 
 def _encode_anchors(surface: Surface, parameters: Parameters, integers: Integers) -> bytes:

@@ -12,6 +12,7 @@ from deltamesh_formats.container.container import Parameters
 
 NONE: Final = np.zeros(0, dtype=np.int64)
 NO_POINTS: Final = np.zeros((0, 3), dtype=np.int64)
+NO_CELLS: Final = np.zeros((0, 0, 3), dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,11 @@ class Integers:
         Grid points of the anchors.
     isolated : int64 (i, 3)
         Grid points of the isolated vertices, where there are anchors.
+    cells : int64 (s, c, 3)
+        Of interpolated anchors, at each of s stages, what the cells of c anchors have lost; see
+        `cells`.
+    units : int64 (s,)
+        Of these, in octaves above the step.
     refinements : int64 (n, 1)
         Of the deltas along the normals.
     corrections : int64 (n, 3)
@@ -45,6 +51,8 @@ class Integers:
     anchors: Ints = field(default_factory=lambda: NONE)
     positions: Ints = field(default_factory=lambda: NO_POINTS)
     isolated: Ints = field(default_factory=lambda: NO_POINTS)
+    cells: Ints = field(default_factory=lambda: NO_CELLS)
+    units: Ints = field(default_factory=lambda: NONE)
     refinements: Ints = field(default_factory=lambda: NONE.reshape(0, 1))
     corrections: Ints = field(default_factory=lambda: NO_POINTS)
     formats: Ints = field(default_factory=lambda: NONE)

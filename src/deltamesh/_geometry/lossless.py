@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from deltamesh._geometry.integers import Integers, Quantized
-from deltamesh._geometry.solve import Factor
+from deltamesh._geometry.systems import Systems
 from deltamesh._mesh import LARGEST
 from deltamesh._methods import LOSSLESS
 from deltamesh._options import Settings
@@ -39,7 +39,7 @@ def quantize(
     vertices: Floats,
     isolated: Floats,
     settings: Settings,
-    factor: Factor,
+    systems: Systems,
 ) -> Quantized:
     """Return the bit patterns of the positions, and choose their number formats."""
     parameters = Parameters(method=LOSSLESS.name, isolated=surface.isolated_count)
@@ -58,7 +58,7 @@ def exactly(bits: Ints, formats: bytes) -> Integers:
 
 
 def reconstruct(
-    surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
+    surface: Surface, parameters: Parameters, integers: Integers, systems: Systems
 ) -> Floats:
     """Return the positions that the bit patterns are."""
     return integers.values.view(np.float64)

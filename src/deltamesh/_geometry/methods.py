@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import Protocol, cast
 
 from deltamesh._geometry.integers import Integers, Quantized
-from deltamesh._geometry.solve import Factor
+from deltamesh._geometry.systems import Systems
 from deltamesh._methods import METHODS
 from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
@@ -28,7 +28,7 @@ class GeometryCodec(Protocol):
         vertices: Floats,
         isolated: Floats,
         settings: Settings,
-        factor: Factor,
+        systems: Systems,
     ) -> Quantized:
         """Choose the parameters, and round positions to integers.
 
@@ -38,8 +38,8 @@ class GeometryCodec(Protocol):
         vertices, isolated : float64 (n, 3), (i, 3)
             Positions of the vertices of the faces in coding order, and of the others by x.
         settings : Settings
-        factor : callable
-            From `solve.factorization`. Methods without anchors solve nothing, and ignore it.
+        systems : Systems
+            Methods without anchors solve nothing, and ignore it.
 
         Returns
         -------
@@ -54,7 +54,7 @@ class GeometryCodec(Protocol):
         """
 
     def reconstruct(
-        self, surface: Surface, parameters: Parameters, integers: Integers, factor: Factor
+        self, surface: Surface, parameters: Parameters, integers: Integers, systems: Systems
     ) -> Floats:
         """Return the positions, float64 (n + i, 3); isolated vertices come last.
 

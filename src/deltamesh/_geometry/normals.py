@@ -9,7 +9,7 @@ from deltamesh_formats.array_types import Floats, Ints
 # Where the faces around a vertex all but cancel, or have collapsed, a direction would be rounding
 # noise, and encoder and decoder would disagree in it: the normal fades to zero below that share of
 # the area around the vertex, and of the square of the quantization step, instead.
-FADE = 1e-6
+FADE = 1e-3
 # Steps above so many extents of the surface leave no normals, either: the square stays finite.
 MOST_STEP = 1e150
 

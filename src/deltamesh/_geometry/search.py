@@ -27,18 +27,25 @@ from deltamesh._geometry.step_search import fit_step
 from deltamesh._geometry.trial import Attempt, ScaleError, Trial
 from deltamesh._measures.measure import Measured
 from deltamesh._methods import AUTO, CARTESIAN, HIGHPASS, METHODS, REFINED
-from deltamesh._options import DEFAULT_COARSE, Options, Settings, settings_of
+from deltamesh._options import DEFAULT_COARSE, DEFAULT_EFFORT, Options, Settings, settings_of
 from deltamesh_formats.array_types import Floats
+from deltamesh_formats.container.layout import DELTAS, NORMALS
 from deltamesh_formats.errors import MeshError, TargetError
 
 # How coarse the deltas may be, by effort, the likeliest first.
-COARSE: Final = {1: (8.0,), 2: (8.0, 4.0), 3: (8.0, 4.0, 16.0, 2.0)}
-# Where a distance, not an angle, would bound the step, four times the anchors divide distances by
-# three or so, for 0.15 bits a vertex; but not more of them than that share of the vertices.
-MORE_ANCHORS, LESS_DISTANCE = 4, 3
+COARSE: Final = {1: (5.0,), 2: (5.0, 3.0, 8.0), 3: (5.0, 3.0, 8.0, 2.0)}
+# Of effort 2, one other: finer deltas pay where they take few bytes beside the refinements, and
+# coarser ones, rarely, where they take many: that is tried where a trial takes no second.
+FEW, MANY = 1.2, 2.9
+CHEAP: Final = 60_000
+# Where a distance, not an angle, would bound the step, twice the anchors divide distances by that,
+# for 0.08 bits a vertex and more; but not more of them than that share of the vertices.
+MORE_ANCHORS, LESS_DISTANCE = 2, 1.35
 MOST_ANCHORS: Final = 0.016
-# ... and no component asks for more than so many times four.
+# ... and no component asks for more than so many times two.
 MOST_TIMES: Final = 10
+# A distance bounds the step if it is so many times nearer to its bound than an angle.
+BINDING: Final = 1.1
 # With corrections, steps change by this as long as the files shrink.
 GROWTH: Final = 1.6
 
@@ -80,6 +87,8 @@ def smallest(
     steps: Steps | None = None
     missed: list[Trial] = []
     for settings in _candidates(options, bounds):
+        if best is not None and not _may_pay(settings, best, options.effort):
+            continue
         start = _start(settings, bounds, components, best, steps)
         if best is not None and best.settings.method == settings.method:
             settings = replace(settings, anchors=best.settings.anchors)
@@ -90,6 +99,8 @@ def smallest(
             settings = replace(settings, largest=bounds.max)
         try:
             found = _fit(settings, bounds, start, components, options, attempt, best, missed)
+            if found is not None and options.anchors is None:
+                found = _with_more_anchors(found, bounds, components, options, attempt)
         except ScaleError:
             if options.method != AUTO:
                 raise
@@ -187,6 +198,39 @@ def _candidates(options: Options, bounds: Bounds) -> Iterator[Settings]:
         yield cartesian
     for c in coarse[1:]:
         yield replace(refined, coarse=c)
+
+
+def _with_more_anchors(
+    found: tuple[Trial, Steps],
+    bounds: Bounds,
+    components: Components,
+    options: Options,
+    attempt: Attempt,
+) -> tuple[Trial, Steps]:
+    """Return a smaller trial, if there is one, with more anchors, where a distance bounds it."""
+    while True:
+        trial, steps = found
+        distance, angle = (float(each.max()) for each in bounds.part_excess(trial.measured))
+        count = MORE_ANCHORS * trial.parameters.anchor_count
+        if distance < BINDING * angle or not 0 < count <= MOST_ANCHORS * len(trial.vertices):
+            return found
+        settings = replace(trial.settings, anchors=count)
+        other = _fit(settings, bounds, steps, components, options, attempt, trial, [])
+        if other is None or other[0].size >= trial.size:
+            return found
+        found = other
+
+
+def _may_pay(settings: Settings, best: Trial, effort: int) -> bool:
+    """Return whether another coarse factor is worth a trial, from the bytes of the best one."""
+    if settings.method != REFINED.name or effort > DEFAULT_EFFORT:
+        return True
+    if best.settings.method != REFINED.name:
+        return False
+    deltas, normals = (len(best.payloads.get(name, b"")) for name in (DELTAS, NORMALS))
+    if settings.coarse < best.settings.coarse:
+        return deltas < FEW * normals
+    return deltas > MANY * normals and len(best.vertices) <= CHEAP
 
 
 def _anchored(

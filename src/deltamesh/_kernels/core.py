@@ -93,6 +93,26 @@ def floats_out(array: NDArray[Any], *shape: int) -> c_void_p:
     return _pointer(array, np.float64, shape, written=True)
 
 
+def shorts(array: NDArray[Any], *shape: int) -> c_void_p:
+    """Return the pointer to int32 numbers of a shape, to be read; see `ints`."""
+    return _pointer(array, np.int32, shape, written=False)
+
+
+def shorts_out(array: NDArray[Any], *shape: int) -> c_void_p:
+    """Return the pointer to int32 numbers of a shape, to be written; see `ints`."""
+    return _pointer(array, np.int32, shape, written=True)
+
+
+def singles(array: NDArray[Any], *shape: int) -> c_void_p:
+    """Return the pointer to float32 numbers of a shape, to be read; see `ints`."""
+    return _pointer(array, np.float32, shape, written=False)
+
+
+def singles_out(array: NDArray[Any], *shape: int) -> c_void_p:
+    """Return the pointer to float32 numbers of a shape, to be written; see `ints`."""
+    return _pointer(array, np.float32, shape, written=True)
+
+
 def bools(array: NDArray[Any], *shape: int) -> c_void_p:
     """Return the pointer to flags of a shape, to be read; see `ints`."""
     return _pointer(array, np.bool_, shape, written=False)

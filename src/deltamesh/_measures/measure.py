@@ -30,12 +30,15 @@ class Measured:
         Of each part; None if the mesh is one part that has all vertices.
     lost, turned : bool (m,), or None
         See `differences.Differences`.
+    doubt : float
+        How far the vertices of another decoder may be from those that were measured.
     """
 
     errors: VertexErrors
     parts: PartErrors | None = None
     lost: Bools | None = None
     turned: Bools | None = None
+    doubt: float = 0.0
 
 
 class Measure:

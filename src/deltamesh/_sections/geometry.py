@@ -12,9 +12,10 @@ from deltamesh._geometry.bounds import Binding, Bounds, bounds_of, furthest_at_r
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.part_search import components_of
+from deltamesh._geometry.positions import doubt
 from deltamesh._geometry.search import smallest
-from deltamesh._geometry.solve import factorization
 from deltamesh._geometry.steps import anchor_ratios, ratios
+from deltamesh._geometry.systems import Systems
 from deltamesh._geometry.trial import ScaleError, Trial
 from deltamesh._limits import memory_to_encode
 from deltamesh._measures.margins import margin_of
@@ -29,7 +30,7 @@ from deltamesh._sections.draft import Cost, Draft
 from deltamesh._shape.complexes import distinct_faces
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Container, Parameters
-from deltamesh_formats.errors import LimitError, MeshError
+from deltamesh_formats.errors import LimitError, MeshError, SolveError
 
 
 def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
@@ -37,7 +38,7 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
     options = draft.options
     try:
         return _encode(draft, options)
-    except LimitError as error:
+    except (LimitError, SolveError) as error:
         if options.method != AUTO or options.bits == 0:
             raise MeshError(f"{error}; try method cartesian") from error
         return _encode(draft, replace(options, method=CARTESIAN.name, coarse=None))
@@ -47,7 +48,7 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
     structure, V = draft.shape.structure, draft.positions
     surface, used = structure.surface, structure.complex.used
     memory = memory_to_encode(surface.vertex_count)
-    factor = factorization(surface.graph, options.solver, options.threads, memory)
+    systems = Systems(surface, options.solver, options.threads, memory)
     faces, polygons = _measured(draft)
     component = np.pad(surface.labels, (0, len(V) - used), constant_values=-1)
     named = named_parts(draft.mesh, faces, polygons, component)
@@ -57,20 +58,34 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
         draft.progress(f"geometry, {settings.method}")
         coder = geometry_codec(settings.method)
         parameters, integers, decoded = coder.quantize(
-            surface, V[:used], V[used:], settings, factor
+            surface, V[:used], V[used:], settings, systems
         )
         if not has_scale(parameters, integers):
             largest = float(np.abs(V).max())
             reason = f"coordinates of {largest:g} are too large for method {settings.method}"
             raise ScaleError(f"{reason}: try lossless")
         payloads = partial(coder.encode, surface, parameters, integers)
-        return Trial(settings, parameters, integers, payloads, decoded, measure(decoded))
+        measured = replace(measure(decoded), doubt=doubt(parameters))
+        return Trial(settings, parameters, integers, payloads, decoded, measured)
+
+    def as_decoded(trial: Trial) -> Trial:
+        # A search begins its iterations elsewhere: what they find is as near to the solution.
+        if not trial.parameters.interpolated:
+            return trial
+        coder, payloads = geometry_codec(trial.settings.method), trial.payloads
+        found = coder.reconstruct(surface, trial.parameters, trial.integers, systems)
+        return replace(trial, encode=lambda: payloads, vertices=found, measured=measure(found))
 
     scale = diagonal(V)
     bounds = bounds_of(options, scale)
     components = components_of(V[:used], surface.faces, named.parts, measure.diagonals)
     furthest = furthest_at_rate(scale)
-    trial = smallest(options, bounds, components, attempt, named.name, furthest)
+    search = partial(smallest, options, bounds, components, name_of=named.name, furthest=furthest)
+    trial = search(attempt)
+    decoded = as_decoded(trial)
+    if bounds is not None and bounds.excess(decoded.measured) > 1 >= bounds.excess(trial.measured):
+        decoded = search(lambda settings: as_decoded(attempt(settings)))
+    trial = decoded
     report = report_of(trial.measured, named)
     cost = None if bounds is None else _cost(bounds.binding(trial.measured), named)
     content = replace(draft.content, integers=trial.integers)
@@ -105,6 +120,7 @@ def has_scale(p: Parameters, i: Integers) -> bool:
     of_vertices, of_anchors = ratios(i), anchor_ratios(i)
     numbers = [np.abs(a) * of_vertices[: len(a)] for a in (i.values, i.refinements, i.corrections)]
     numbers += [np.abs(i.positions) * of_anchors, np.abs(i.isolated)]
+    numbers.append(np.ldexp(np.abs(i.cells).astype(np.float64), i.units[:, None, None]))
     values = max(float(a.max(initial=0)) for a in numbers)
     steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
     return bool(values * steps + origin <= 100 * LARGEST)

@@ -124,12 +124,13 @@ def _attribute_settings(draft: Draft) -> AttributeSettings:
     options, trial = draft.options, draft.chosen
     V = trial.vertices[draft.content.structure.points]
     solved = layout.METHODS[trial.parameters.method].anchored
+    doubt = max(POSITION_TOLERANCE * diagonal(V), trial.measured.doubt)
     return AttributeSettings(
         bits_uv=options.bits_uv,
         bits_normal=options.bits_normal,
         lossless=options.lossless_attributes or options.exact,
         positions=V,
-        tolerance=POSITION_TOLERANCE * diagonal(V) if solved else 0.0,
+        tolerance=doubt if solved else 0.0,
         bits_float=options.bits_float,
         errors=options.attribute_errors,
     )

@@ -69,10 +69,15 @@ def test_text_tells_the_parameters_that_the_method_has() -> None:
     assert "anchors" not in text
     text = container_text(file_of(HIGHPASS))
     assert "8 bits, step 0.001, error diffusion" in text
-    assert "anchors: 200, random" in text
+    assert f"anchors: 200, random, seed {HIGHPASS.seed}, least-squares" in text
     assert "isolated vertices: 3" in text
     text = container_text(file_of(replace(HIGHPASS, anchor_method="random", seed=9)))
     assert "anchors: 200, random, seed 9" in text
+    through = replace(HIGHPASS, interpolated=True)
+    assert f"anchors: 200, random, seed {HIGHPASS.seed}, interpolated" in container_text(
+        file_of(through)
+    )
+    assert (through.solution, CARTESIAN.solution) == ("interpolated", None)
     text = container_text(file_of(replace(HIGHPASS, bits=None), STEP=b"\3\0\x28\x02labels"))
     assert "step 0.001 down to 9.766e-07, error diffusion" in text
     for name in ("CONN", "ANCH", "DELT", "total"):

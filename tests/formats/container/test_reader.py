@@ -132,8 +132,10 @@ def test_other_files_are_named(data, message):
 def test_versions_and_reserved_bits():
     rest = b"".join(pieces(written())[1].values())
     assert read_container(header() + rest)
-    assert refused(header(version=4) + b"anything", "version 4 needs a newer deltamesh") == 8
-    assert refused(header(version=2) + rest, "no container version 2") == 8
+    assert refused(header(version=5) + b"anything", "version 5 needs a newer deltamesh") == 8
+    for old in (1, 2, 3):
+        message = f"version {old} needs an older deltamesh, this one reads 4"
+        assert refused(header(version=old) + rest, message) == 8
     assert refused(header(version=0) + rest, "no container version 0") == 8
     for bit in range(16):
         assert refused(header(reserved=1 << bit) + rest, "reserved .* newer deltamesh") == 10

@@ -111,8 +111,16 @@ def test_surfaces_take_no_more_than_is_declared(name: str, method: str, solver: 
 @pytest.mark.parametrize("name", WILDEST)
 @pytest.mark.parametrize("method", ["refined", "highpass"])
 def test_an_encoder_refuses_what_decoders_would(name: str, method: str) -> None:
+    options = {"method": method, "solution": "least-squares", "drop_isolated": True}
     with pytest.raises(MeshError, match=r"limit of \d+ MiB; try method cartesian"):
-        deltamesh.encode(*WILDEST[name], method=method, drop_isolated=True)
+        deltamesh.encode(*WILDEST[name], **options)
+
+
+@pytest.mark.parametrize("name", WILDEST)
+def test_interpolated_anchors_need_no_more_memory_on_any_graph(name: str) -> None:
+    data = deltamesh.encode(*WILDEST[name], method="refined", step=0.1, drop_isolated=True)
+    assert read_container(data).parameters.interpolated
+    deltamesh.decode(data, memory=memory_needed(read_container(data)))
 
 
 @pytest.mark.parametrize("name", WILDEST)

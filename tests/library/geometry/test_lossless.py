@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from deltamesh import decode, encode, info
 from deltamesh._geometry import lossless
-from deltamesh._geometry.solve import factorization
+from deltamesh._geometry.systems import Systems
 from deltamesh._mesh import LARGEST
 from deltamesh._options import Options
 from deltamesh._pipeline import encode_mesh
@@ -237,7 +237,7 @@ PARAMETERS = lossless.quantize(
     meshes.icosphere(0)[0],
     np.zeros((0, 3)),
     EXACTLY,
-    factorization(SPHERE.graph),
+    Systems(SPHERE),
 )[0]
 flags, small = st.integers(0, 15), st.integers(-40, 1100)
 operation = st.builds(

@@ -8,6 +8,7 @@ import oracle
 import pytest
 import strategies
 from coders import integers_of, slow_coder
+from graphs import tolerances_of, tolerances_of_points
 from hypothesis import given
 from hypothesis import strategies as st
 from payloads import SURFACE, read_or_refused
@@ -18,7 +19,7 @@ from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.normals import vertex_normals
 from deltamesh._geometry.quantize import quantize_delta
-from deltamesh._geometry.solve import factorization
+from deltamesh._geometry.systems import Systems
 from deltamesh._graph.adjacency import adjacency
 from deltamesh._kernels.coding import delta as kernels
 from deltamesh._kernels.coding import residual
@@ -76,7 +77,7 @@ def test_solvers_agree_where_the_coarse_surface_collapses(step):
 
 def test_the_positions_are_those_of_two_dense_least_squares_problems():
     V, _ = TORUS
-    one = refined(TORUS, anchors=3, coarse=5.0)
+    one = refined(TORUS, anchors=3, coarse=5.0, solution="least-squares")
     content = read_content(info(one.data), 10**9, 2**40)
     surface, integers = content.structure.surface, content.integers
     p = info(one.data).parameters
@@ -92,14 +93,15 @@ def test_the_positions_are_those_of_two_dense_least_squares_problems():
 
 
 @pytest.mark.parametrize("name", sorted(meshes.every()))
-def test_round_trip(name):
+@pytest.mark.parametrize("solution", ["interpolated", "least-squares"])
+def test_round_trip(name, solution):
     V, F = meshes.every()[name]
-    one = refined((V, F), threads=1)
-    assert refined((V, F), threads=2).data == one.data
+    one = refined((V, F), threads=1, solution=solution)
+    assert refined((V, F), threads=2, solution=solution).data == one.data
     for solver in ("rslab", "scipy"):
         mesh = decode(one.data, solver=solver)
         assert (mesh.faces == one.mesh.faces).all()
-        assert np.abs(mesh.vertices - one.mesh.vertices).max() <= 1e-9 * diagonal(V)
+        assert (np.abs(mesh.vertices - one.mesh.vertices) <= tolerances_of(one.data, mesh)).all()
 
 
 numbers = st.integers(-(2**30), 2**30) | st.integers(-4, 4)
@@ -194,24 +196,24 @@ def test_every_flip_in_the_refinements_is_noticed():
 # ---- Corrections of the positions --------------------------------------------------------------
 
 
-def corrected(method, V, F, bound):
+def corrected(method, V, F, bound, interpolated):
     """A file in which the vertices further from where they were than the bound are corrected."""
     step = 0.02 * diagonal(V)
     surface = surface_of(F, len(V), 0)
-    settings = Settings(method, step=step, anchors=1, largest=bound)
-    factor = factorization(surface.graph)
+    settings = Settings(method, step=step, anchors=1, largest=bound, interpolated=interpolated)
     none = np.zeros((0, 3))
     module = geometry_codec(method)
-    return surface, module, module.quantize(surface, V, none, settings, factor)
+    return surface, module, module.quantize(surface, V, none, settings, Systems(surface))
 
 
+@pytest.mark.parametrize("interpolated", [False, True])
 @pytest.mark.parametrize("method", ["highpass", "refined"])
-def test_corrections_are_where_the_error_is_too_large_and_nowhere_else(method):
+def test_corrections_are_where_the_error_is_too_large_and_nowhere_else(method, interpolated):
     # A step is too long for what high-pass coding errs by on a torus.
     V, F = TORUS if method == "refined" else meshes.grid(15, 15)
-    W = corrected(method, V, F, np.inf)[2][2]
+    W = corrected(method, V, F, np.inf, interpolated)[2][2]
     bound = np.median(np.linalg.norm(W - V, axis=1))
-    surface, module, (parameters, integers, X) = corrected(method, V, F, bound)
+    surface, module, (parameters, integers, X) = corrected(method, V, F, bound, interpolated)
     far = np.linalg.norm(W - V, axis=1) > bound
     assert far.any()
     assert not far.all()
@@ -227,13 +229,16 @@ def test_corrections_are_where_the_error_is_too_large_and_nowhere_else(method):
     assert (read.corrections == integers.corrections).all()
     assert (read.values == integers.values).all()
     assert (read.refinements == integers.refinements).all()
-    again = module.reconstruct(surface, parameters, read, factorization(surface.graph))
-    np.testing.assert_array_equal(again, X)
+    again = module.reconstruct(surface, parameters, read, Systems(surface))
+    if interpolated:
+        assert (np.abs(again - X) <= tolerances_of_points(X, surface, parameters, read)).all()
+    else:
+        np.testing.assert_array_equal(again, X)
 
 
 @pytest.mark.parametrize("method", ["highpass", "refined"])
 def test_without_a_bound_nothing_is_corrected(method):
-    surface, module, (parameters, integers, _) = corrected(method, *TORUS, np.inf)
+    surface, module, (parameters, integers, _) = corrected(method, *TORUS, np.inf, True)
     assert integers.corrections.shape == (0, 3)
     assert "FIXS" not in module.encode(surface, parameters, integers)
 

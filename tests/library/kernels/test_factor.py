@@ -5,6 +5,7 @@ from __future__ import annotations
 import meshes
 import numpy as np
 import oracle
+import poisson_oracle
 import pytest
 import scipy.sparse as sparse
 from scipy.sparse.linalg import splu
@@ -49,6 +50,20 @@ def test_sums_are_in_the_order_of_the_indices() -> None:
         for j in sorted([*row, i]):
             sums += (len(row) if j == i else -1.0) * V[j]
         assert sums.tobytes() == product[i].tobytes()
+
+
+@pytest.mark.parametrize("name", MESHES)
+@pytest.mark.parametrize("rounds", [0, 1, 7])
+def test_smoothing_keeps_the_sum_of_each_component(name: str, rounds: int) -> None:
+    V, F = MESHES[name]
+    L, graph = oracle.laplacian(F, len(V)), adjacency(F, len(V))
+    for x in (V, RNG.normal(size=(len(V), 1)), RNG.normal(size=(len(V), 4))):
+        before = x.copy()
+        found = laplacian.smooth(*graph, x, rounds)
+        np.testing.assert_array_equal(x, before)
+        np.testing.assert_allclose(found, poisson_oracle.smoothed(L, x, rounds), atol=1e-12)
+        for part in poisson_oracle.parts(L):
+            np.testing.assert_allclose(found[part].sum(axis=0), x[part].sum(axis=0), atol=1e-12)
 
 
 @pytest.mark.parametrize("name", MESHES)

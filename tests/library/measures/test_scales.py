@@ -159,7 +159,7 @@ def test_any_scale(scale: float, method: str) -> None:
     again = decode(data)
     np.testing.assert_array_equal(again.triangles, F)
     away = np.abs(again.vertices - mesh.vertices).max()
-    assert away <= {"lossless": 0, "cartesian": 1e-3}.get(method, 1e-2) * scale
+    assert away <= {"lossless": 0, "cartesian": 1e-3}.get(method, 2e-2) * scale
     meta = info(data).meta
     assert away <= meta.max <= 0.02 * scale
     assert meta.normal < 2
@@ -183,7 +183,7 @@ def test_a_step_may_be_near_the_least_number(scale: float, method: str) -> None:
     V, F = meshes.icosphere(2)
     mesh = from_arrays(V * scale, F)
     again = decode(encode(mesh, method=method, keep_order=True))
-    assert np.abs(again.vertices - mesh.vertices).max() <= 0.01 * scale
+    assert np.abs(again.vertices - mesh.vertices).max() <= 0.02 * scale
 
 
 @pytest.mark.parametrize("scale", [1e-322, 5e-324])

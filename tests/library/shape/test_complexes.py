@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import spec_decoder
 import strategies
-from graphs import points_of
+from graphs import points_of, tolerances_of
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -153,7 +153,7 @@ def test_any_complex_is_decoded_from_the_specification(mesh, method):
     vertices, faces, _ = spec_decoder.decode(data)
     mesh = decode(data)
     assert (faces == mesh.faces).all()
-    assert np.abs(vertices - mesh.vertices).max() <= 1e-6
+    assert (np.abs(vertices - mesh.vertices) <= tolerances_of(data, mesh)).all()
 
 
 @pytest.mark.parametrize("name", CLEAN)

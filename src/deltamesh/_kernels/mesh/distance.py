@@ -19,6 +19,19 @@ def farthest_points(indptr: Ints, indices: Ints, first: Ints, anchors: Ints) -> 
     call("dm_farthest_points", *graph, *points, scratch(n), scratch(n))
 
 
+def nearest(indptr: Ints, indices: Ints, sources: Ints) -> Ints:
+    """Return which of the sources is the fewest edges away from each vertex, int64 (n,); -1: none.
+
+    Of equally near ones, a vertex takes that of the neighbour which a breadth-first search from all
+    sources, in their order, comes to first.
+    """
+    n, entries, count = len(indptr) - 1, len(indices), len(sources)
+    found = np.empty(n, dtype=np.int64)
+    graph = ints(indptr, n + 1), n, ints(indices, entries), entries
+    call("dm_nearest", *graph, ints(sources, count), count, ints_out(found, n), scratch(n))
+    return found
+
+
 def local_maxima(indptr: Ints, indices: Ints, value: Floats, is_maximum: Bools) -> None:
     """Mark the vertices whose value no neighbour exceeds; of equal neighbours the lowest index."""
     n, entries = len(indptr) - 1, len(indices)

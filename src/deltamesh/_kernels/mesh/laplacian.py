@@ -17,6 +17,18 @@ def apply(indptr: Ints, indices: Ints, x: Floats) -> Floats:
     return out
 
 
+def smooth(indptr: Ints, indices: Ints, x: Floats, rounds: int) -> Floats:
+    """Return x, float64 (n, c), smoothed, so that its sums over components stay as they are.
+
+    In each round a vertex keeps half of its value and hands the rest on to its neighbours, in equal
+    parts.
+    """
+    out = x.copy()
+    values = floats_out(out, *x.shape), x.shape[1], rounds, floats_out(np.empty_like(out), *x.shape)
+    call("dm_smooth", *_graph(indptr, indices), *values)
+    return out
+
+
 def normal_bounds(indptr: Ints, indices: Ints) -> Ints:
     """Return where the rows of L^T L begin and end, int64 (n + 1,)."""
     n = len(indptr) - 1

@@ -1,0 +1,112 @@
+"""Poisson problem: positions whose graph Laplacian is given, with some vertices held fixed.
+
+L_ff x_f = b_f - L_fc x_c, for the free vertices f and the fixed ones c. It takes 15 to 40
+iterations of conjugate gradients on surfaces of any size; the core has the algorithm,
+`src/core/multigrid.c`.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from deltamesh._kernels.mesh.multigrid import (
+    LANES,
+    MAX_DENSE,
+    MAX_LEVELS,
+    Hierarchy,
+    Level,
+    Shorts,
+    Singles,
+    aggregate,
+    coarsen,
+)
+from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.errors import LimitError
+
+# Entries of L that 32-bit numbers can count.
+MOST_ENTRIES: Final = (1 << 31) - 2
+# Iterations that no surface needs.
+MOST_ITERATIONS: Final = 1000
+# What rounding takes from a residual, in units of the terms of its sum.
+ROUNDINGS: Final = 4
+EPSILON: Final = float(np.finfo(np.float64).eps)
+
+
+class Poisson:
+    """The Laplacian of a graph without its fixed vertices, for any number of right-hand sides.
+
+    Parameters
+    ----------
+    graph : pair of int64 arrays (n + 1,), (2 e,)
+        Neighbour lists, from `adjacency.adjacency`.
+    fixed : int64 (k,)
+        Vertices that keep their positions; every component needs one.
+
+    Raises
+    ------
+    LimitError
+        If the graph has 2^31 entries or more.
+    """
+
+    def __init__(self, graph: tuple[Ints, Ints], fixed: Ints) -> None:
+        indptr, indices = graph
+        if max(len(indices), len(indptr)) > MOST_ENTRIES:
+            raise LimitError(f"{len(indices) // 2} edges are too many for the solver")
+        diagonal = np.diff(indptr).astype(np.float32)
+        free = diagonal > 0
+        free[fixed] = False
+        inverse = np.divide(1, diagonal, out=np.zeros_like(diagonal), where=free)
+        shorts = indptr.astype(np.int32), indices.astype(np.int32)
+        self._diagonal = diagonal
+        self._hierarchy = Hierarchy(_levels(*shorts, diagonal, inverse))
+
+    def solve(
+        self, b: Floats, x: Floats, tolerance: float = 0.0, most: int = MOST_ITERATIONS
+    ) -> tuple[Floats, float]:
+        """Return x with L x = b in the rows of the free vertices.
+
+        Parameters
+        ----------
+        b : float64 (n, 3)
+        x : float64 (n, 3)
+            Where the iterations start; fixed vertices have the positions that they keep.
+        tolerance : float
+            The most by which a coordinate may err; without one, `most` iterations are done, and no
+            error is bounded.
+
+        Returns
+        -------
+        float64 (n, 3)
+        float
+            The bound on the error: more than the tolerance after `most` iterations.
+        """
+        has_barrier = self._hierarchy.barrier > 0 or not tolerance
+        barrier = np.zeros if has_barrier else np.ones
+        rows = np.zeros((len(b), LANES))
+        rows[:, : b.shape[1]], rows[:, -1] = b, barrier(len(b))
+        start = np.zeros((len(b), LANES))
+        start[:, : x.shape[1]] = x
+        bound, _ = self._hierarchy.solve(rows, start, float(tolerance), most)
+        return start[:, : x.shape[1]].copy(), bound
+
+    def rounding(self, b: Floats, x: Floats) -> float:
+        """Return a bound on the error that solutions near x, float64 (n, 3), have by rounding."""
+        terms = np.abs(b).max(axis=1) + 2 * self._diagonal * float(np.abs(x).max(initial=0.0))
+        return self._hierarchy.barrier * ROUNDINGS * EPSILON * float(terms.max(initial=0.0))
+
+
+def _levels(indptr: Shorts, indices: Shorts, diagonal: Singles, inverse: Singles) -> list[Level]:
+    """Return the levels, the finest first, each at most half as large as the one before."""
+    none = np.full(len(diagonal), -1, dtype=np.int32)
+    weights = np.zeros(0, dtype=np.float32)
+    levels = [Level(indptr, indices, weights, diagonal, inverse, none)]
+    while len(levels) < MAX_LEVELS and (len(levels) == 1 or levels[-1].nodes > MAX_DENSE):
+        level = levels[-1]
+        found, count = aggregate(level.indptr, level.indices, level.inverse)
+        if not count:
+            break
+        level.aggregate[:] = found
+        levels.append(coarsen(level, count))
+    return levels

@@ -1,0 +1,67 @@
+"""Systems that positions are solved from, for the anchors of one surface."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import lru_cache
+from typing import TypeVar
+
+import numpy as np
+
+from deltamesh._geometry.cells import Cells
+from deltamesh._geometry.fit import Fit
+from deltamesh._geometry.interpolation import Interpolation
+from deltamesh._geometry.solve import LeastSquares, factorization
+from deltamesh._shape.surface import Surface
+from deltamesh_formats.array_types import Ints
+
+T = TypeVar("T")
+
+
+class Systems:
+    """What is made once for the anchors of a surface, and used by every trial of a search.
+
+    Each function remembers its last result: a search asks for the same again and again.
+
+    Parameters
+    ----------
+    surface : Surface
+    solver, threads, memory
+        Of the least-squares problems, see `LeastSquares`.
+    """
+
+    def __init__(
+        self,
+        surface: Surface,
+        solver: str = "auto",
+        threads: int | None = None,
+        memory: float = math.inf,
+    ) -> None:
+        graph, labels = surface.graph, surface.labels
+        self._least_squares = factorization(graph, solver, threads, memory)
+        self._cells = _remembered(lambda anchors: Cells(graph, labels, anchors))
+        self._interpolation = _remembered(lambda anchors: Interpolation(self._cells(anchors)))
+        self._fit = _remembered(lambda anchors: Fit(self._cells(anchors)))
+
+    def least_squares(self, anchors: Ints) -> LeastSquares:
+        """Return the system [L; S], factored."""
+        return self._least_squares(anchors)
+
+    def cells(self, anchors: Ints) -> Cells:
+        """Return the cells of the anchors."""
+        return self._cells(anchors)
+
+    def interpolation(self, anchors: Ints) -> Interpolation:
+        """Return the system that goes through the anchors."""
+        return self._interpolation(anchors)
+
+    def fit(self, anchors: Ints) -> Fit:
+        """Return the encoder's fit of what the cells have lost."""
+        return self._fit(anchors)
+
+
+def _remembered(make: Callable[[Ints], T]) -> Callable[[Ints], T]:
+    """Return a function of anchors that remembers its last result."""
+    last = lru_cache(maxsize=1)(lambda data: make(np.frombuffer(data, dtype=np.int64)))
+    return lambda anchors: last(anchors.tobytes())

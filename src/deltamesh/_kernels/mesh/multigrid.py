@@ -1,0 +1,196 @@
+"""Multigrid and conjugate gradients for the Poisson problem; `src/core/multigrid.c`.
+
+Matrices are symmetric, given by their rows: indptr (n + 1,) and indices as int32, of the entries
+off the diagonal, which are the negative weights as float32, or -1 without any.
+"""
+
+from __future__ import annotations
+
+from ctypes import byref, c_double
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deltamesh._kernels.core import (
+    address,
+    call,
+    constant,
+    floats,
+    floats_out,
+    ints,
+    number,
+    scratch,
+    shorts,
+    shorts_out,
+    singles,
+    singles_out,
+)
+from deltamesh_formats.array_types import Floats
+
+Shorts = NDArray[np.int32]
+Singles = NDArray[np.float32]
+
+LANES, MAX_LEVELS, MAX_DENSE = map(constant, ("DM_LANES", "DM_MAX_LEVELS", "DM_MAX_DENSE"))
+
+
+@dataclass(frozen=True)
+class Level:
+    """One level of a hierarchy.
+
+    Attributes
+    ----------
+    indptr, indices : int32 (n + 1,), (e,)
+    weights : float32 (e,), or (0,) on the finest level, where all are 1
+    diagonal, inverse : float32 (n,)
+        The latter is 0 for fixed nodes.
+    aggregate : int32 (n,)
+        The node of the next level; -1 for none.
+    """
+
+    indptr: Shorts
+    indices: Shorts
+    weights: Singles
+    diagonal: Singles
+    inverse: Singles
+    aggregate: Shorts
+
+    @property
+    def nodes(self) -> int:
+        """Nodes of the level."""
+        return len(self.diagonal)
+
+    def matrix(self) -> Floats:
+        """Return the matrix of a coarse level, dense, float64 (n, n)."""
+        dense = np.diag(self.diagonal.astype(np.float64))
+        rows = np.repeat(np.arange(self.nodes), np.diff(self.indptr))
+        dense[rows, self.indices] -= self.weights
+        return dense
+
+
+def aggregate(indptr: Shorts, indices: Shorts, inverse: Singles) -> tuple[Shorts, int]:
+    """Return the aggregate of each node, int32 (n,), or -1 where it needs none; and their number.
+
+    Fixed nodes, whose `inverse` is 0, and those without free neighbours need none.
+    """
+    n, entries, count = len(indptr) - 1, len(indices), number()
+    found = np.empty(n, dtype=np.int32)
+    graph = shorts(indptr, n + 1), n, shorts(indices, entries), entries
+    call("dm_aggregate", *graph, singles(inverse, n), shorts_out(found, n), byref(count))
+    return found, count.value
+
+
+def coarsen(level: Level, count: int) -> Level:
+    """Return the level above one with so many aggregates: P^T A P; it has no aggregates yet."""
+    n, entries, end = level.nodes, len(level.indices), number()
+    indptr = np.empty(count + 1, dtype=np.int32)
+    indices = np.empty(entries, dtype=np.int32)
+    weights = np.empty(entries, dtype=np.float32)
+    diagonal = np.empty(count, dtype=np.float32)
+    has_weights = len(level.weights) > 0
+    call(
+        "dm_coarsen",
+        shorts(level.indptr, n + 1),
+        n,
+        shorts(level.indices, entries),
+        entries,
+        singles(level.weights, entries) if has_weights else None,
+        singles(level.diagonal, n),
+        shorts(level.aggregate, n),
+        count,
+        shorts_out(indptr, count + 1),
+        shorts_out(indices, entries),
+        singles_out(weights, entries),
+        singles_out(diagonal, count),
+        byref(end),
+        *(scratch(size) for size in (n, count + 1, count + 1)),
+    )
+    e, none = end.value, np.full(count, -1, dtype=np.int32)
+    inverse = np.divide(1, diagonal, dtype=np.float32)
+    return Level(indptr, indices[:e].copy(), weights[:e].copy(), diagonal, inverse, none)
+
+
+def factor_dense(matrix: Floats) -> Floats:
+    """Return the lower triangle of Cholesky's factor of a small matrix, float64 (n, n)."""
+    factor = matrix.copy()
+    call("dm_factor_dense", floats_out(factor, *matrix.shape), len(matrix))
+    return factor
+
+
+class Hierarchy:
+    """Levels in the arrays that the core walks along.
+
+    Parameters
+    ----------
+    levels : list of Level
+        The finest first; at most `MAX_LEVELS`. The coarsest of several is solved exactly if it has
+        at most `MAX_DENSE` nodes.
+
+    Attributes
+    ----------
+    barrier : float
+        A bound on the sums of the rows of |A^-1|, which the first solve finds; 0 before.
+    """
+
+    def __init__(self, levels: list[Level]) -> None:
+        self.n = levels[0].nodes
+        self._sizes = np.array([level.nodes for level in levels], dtype=np.int64)
+        self._entries = np.array([len(level.indices) for level in levels], dtype=np.int64)
+        columns = zip(*(vars(level).values() for level in levels), strict=True)
+        self._arrays = [np.concatenate(column) for column in columns]
+        last = levels[-1]
+        is_dense = len(levels) > 1 and 0 < last.nodes <= MAX_DENSE
+        self._factor = factor_dense(last.matrix()) if is_dense else np.zeros((0, 0))
+        self.barrier = 0.0
+
+    def solve(self, b: Floats, x: Floats, tolerance: float, most: int) -> tuple[float, int]:
+        """Solve A x = b in place, from where x starts; fixed nodes keep their x.
+
+        Parameters
+        ----------
+        b, x : float64 (n, LANES)
+            The last column is for the barrier: b of 1 and x of 0 before it is known, else 0.
+        tolerance : float
+            It ends where no coordinate errs more.
+        most : int
+            Iterations after which it ends all the same.
+
+        Returns
+        -------
+        float
+            Bound on the error of the coordinates; infinite where none is proved.
+        int
+            Iterations.
+        """
+        n, levels, nodes, entries = self.n, len(self._sizes), *map(sum, self._counts())
+        indptr, indices, weights, diagonal, inverse, aggregate = self._arrays
+        barrier, bound, done = c_double(self.barrier), c_double(), number()
+        floats_of_cycle = (np.empty((nodes, LANES), dtype=np.float32) for _ in range(2))
+        call(
+            "dm_solve_poisson",
+            ints(self._sizes, levels),
+            ints(self._entries, levels),
+            levels,
+            shorts(indptr, nodes + levels),
+            shorts(indices, entries),
+            singles(weights, entries - int(self._entries[0])),
+            singles(diagonal, nodes),
+            singles(inverse, nodes),
+            shorts(aggregate, nodes),
+            floats(self._factor, *self._factor.shape),
+            len(self._factor),
+            floats(b, n, LANES),
+            floats_out(x, n, LANES),
+            tolerance,
+            most,
+            byref(barrier),
+            byref(bound),
+            byref(done),
+            *(floats_out(np.empty((n, LANES)), n, LANES) for _ in range(3)),
+            *(address(array) for array in floats_of_cycle),
+        )
+        self.barrier = barrier.value
+        return bound.value, done.value
+
+    def _counts(self) -> tuple[list[int], list[int]]:
+        return self._sizes.tolist(), self._entries.tolist()
