@@ -49,8 +49,15 @@ TARGETS = {
 }
 # A module of WebAssembly without any library, and small, for it travels in every page; whoever
 # calls it looks after its memory.
-WASM = ("-target", "wasm32-freestanding", "-mcpu=generic+bulk_memory", "-nostdlib", "-s")
-WASM_OPTIONS = ("-Os", "-Wl,--no-entry", "-Wl,-z,stack-size=1048576", "-Wl,--export=__heap_base")
+WASM = ("-target", "wasm32-freestanding", "-mcpu=generic+bulk_memory+simd128", "-nostdlib", "-s")
+WASM_OPTIONS = (
+    "-Os",
+    "-mllvm",
+    "-inline-threshold=0",
+    "-Wl,--no-entry",
+    "-Wl,-z,stack-size=1048576",
+    "-Wl,--export=__heap_base",
+)
 # Functions of the core in modules of JavaScript, quoted or as exports.
 CALLED = re.compile(r'(?:"|exports\.)(dm_\w+)')
 

@@ -7,10 +7,11 @@ it exports.
 
 from __future__ import annotations
 
-import base64
+import importlib.util
 import re
 import zlib
 from pathlib import Path
+from types import ModuleType
 
 SOURCES = Path(__file__).parent
 ENTRY = SOURCES / "viewer" / "app.mjs"
@@ -18,8 +19,10 @@ ENTRY = SOURCES / "viewer" / "app.mjs"
 _IMPORT = re.compile(r'^import \{([^}]*)\} from "(\.[^"]+)";[^\n]*\n', re.MULTILINE)
 _REEXPORT = re.compile(r'^export \{([^}]*)\} from "(\.[^"]+)";\n', re.MULTILINE)
 _EXPORT = re.compile(r"^export (?=(?:async )?(?:function|class|const) (\w+))", re.MULTILINE)
-# Of the alphabet of base 85, what HTML has a use for.
-_SAFE = str.maketrans("<>&", ".,:")
+# Templates, regular expressions, other strings, and signs that would become one with another.
+_UNCERTAIN = re.compile(r"['`/]|[+-] [+-]")
+_STRING = re.compile(r'("(?:[^"\\]|\\.)*")')
+_SPACED = re.compile(r" ?([=+\-*%<>(){}\[\],;:?&|!^]) ?")
 _COMMENT = re.compile(r"^\s*(?://[^\n]*|/\*\*.*?\*/)\n", re.MULTILINE | re.DOTALL)
 
 
@@ -54,16 +57,38 @@ def _add(module: Path, parts: dict[Path, str]) -> None:
         return f"const {{{match[1].replace(' as ', ': ')}}} = {source};\n"
 
     text = _EXPORT.sub("", _REEXPORT.sub("", _IMPORT.sub(imported, text)))
-    text = "\n".join(line.strip() for line in _COMMENT.sub("", text).splitlines() if line.strip())
+    text = "\n".join(filter(None, map(_tight, _COMMENT.sub("", text).splitlines())))
     parts[module] = (
         f"{_at(module)} = (() => {{\n{text}\nreturn {{ {', '.join(returned)} }};\n}})();\n"
     )
 
 
+def _tight(line: str) -> str:
+    """Return a line without the spaces that it does not need, outside of its strings."""
+    line = line.strip().removesuffix("// prettier-ignore").rstrip()
+    if _UNCERTAIN.search(line):
+        return line
+    return "".join(
+        part if part.startswith('"') else _SPACED.sub(r"\1", part) for part in _STRING.split(line)
+    )
+
+
 def packed(data: bytes) -> str:
-    """Return bytes deflated, in base 85, which takes 6 % less than base 64."""
+    """Return bytes deflated, as text."""
     deflater = zlib.compressobj(9, zlib.DEFLATED, -15, 9)
-    return base64.b85encode(deflater.compress(data) + deflater.flush()).decode().translate(_SAFE)
+    text: str = _module("text_of_bytes").as_text(deflater.compress(data) + deflater.flush())
+    return text
+
+
+def _module(name: str) -> ModuleType:
+    """Return a module of `deltamesh._page` that needs nothing installed."""
+    path = SOURCES.parent / "deltamesh" / "_page" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 def page(core: bytes) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import re
 from pathlib import Path
@@ -13,12 +12,12 @@ import pytest
 
 import deltamesh
 from deltamesh._page import filling
+from deltamesh._page.text_of_bytes import as_bytes
 from deltamesh_cli.commands import view
 from deltamesh_cli.program import run
 from deltamesh_formats.polymesh.mesh import from_triangles
 
 V, F = meshes.icosphere(2)
-BACK = str.maketrans(".,:", "<>&")
 
 
 @pytest.fixture(autouse=True)
@@ -49,7 +48,7 @@ def held(page: Path) -> list[tuple[str, str, int, bytes]]:
     """The name, role, size and bytes of each file in a page."""
     pattern = r'data-name="([^"]*)" data-role="([^"]*)" data-size="(\d+)">([^<]*)</script>'
     found = re.findall(pattern, page.read_text(encoding="utf-8"))
-    return [(n, r, int(s), base64.b85decode(t.translate(BACK))) for n, r, s, t in found]
+    return [(n, r, int(s), as_bytes(t)) for n, r, s, t in found]
 
 
 def test_a_file_travels_as_it_is(files: tuple[Path, Path], opened: list[str]) -> None:

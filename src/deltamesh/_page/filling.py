@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import html
 import json
 import re
@@ -11,11 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
+from deltamesh._page.text_of_bytes import as_text
 from deltamesh_formats.errors import DeltameshError
 
 PAGE: Final = Path(__file__).with_name("page.html")
-# As the page has base 85: without the letters that HTML has a use for.
-_SAFE: Final = str.maketrans("<>&", ".,:")
 _PLACE: Final = re.compile(r"\{(title|facts|meshes)\}")
 
 
@@ -81,7 +79,6 @@ def _template() -> str:
 
 
 def _element(file: PageFile) -> str:
-    text = base64.b85encode(file.data).decode().translate(_SAFE)
     name = html.escape(file.name, quote=True)
     attributes = f'data-name="{name}" data-role="{file.role}" data-size="{file.size}"'
-    return f'<script type="text/plain" class="mesh" {attributes}>{text}</script>'
+    return f'<script type="text/plain" class="mesh" {attributes}>{as_text(file.data)}</script>'

@@ -54,12 +54,11 @@ function readHeader(bytes) {
   checkMagic(bytes);
   // Another version may order what follows differently, so this comes before the checksum.
   const [version] = readField(bytes, MAGIC.length, "u16");
-  if (version > VERSION) {
-    const reason = `container version ${version} needs a newer deltamesh`;
-    throw new FormatError(`${reason}, this one reads ${VERSION}`, MAGIC.length);
-  }
+  if (!version) throw new FormatError("there is no container version 0", MAGIC.length);
   if (version !== VERSION) {
-    throw new FormatError(`there is no container version ${version}`, MAGIC.length);
+    const one = version > VERSION ? "a newer" : "an older";
+    const reason = `container version ${version} needs ${one} deltamesh`;
+    throw new FormatError(`${reason}, this one reads ${VERSION}`, MAGIC.length);
   }
   const [values, offsets, position] = readFields(bytes, 0, HEADER_FIELDS);
   checkCrc(bytes, 0, offsets.crc, "the header");

@@ -10,13 +10,23 @@ const POSITION = 40;
 const MIXER = 96;
 
 /** Array that a call fills in; the call also gets what is in it. */
-export const out = (array) => ({ out: array });
+export const out = (array) => ({ array, isOut: true, isWide: isWide(array) });
+/** Int32Array that is handed over as it is, and one that a call fills in. */
+export const shorts = (array) => ({ array });
+export const shortsOut = (array) => ({ array, isOut: true });
+/** Number that is handed over as a double. */
+export const real = (number) => ({ real: number });
 /** Memory of so many numbers of 64 bits, of any value. */
 export const room = (count) => ({ room: count });
 /** Address of what a call made, or was given, before. */
 export const at = (address) => ({ address });
 /** Place for a number that a call sets. */
 export const place = () => ({ value: 0n });
+
+// Indices are of 32 bits here, and of 64 in the core.
+const isWide = (array) => array instanceof Int32Array;
+const asArray = (argument) =>
+  ArrayBuffer.isView(argument) ? { array: argument, isWide: isWide(argument) } : argument;
 
 /** Return a module: of its bytes, of a Response of them, of a promise of either, or itself. */
 export async function compiled(source) {
@@ -62,10 +72,11 @@ export class Core {
    * Call a function; return its status, 0 or that of a corrupt stream.
    *
    * An argument is a number, of 64 bits; a typed array, whose Int32s are handed over as numbers of
-   * 64 bits; or what `out`, `room`, `at` and `place` make.
+   * 64 bits; or what `out`, `shorts`, `shortsOut`, `real`, `room`, `at` and `place` make.
    */
-  call(name, ...given) {
+  call(name, ...all) {
     return this.withMemory((allocate) => {
+      const given = all.map(asArray);
       const values = given.map((argument) => this.#allocated(argument, allocate));
       given.forEach((argument, i) => this.#write(argument, values[i]));
       const status = this.exports[name](...values);
@@ -78,22 +89,21 @@ export class Core {
   #allocated(argument, allocate) {
     if (typeof argument === "number") return BigInt(argument);
     if (typeof argument === "bigint") return argument;
+    if (argument.real !== undefined) return argument.real;
     if (argument.address !== undefined) return argument.address;
     if (argument.value !== undefined) return allocate(8);
     if (argument.room !== undefined) return allocate(8 * argument.room);
-    const array = argument.out ?? argument;
-    return allocate(array instanceof Int32Array ? 8 * array.length : array.byteLength);
+    return allocate(argument.array.byteLength * (argument.isWide ? 2 : 1));
   }
 
-  #write(argument, address) {
-    const array = argument.out ?? argument;
-    if (array instanceof Int32Array) {
+  #write({ array, isWide: wide }, address) {
+    if (wide) {
       const words = new Int32Array(this.exports.memory.buffer, address, 2 * array.length);
       for (let i = 0; i < array.length; i++) {
         words[2 * i] = array[i];
         words[2 * i + 1] = array[i] >> 31;
       }
-    } else if (ArrayBuffer.isView(array)) {
+    } else if (array) {
       this.bytes(address, array.byteLength).set(
         new Uint8Array(array.buffer, array.byteOffset, array.byteLength),
       );
@@ -101,11 +111,11 @@ export class Core {
   }
 
   #read(argument, address) {
-    const array = argument.out;
-    if (array instanceof Int32Array) {
+    const { array, isOut, isWide: wide } = argument;
+    if (isOut && wide) {
       const words = new Int32Array(this.exports.memory.buffer, address, 2 * array.length);
       for (let i = 0; i < array.length; i++) array[i] = words[2 * i];
-    } else if (array) {
+    } else if (isOut) {
       const copy = this.bytes(address, array.byteLength);
       new Uint8Array(array.buffer, array.byteOffset, array.byteLength).set(copy);
     } else if (argument.value !== undefined) {

@@ -17,7 +17,7 @@ export function digested({ structure, integers, order, attributes, parts }) {
   const { faces, points, split, merged } = structure;
   const i = integers;
   const arrays = [faces, ...(split ? [points] : []), i.values, i.anchors, i.positions, i.isolated];
-  arrays.push(i.refinements, i.corrections, i.formats, i.exponents);
+  arrays.push(i.refinements, i.corrections, i.formats, i.exponents, i.units, i.cells);
   if (order) arrays.push(order.vertices, order.polygons, order.rotations);
   if (merged.length) arrays.push(merged);
   for (const { owners, labels, codes } of attributes) {

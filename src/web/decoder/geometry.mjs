@@ -3,16 +3,21 @@
 // All integers are as they are digested; sections that a method has not leave theirs empty.
 import { readVarint, take } from "./bytes.mjs";
 import { decodeAnchors } from "./anchors.mjs";
+import { sharedCells } from "./cells.mjs";
 import { out } from "./core.mjs";
 import { FormatError } from "./errors.mjs";
 import { decodeExact } from "./exact.mjs";
-import { given, lowestOf } from "./graph.mjs";
+import { alone, given, lowestOf } from "./graph.mjs";
 import { doubled } from "./integers.mjs";
 import { decodeThree, decodeVectors } from "./labels.mjs";
-import { POSITION_LARGEST } from "./layout.mjs";
+import { LEAST_UNIT, MOST_UNIT, POSITION_LARGEST } from "./layout.mjs";
 import { vertexNormals } from "./normals.mjs";
+import { greatest } from "./poisson.mjs";
 import { solverOf } from "./solver.mjs";
 import { decodeSteps, extraBits, ratiosOf, readGridBits } from "./steps.mjs";
+
+// Solves that a method takes, one after the other.
+const STAGES = { highpass: 1, refined: 2 };
 
 const NONE = new Int32Array(0);
 const NOTHING = {
@@ -24,6 +29,8 @@ const NOTHING = {
   corrections: NONE,
   formats: NONE,
   exponents: NONE,
+  units: NONE,
+  cells: NONE,
 };
 
 /** Return the integers of the geometry of a file. */
@@ -54,6 +61,9 @@ function decodeDifferences(core, { sections, parameters }, surface, exponents) {
     if (payload.length) throw new FormatError("deltas in a file of 0 bits", 0);
     return new Int32Array(3 * n);
   });
+  const lost = sections
+    .get("CELL")
+    ?.read((payload) => decodeCells(core, payload, parameters, surface, found.anchors));
   const corrections = sections.get("FIXS")?.read((payload) => {
     if (!parameters.step) throw new FormatError("corrections in a file of 0 bits", 0);
     return vectors(payload);
@@ -68,11 +78,28 @@ function decodeDifferences(core, { sections, parameters }, surface, exponents) {
   return {
     ...NOTHING,
     ...found,
+    ...lost,
     values,
     exponents,
     corrections: corrections ?? NONE,
     refinements: refinements ?? NONE,
   };
+}
+
+/** Return what the cells of anchors have lost at each stage, and its units in octaves. */
+function decodeCells(core, payload, { method, interpolated }, { labels }, anchors) {
+  const shared = sharedCells(labels, anchors);
+  const stages = STAGES[method.name];
+  if (!(interpolated && shared.length)) {
+    throw new FormatError("vectors of cells that have none", 0);
+  }
+  const units = Int32Array.from(take(payload, 0, stages), (byte) => byte + LEAST_UNIT);
+  const most = units.indexOf(Math.max(...units));
+  if (units[most] > MOST_UNIT) throw new FormatError(`a unit of 2^${units[most]} steps`, most);
+  const rows = alone(stages * shared.length);
+  const cells = decodeVectors(core, payload.subarray(stages), rows, stages);
+  if (cells.every((x) => !x)) throw new FormatError("no cell has lost anything", stages);
+  return { units, cells };
 }
 
 /** Return the grid points of a Cartesian file. */
@@ -130,7 +157,7 @@ export function checkScale({ parameters, sections }, integers) {
 
 function largestOf(integers, { method }) {
   if (method.exact) return 0;
-  const { values, refinements, corrections, positions, isolated, anchors, exponents } = integers;
+  const { values, refinements, corrections, positions, isolated, anchors, exponents, units, cells } = integers;
   const ratios = ratiosOf(exponents, exponents.length);
   let most = 0;
   const look = (numbers, width, vertexOf) => {
@@ -146,6 +173,10 @@ function largestOf(integers, { method }) {
   look(corrections, 3, same);
   look(positions, 3, (i) => anchors[i]);
   look(isolated, 3, null);
+  const each = cells.length / (units.length || 1);
+  units.forEach((unit, stage) => {
+    most = Math.max(most, greatest(cells.subarray(stage * each, (stage + 1) * each)) * 2 ** unit);
+  });
   return most;
 }
 
@@ -162,25 +193,32 @@ function onGrid(points, origin, stepOf) {
   return floatsOf(points).map((g, i) => origin[i % 3] + g * stepOf(Math.floor(i / 3)));
 }
 
-/** Return the least-squares solution of deltas and anchors, refined and corrected. */
+/** Return the solution of deltas and anchors, refined and corrected. */
 function solved(core, parameters, integers, surface, ratios) {
-  const { step, origin, anchorStep, coarse } = parameters;
+  const { step, origin, anchorStep, coarse, interpolated } = parameters;
   const { values, anchors, positions, isolated, refinements, corrections } = integers;
   const fixed = onGrid(positions, origin, (i) => anchorStep * ratios[anchors[i]]);
-  const coarseStep = (v) => coarse * (step * ratios[v]);
-  const delta = floatsOf(values).map((d, i) => d * coarseStep(Math.floor(i / 3)));
-  const solver = solverOf(core, surface.graph, surface.labels, anchors);
+  const delta = floatsOf(values).map((d, i) => d * (coarse * (step * ratios[Math.floor(i / 3)])));
+  const solver = solverOf(core, surface.graph, surface.labels, anchors, interpolated);
+  const steps = Float64Array.from({ length: surface.count }, (_, v) => step * ratios[v]);
+  const solve = (stage, isLast, start) => {
+    const lost = interpolated ? lostOf(parameters, integers, solver.cells, ratios, stage) : null;
+    return solver.solve(delta, fixed, { steps, lost, start, isLast });
+  };
   let points;
   try {
-    points = solver.solve(delta, fixed);
+    points = solve(0, !refinements.length, null);
     if (refinements.length) {
-      const steps = Float64Array.from({ length: surface.count }, (_, v) => coarseStep(v));
-      const normals = vertexNormals(points, surface.faces, steps);
+      const normals = vertexNormals(
+        points,
+        surface.faces,
+        steps.map((s) => coarse * s),
+      );
       for (let i = 0; i < delta.length; i++) {
         const v = Math.floor(i / 3);
-        delta[i] += step * ratios[v] * refinements[v] * normals[i];
+        delta[i] += steps[v] * refinements[v] * normals[i];
       }
-      points = solver.solve(delta, fixed);
+      points = solve(1, true, points);
     }
   } finally {
     solver.free();
@@ -188,8 +226,22 @@ function solved(core, parameters, integers, surface, ratios) {
   const all = new Float64Array(points.length + isolated.length);
   all.set(points);
   for (let i = 0; i < corrections.length; i++) {
-    all[i] += step * ratios[Math.floor(i / 3)] * corrections[i];
+    all[i] += steps[Math.floor(i / 3)] * corrections[i];
   }
   all.set(onGrid(isolated, origin, () => anchorStep), points.length);
   return all;
+}
+
+/** Return what is added to the deltas of each cell at a stage, three numbers each. */
+function lostOf({ step }, { anchors, units, cells }, { shared, sizes }, ratios, stage) {
+  const lost = new Float64Array(3 * anchors.length);
+  if (!cells.length) return lost;
+  const unit = step * 2 ** units[stage];
+  shared.forEach((cell, i) => {
+    for (let a = 0; a < 3; a++) {
+      const number = cells[3 * (stage * shared.length + i) + a];
+      lost[3 * cell + a] = (number * (unit * ratios[anchors[cell]])) / sizes[cell];
+    }
+  });
+  return lost;
 }

@@ -1,7 +1,7 @@
 // Constants of the `.dmesh` container, in the order of formats/SPEC.md.
 
 export const MAGIC = [0x89, 0x44, 0x4d, 0x53, 0x0d, 0x0a, 0x1a, 0x0a];
-export const VERSION = 3;
+export const VERSION = 4;
 export const VARINT_MAX_BYTES = 9;
 export const MAX_COUNT = 2 ** 40;
 export const ID_SIZE = 4;
@@ -62,6 +62,7 @@ export const KNOWN = new Set([
   "CONN",
   "meta",
   "CHEK",
+  "CELL",
   "FIXS",
   ...AFTER_CONNECTIVITY,
   ...AFTER_GEOMETRY,
@@ -92,6 +93,7 @@ export const ANCHOR_METHODS = new Map([
   [255, null],
 ]);
 export const FLAG_SINGLE = 2;
+export const FLAG_INTERPOLATED = 4;
 export const MAX_BITS = 62;
 export const BITS_FROM_STEP = 255;
 
@@ -149,12 +151,15 @@ export const MAX_NORMAL_BITS = 30;
 export const MAX_ELEMENTS_PER_BYTE = 15200;
 export const MAX_EXPONENT = 120;
 export const PER_OCTAVE = 4;
+export const LEAST_UNIT = -32;
+export const MOST_UNIT = 32;
 export const QUARTERS = [1, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605];
 
 /** Return the sections that a file of a method begins with, where those `present` are. */
 export function required(method, present) {
   const after = AFTER_CONNECTIVITY.filter((id) => id !== "STEP" || !method.exact);
-  const further = [...(method.corrected ? ["FIXS"] : []), ...AFTER_GEOMETRY];
+  const cells = method.anchored ? ["CELL"] : [];
+  const further = [...cells, ...(method.corrected ? ["FIXS"] : []), ...AFTER_GEOMETRY];
   const there = (ids) => ids.filter((id) => present.has(id));
   return ["PARM", "CONN", ...there(after), ...method.geometry, ...there(further)];
 }

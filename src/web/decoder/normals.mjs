@@ -1,6 +1,6 @@
 // Normals of a reconstructed surface at its vertices (SPEC.md 5.5).
 
-const FADE = 1e-6;
+const FADE = 1e-3;
 const MOST_STEP = 1e150;
 
 /** Return the longest side of the bounding box of points. */

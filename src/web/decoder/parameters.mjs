@@ -4,6 +4,7 @@ import { FormatError, spelled } from "./errors.mjs";
 import {
   ANCHOR_METHODS,
   BITS_FROM_STEP,
+  FLAG_INTERPOLATED,
   FLAG_SINGLE,
   MAX_BITS,
   METHODS,
@@ -39,6 +40,7 @@ export function readParameters(payload, vertices) {
     isolated: values.isolated,
     coarse: values.coarse,
     single: (values.flags & FLAG_SINGLE) > 0,
+    interpolated: (values.flags & FLAG_INTERPOLATED) > 0,
   };
   for (const [field, reason] of parameterFaults(parameters, vertices)) {
     throw new FormatError(reason, offsets[field]);
@@ -74,6 +76,9 @@ function* parameterFaults(p, vertices) {
   }
   if (!(p.coarse >= 1 && p.coarse < Infinity && (method.coarse || p.coarse === 1))) {
     yield ["coarse", `method ${method.name} with deltas ${spelled(p.coarse)} times as coarse`];
+  }
+  if (p.interpolated && (!method.anchored || stepless)) {
+    yield ["flags", "interpolated anchors in a file without deltas"];
   }
   if (!method.anchored && (p.anchorStep || p.anchorCount)) {
     yield ["anchor_count", `anchors in a ${method.title} file`];

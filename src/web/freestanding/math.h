@@ -3,9 +3,16 @@
 #define DELTAMESH_FREESTANDING_MATH_H
 
 #define INFINITY __builtin_inf()
+#define HUGE_VAL __builtin_huge_val()
 #define fabs(x) __builtin_fabs(x)
 #define isfinite(x) __builtin_isfinite(x)
 #define rint(x) __builtin_rint(x)
 #define sqrt(x) __builtin_sqrt(x)
+
+/* The instruction f64.max returns NaN for NaN, other than the function. */
+static inline double fmax(double a, double b)
+{
+    return a != a ? b : (b != b || a > b ? a : b);
+}
 
 #endif

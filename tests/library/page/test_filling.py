@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import re
 from pathlib import Path
@@ -13,9 +12,9 @@ import pytest
 from deltamesh import DeltameshError
 from deltamesh._page import filling
 from deltamesh._page.filling import PageFile, page_of
+from deltamesh._page.text_of_bytes import as_bytes
 
 TEMPLATE = "<title>{title}</title><script>{facts}</script>\n{meshes}\n"
-BACK = str.maketrans(".,:", "<>&")
 
 
 @pytest.fixture(autouse=True)
@@ -29,7 +28,7 @@ def template(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def held(page: str) -> list[tuple[str, bytes]]:
     """The names and the bytes of the files in a page."""
     found = re.findall(r'data-name="([^"]*)"[^>]*>([^<]*)</script>', page)
-    return [(name, base64.b85decode(text.translate(BACK))) for name, text in found]
+    return [(name, as_bytes(text)) for name, text in found]
 
 
 @pytest.mark.parametrize("size", [0, 1, 2, 3, 4, 5, 1000])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import html
 import re
 from pathlib import Path
@@ -15,12 +14,12 @@ import deltamesh
 from deltamesh import Page, view
 from deltamesh._page import filling
 from deltamesh._page.holding import held, held_original
+from deltamesh._page.text_of_bytes import as_bytes
 from deltamesh._page.viewing import Page as Own
 from deltamesh_formats.polymesh.mesh import from_triangles
 
 V, F = meshes.icosphere(1)
 MESH = from_triangles(V, F)
-BACK = str.maketrans(".,:", "<>&")
 
 
 @pytest.fixture(autouse=True)
@@ -34,7 +33,7 @@ def files(page: Page) -> list[tuple[str, str, bytes]]:
     """The name, role and bytes of each file in a page."""
     pattern = r'data-name="([^"]*)" data-role="([^"]*)"[^>]*>([^<]*)</script>'
     found = re.findall(pattern, page.html)
-    return [(name, role, base64.b85decode(text.translate(BACK))) for name, role, text in found]
+    return [(name, role, as_bytes(text)) for name, role, text in found]
 
 
 def test_a_file_is_held_as_it_is() -> None:
