@@ -159,7 +159,7 @@ def build_wasm(module: Path, names: Sequence[str] = ()) -> Path:
     """
     library = WEB / "freestanding"
     exports = [f"-Wl,--export={name}" for name in names] or ["-Wl,--export-dynamic"]
-    linked = [*WASM_OPTIONS, *exports, str(library / "string.c")]
+    linked = [*WASM_OPTIONS, *exports, *map(str, sorted(library.glob("*.c")))]
     _compile([*zig(), *WASM, f"-I{library}"], module, linked)
     return module
 

@@ -1,6 +1,6 @@
 // Reader of the container: bytes from anywhere become sections, parameters and counts.
 import { readField, readFields, readTable, readVarint, take, varintSize } from "./bytes.mjs";
-import { crc32 } from "./checksums.mjs";
+import { crc32 } from "./crc32.mjs";
 import { FormatError, located } from "./errors.mjs";
 import {
   CRC_SIZE,

@@ -51,7 +51,7 @@ export function inspect(bytes) {
 export function decode(core, bytes, { maxVertices = MAX_VERTICES, memory = MEMORY } = {}) {
   const container = readContainer(bytes);
   const content = readContent(core, container, maxVertices, memory);
-  checkDigest(container, content);
+  checkDigest(core, container, content);
   checkScale(container, content.integers);
   const { surface } = content.structure;
   const points = reconstructed(core, container, content.integers, surface);
@@ -94,8 +94,8 @@ function readStructure(core, { sections, vertices, triangles }, counts) {
   return structure;
 }
 
-function checkDigest({ digest, sections }, content) {
-  const found = digestOf(digested(content));
+function checkDigest(core, { digest, sections }, content) {
+  const found = digestOf(core, digested(content));
   if (!digest.every((byte, i) => byte === found[i])) {
     const reason = "the checksum of the decoded integers is wrong";
     throw new FormatError(reason, sections.get("CHEK").offset);

@@ -1,15 +1,19 @@
 // Digest of everything exact that a decoder makes (SPEC.md 5.7).
-import { Blake2b } from "./checksums.mjs";
-import { widened, wordsOf } from "./integers.mjs";
+import { at, out } from "./core.mjs";
 
-/** Return the digest of arrays of integers. */
-export function digestOf(arrays) {
-  const digest = new Blake2b();
-  for (const array of arrays) {
-    const wide = array instanceof BigInt64Array ? array : widened(array);
-    digest.update(wordsOf(wide));
-  }
-  return digest.digest();
+// Bytes of the state of a digest: 25 numbers, and some.
+const STATE = 256;
+
+/** Return the digest, 8 bytes, of arrays of integers, or of what are the bits of some. */
+export function digestOf(core, arrays) {
+  return core.withMemory((allocate) => {
+    const state = at(allocate(STATE));
+    core.call("dm_begin_digest", state);
+    for (const array of arrays) core.call("dm_take_numbers", state, array, array.length);
+    const digest = new Uint8Array(8);
+    core.call("dm_end_digest", state, out(digest));
+    return digest;
+  });
 }
 
 /** Return the arrays of a file that its digest covers, in their order. */
@@ -27,7 +31,7 @@ export function digested({ structure, integers, order, attributes, parts }) {
     arrays.push(parts.text);
     for (const { ofFace, transforms } of parts.divisions) {
       arrays.push(ofFace);
-      if (transforms) arrays.push(new BigInt64Array(transforms.buffer.slice(0)));
+      if (transforms) arrays.push(transforms);
     }
   }
   return arrays;

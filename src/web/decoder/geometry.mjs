@@ -142,7 +142,7 @@ function decodeRoots(core, payload, roots, exponents) {
 }
 
 /** Return numbers as doubles, whatever holds them. */
-export const floatsOf = (numbers) =>
+const floatsOf = (numbers) =>
   numbers instanceof BigInt64Array ? doubled(numbers) : Float64Array.from(numbers);
 
 /** Refuse integers that mean positions that no mesh has (SPEC.md 5.8). */

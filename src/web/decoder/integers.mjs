@@ -11,14 +11,6 @@ export function widened(numbers) {
   return wide;
 }
 
-/** Return the low words of numbers of 64 bits: the numbers themselves where 32 bits hold them. */
-export function narrowed(wide) {
-  const words = wordsOf(wide);
-  const numbers = new Int32Array(wide.length);
-  for (let i = 0; i < numbers.length; i++) numbers[i] = words[2 * i];
-  return numbers;
-}
-
 /** Return numbers of 64 bits as doubles, each rounded once. */
 export function doubled(wide) {
   const words = wordsOf(wide);

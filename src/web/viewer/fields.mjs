@@ -37,7 +37,7 @@ export function fieldOf(kind, mesh, original, diagonal) {
 }
 
 /** Return whether two meshes have the same triangles. */
-export function isAlike(mesh, other) {
+function isAlike(mesh, other) {
   const [a, b] = [mesh.triangles, other.triangles];
   if (mesh.positions.length !== other.positions.length || a.length !== b.length) return false;
   return a.every((v, i) => v === b[i]);

@@ -78,7 +78,7 @@ function creasedNormals({ triangles, positions }, corners) {
 }
 
 /** Return the normal of the triangle that begins with corner c, twice its area long. */
-export function triangleNormal(corners, c) {
+function triangleNormal(corners, c) {
   const [p, q, r] = [3 * c, 3 * c + 3, 3 * c + 6];
   const [ux, uy, uz] = [0, 1, 2].map((a) => corners[q + a] - corners[p + a]);
   const [vx, vy, vz] = [0, 1, 2].map((a) => corners[r + a] - corners[p + a]);
