@@ -85,13 +85,14 @@ def encode_file(
     raw = files.read_raw(source)
     original = files.unwrapped_input(source, raw)
     mesh = parse_mesh(source, original, input_format, progress)
+    size = files.source_size(source, raw, input_format)
+    del raw, original  # as large as the mesh
     with attempt(source, "cannot encode"):
         parameters, unit = in_unit_of(mesh, parameters)
         encoded = interruptible(lambda: _encode(mesh, progress, parameters))
     files.write_output(target, encoded.data, force=force)
     lost = texts_of(encoded.container).lost
     draft = encoded.draft
-    size = files.source_size(source, raw, input_format)
     return EncodedFile(size, encoded.container, lost, draft.report, draft.cost, unit)
 
 

@@ -9,13 +9,10 @@
 #include <math.h>
 
 #include "integers.h"
+#include "vectors.h"
 
 /* A path from the root leaves one sibling a level on the stack: 64 is more than any tree has. */
 enum { STACK = 64 };
-
-typedef struct {
-    double x, y, z;
-} vector;
 
 static double larger(double a, double b) { return a > b ? a : b; }
 
@@ -38,24 +35,20 @@ static double squared_to_segment(const double *p, const double *a, const double 
 }
 
 /* (a - o) x (b - o). */
-static vector cross(const double *o, const double *a, const double *b)
+static dm_vector cross(const double *o, const double *a, const double *b)
 {
-    const vector v = {a[0] - o[0], a[1] - o[1], a[2] - o[2]};
-    const vector w = {b[0] - o[0], b[1] - o[1], b[2] - o[2]};
-    return (vector){v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x};
+    return dm_cross(dm_from_to(o, a), dm_from_to(o, b));
 }
-
-static double dot(vector a, vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 /* The squared distance from point p to the triangle abc: to its plane where p projects into the
    triangle, else to the nearest edge. */
 double dm_squared_to_triangle(const double *p, const double *a, const double *b, const double *c)
 {
-    const vector n = cross(a, b, c);
-    const double area = dot(n, n);
-    if (area > 0.0 && dot(n, cross(a, b, p)) >= 0.0 && dot(n, cross(b, c, p)) >= 0.0 &&
-        dot(n, cross(c, a, p)) >= 0.0) {
-        const double height = dot(n, (vector){p[0] - a[0], p[1] - a[1], p[2] - a[2]});
+    const dm_vector n = cross(a, b, c);
+    const double area = dm_dot(n, n);
+    if (area > 0.0 && dm_dot(n, cross(a, b, p)) >= 0.0 && dm_dot(n, cross(b, c, p)) >= 0.0 &&
+        dm_dot(n, cross(c, a, p)) >= 0.0) {
+        const double height = dm_dot(n, dm_from_to(a, p));
         return height * height / area;
     }
     return smaller(smaller(squared_to_segment(p, a, b), squared_to_segment(p, b, c)),

@@ -291,6 +291,19 @@ DM_API int dm_choose_diagonals(const int64_t *start, int64_t quads, const int64_
                                const int64_t *unlike, int64_t entries, int64_t *cut,
                                int64_t *votes, uint8_t *queued, int64_t *queue);
 
+/* differences.c */
+DM_API int dm_distances(const double *points, const double *others, int64_t n, double unit,
+                        double *distances);
+DM_API int dm_face_normals(const double *points, int64_t n, const int64_t *faces, int64_t m,
+                           double unit, double *normals, double *areas);
+DM_API int dm_face_changes(const double *normals, const double *areas,
+                           const double *other_normals, const double *other_areas, int64_t m,
+                           double least, double most, double *angles, uint8_t *lost,
+                           uint8_t *turned);
+DM_API int dm_dihedral_angles(const double *points, int64_t n, const double *normals, int64_t m,
+                              const int64_t *edges, const int64_t *left, const int64_t *right,
+                              const uint8_t *same, int64_t count, double *angles);
+
 /* distance.c */
 DM_API int dm_farthest_points(const int64_t *indptr, int64_t n, const int64_t *indices,
                               int64_t entries, const int64_t *first, int64_t first_count,
@@ -342,8 +355,8 @@ DM_API int dm_solve_poisson(const int64_t *sizes, const int64_t *entries, int64_
                             const float *diagonal, const float *inverse, const int32_t *aggregate,
                             const double *factor, int64_t dense, const double *b, double *x,
                             double tolerance, int64_t most, double *barrier, double *bound,
-                            int64_t *iterations, double *r, double *p, double *q, float *cycle_b,
-                            float *cycle_x);
+                            int64_t *iterations, double *w, double *r, double *p, double *q,
+                            float *cycle_b, float *cycle_x);
 
 /* supernodes.c */
 DM_API int dm_plan(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
@@ -375,6 +388,11 @@ DM_API int dm_fill_neighbours(const int64_t *pairs, int64_t edges, int64_t n, in
                               int64_t *indices);
 DM_API int dm_label_components(const int64_t *indptr, int64_t n, const int64_t *indices,
                                int64_t entries, int64_t *label, int64_t *queue, int64_t *count);
+
+/* normals.c */
+DM_API int dm_vertex_normals(const double *points, int64_t n, const int64_t *faces, int64_t m,
+                             const double *steps, int64_t step_count, double most, double fade,
+                             double *normals, double *areas);
 
 /* outlines.c */
 DM_API int dm_walk_outlines(const int64_t *merged, int64_t faces, int64_t *corners,

@@ -18,7 +18,7 @@
 #include "deltamesh_core.h"
 #include "multigrid.h"
 
-enum { LANES = DM_LANES, BARRIER = LANES - 1 };
+enum { COORDINATES = DM_COORDINATES, LANES = DM_LANES, BARRIER = LANES - 1 };
 
 /* Plain aggregates correct too little (Braess). Below 2, the cycle stays positive definite; at 1.7
    it needs 28 % fewer iterations on surfaces than at 1. */
@@ -275,18 +275,22 @@ static void cycle(hierarchy *h, int64_t at, int from_zero)
     sweep(l, 1, 0);
 }
 
-/* Set out to b - A x on the free vertices, 0 elsewhere. */
-static void residual(const level *l, const double *b, const double *x, double *out)
+/* Set out to b - A x on the free vertices, 0 elsewhere; the last lane of b is `one`, that of x the
+   barrier w. */
+static void residual(const level *l, const double *b, double one, const double *x, const double *w,
+                     double *out)
 {
     for (int64_t i = 0; i < l->n; i++) {
         const double degree = (double)(l->indptr[i + 1] - l->indptr[i]);
         double sum[LANES];
-        for (int k = 0; k < LANES; k++)
-            sum[k] = b[i * LANES + k] - degree * x[i * LANES + k];
+        for (int k = 0; k < COORDINATES; k++)
+            sum[k] = b[i * COORDINATES + k] - degree * x[i * COORDINATES + k];
+        sum[BARRIER] = one - degree * w[i];
         for (int32_t at = l->indptr[i]; at < l->indptr[i + 1]; at++) {
-            const double *const other = x + (ptrdiff_t)l->indices[at] * LANES;
-            for (int k = 0; k < LANES; k++)
-                sum[k] += other[k];
+            const ptrdiff_t j = l->indices[at];
+            for (int k = 0; k < COORDINATES; k++)
+                sum[k] += x[j * COORDINATES + k];
+            sum[BARRIER] += w[j];
         }
         for (int k = 0; k < LANES; k++)
             out[i * LANES + k] = l->inverse[i] == 0.0f ? 0.0 : sum[k];
@@ -318,23 +322,23 @@ static void multiply(const level *l, const double *p, double *q, double *product
     }
 }
 
-/* Return a bound on the error of x, from its residual r and the barrier so far; infinite where it
-   proves nothing yet.
+/* Return a bound on the error of a solution, from its residual r and the barrier so far; infinite
+   where it proves nothing yet.
 
    The barrier w has A w >= (1 - s) 1, s being the largest |1 - A w|. A is an M-matrix, so A^-1 >= 0
    and no row of A^-1 sums up to more than max w / (1 - s). */
-static double bound_of(const level *l, const double *x, const double *r, double *barrier)
+static double bound_of(const level *l, const double *w, const double *r, double *barrier)
 {
     double largest = 0.0, slack = 0.0, most = 0.0;
     int defined = 1;
     for (int64_t i = 0; i < l->n; i++) {
         for (int k = 0; k < LANES; k++)
             defined &= isfinite(r[i * LANES + k]) != 0;
-        for (int k = 0; k < BARRIER; k++)
+        for (int k = 0; k < COORDINATES; k++)
             largest = fmax(largest, fabs(r[i * LANES + k]));
         slack = fmax(slack, fabs(r[i * LANES + BARRIER]));
         if (l->inverse[i] != 0.0f)
-            most = fmax(most, x[i * LANES + BARRIER]);
+            most = fmax(most, w[i]);
     }
     if (!defined)
         return HUGE_VAL;
@@ -344,8 +348,8 @@ static double bound_of(const level *l, const double *x, const double *r, double 
 }
 
 /* Let the gradients go from x until the bound is kept, or `most` iterations are done. */
-static int64_t descend(hierarchy *h, double *x, double *r, double *p, double *q, double tolerance,
-                       int64_t most, double *barrier, double *bound)
+static int64_t descend(hierarchy *h, double *x, double *w, double *r, double *p, double *q,
+                       double tolerance, int64_t most, double *barrier, double *bound)
 {
     level *const l = &h->levels[0];
     const int64_t n = l->n;
@@ -369,32 +373,34 @@ static int64_t descend(hierarchy *h, double *x, double *r, double *p, double *q,
             step[k] = product[k] > 0.0 && now[k] > 0.0 ? now[k] / product[k] : 0.0;
             before[k] = now[k];
         }
-        for (int64_t i = 0; i < n; i++)
-            for (int k = 0; k < LANES; k++) {
-                x[i * LANES + k] += step[k] * p[i * LANES + k];
+        for (int64_t i = 0; i < n; i++) {
+            for (int k = 0; k < COORDINATES; k++)
+                x[i * COORDINATES + k] += step[k] * p[i * LANES + k];
+            w[i] += step[BARRIER] * p[i * LANES + BARRIER];
+            for (int k = 0; k < LANES; k++)
                 r[i * LANES + k] -= step[k] * q[i * LANES + k];
-            }
+        }
         done++;
-        *bound = bound_of(l, x, r, barrier);
+        *bound = bound_of(l, w, r, barrier);
     }
     return done;
 }
 
-/* Solve A x = b for the free vertices, in place from where x (n, LANES) starts; fixed vertices keep
-   their x. The last lane of b is 1 to find the barrier, or 0 where `barrier` has it already.
+/* Solve A x = b for the free vertices, in place from where x (n, 3) starts; fixed vertices keep
+   their x. Without `barrier`, the first solve with a tolerance finds it.
 
-   It ends when `bound`, on the error of each coordinate in all lanes but the last, is at most the
-   tolerance, or after `most` iterations, which it counts. The levels follow each other in each
-   array; sizes and entries (levels,) count their nodes and entries. `factor` (dense, dense) is of
-   the coarsest level, where that has so few nodes. Scratch: r, p, q (n, LANES); the cycle's b and x
-   of all levels. */
+   It ends when `bound`, on the error of each coordinate, is at most the tolerance, or after `most`
+   iterations, which it counts. The levels follow each other in each array; sizes and entries
+   (levels,) count their nodes and entries. `factor` (dense, dense) is of the coarsest level, where
+   that has so few nodes. Scratch: w (n,); r, p, q (n, LANES); the cycle's b and x of all levels but
+   the finest, which has them in q: nothing needs both at once. */
 int dm_solve_poisson(const int64_t *sizes, const int64_t *entries, int64_t levels,
                      const int32_t *indptr, const int32_t *indices, const float *weights,
                      const float *diagonal, const float *inverse, const int32_t *aggregate,
                      const double *factor, int64_t dense, const double *b, double *x,
                      double tolerance, int64_t most, double *barrier, double *bound,
-                     int64_t *iterations, double *r, double *p, double *q, float *cycle_b,
-                     float *cycle_x)
+                     int64_t *iterations, double *w, double *r, double *p, double *q,
+                     float *cycle_b, float *cycle_x)
 {
     hierarchy h = {.count = levels, .dense = dense, .factor = factor};
     if (levels < 1 || levels > DM_MAX_LEVELS || dense < 0 || dense > DM_MAX_DENSE)
@@ -407,23 +413,35 @@ int dm_solve_poisson(const int64_t *sizes, const int64_t *entries, int64_t level
             for (int64_t i = 0; i < n; i++)
                 if (aggregate[i] >= sizes[at + 1])
                     return DM_INVALID;
-        h.levels[at] = (level){n,       indptr,   indices,          aggregate, at ? weights : NULL,
-                               diagonal, inverse, cycle_b, cycle_x};
+        float *const finest = (float *)q;
+        h.levels[at] = (level){n,
+                               indptr,
+                               indices,
+                               aggregate,
+                               at ? weights : NULL,
+                               diagonal,
+                               inverse,
+                               at ? cycle_b : finest,
+                               at ? cycle_x : finest + n * LANES};
         indptr += n + 1, indices += entries[at], diagonal += n, inverse += n, aggregate += n;
-        weights += at ? entries[at] : 0, cycle_b += n * LANES, cycle_x += n * LANES;
+        if (at)
+            weights += entries[at], cycle_b += n * LANES, cycle_x += n * LANES;
     }
     const level *const l = &h.levels[0];
+    const double one = tolerance > 0.0 && *barrier == 0.0 ? 1.0 : 0.0;
+    for (int64_t i = 0; i < l->n; i++)
+        w[i] = 0.0;
     *iterations = 0;
     /* What the recurrence of r says drifts from the truth by rounding, and only the truth bounds the
        error: go on from there, a few times. */
     for (int again = 0;; again++) {
-        residual(l, b, x, r);
-        *bound = bound_of(l, x, r, barrier);
+        residual(l, b, one, x, w, r);
+        *bound = bound_of(l, w, r, barrier);
         for (int64_t i = 0; i < l->n * LANES; i++)
             p[i] = 0.0;
         if (*bound <= tolerance || *iterations >= most || again == RESTARTS)
             break;
-        *iterations += descend(&h, x, r, p, q, tolerance, most - *iterations, barrier, bound);
+        *iterations += descend(&h, x, w, r, p, q, tolerance, most - *iterations, barrier, bound);
     }
     return DM_OK;
 }

@@ -3,7 +3,7 @@
 #define DELTAMESH_MULTIGRID_H
 
 /* Right-hand sides of a solve: three coordinates, and the barrier of the bound on the error. */
-enum { DM_LANES = 4 };
+enum { DM_COORDINATES = 3, DM_LANES = DM_COORDINATES + 1 };
 
 /* Levels, each at most half as large as the one before, and the nodes of a dense one. */
 enum { DM_MAX_LEVELS = 40, DM_MAX_DENSE = 128 };

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from deltamesh._methods import HIGHPASS, METHODS
-from deltamesh_formats.container.container import Container
+from deltamesh._methods import INTERPOLATED, LEAST_SQUARES, METHODS, Memory
+from deltamesh_formats.container.container import Container, Parameters
 from deltamesh_formats.container.layout import (
     ATTRIBUTES,
     CONNECTIVITY,
@@ -75,11 +75,16 @@ def memory_needed(container: Container) -> int:
 
 def _memory_of_counts(container: Container) -> int:
     """Estimate the memory without the transforms, whose text is not unpacked yet."""
-    method = METHODS[container.parameters.method]
+    memory = _memory_of_geometry(container.parameters)
     per_face = PER_FACE + (PER_GLUED_FACE if POLYGONS in container.sections else 0)
-    needed = method.memory + method.memory_per_vertex * container.vertices
+    needed = memory.fixed + memory.per_vertex * container.vertices
     needed += per_face * container.triangles
     return needed + _memory_of_attributes(container) + PER_TEXT_BYTE * text_size(container)
+
+
+def _memory_of_geometry(parameters: Parameters) -> Memory:
+    by_solution = INTERPOLATED if parameters.interpolated else LEAST_SQUARES
+    return METHODS[parameters.method].memory or by_solution
 
 
 def _memory_of_attributes(container: Container) -> int:
@@ -99,20 +104,20 @@ def _memory_of_attributes(container: Container) -> int:
 
 def memory_to_solve(container: Container, memory: int) -> int:
     """Return the bytes that a solver may take of all that decoding a file may take."""
-    per_vertex = METHODS[container.parameters.method].memory_per_vertex
+    per_vertex = _memory_of_geometry(container.parameters).per_vertex
     return SOLVER + per_vertex * container.vertices + memory - memory_needed(container)
 
 
 def memory_to_encode(vertices: int) -> int:
     """Return the bytes that a solver may take of the encoder, and of any decoder after it."""
-    declared = HIGHPASS.memory + HIGHPASS.memory_per_vertex * vertices
-    return MOST_DECLARED * declared - HIGHPASS.memory
+    declared = LEAST_SQUARES.fixed + LEAST_SQUARES.per_vertex * vertices
+    return MOST_DECLARED * declared - LEAST_SQUARES.fixed
 
 
 def memory_for_counts(vertices: int, faces: int) -> int:
     """Estimate the memory that encoding or decoding takes, in bytes, by the dearest method."""
-    fixed = max(method.memory for method in METHODS.values())
-    per_vertex = max(method.memory_per_vertex for method in METHODS.values())
+    kinds = [LEAST_SQUARES, *(one.memory for one in METHODS.values() if one.memory)]
+    fixed, per_vertex = max(one.fixed for one in kinds), max(one.per_vertex for one in kinds)
     return fixed + per_vertex * vertices + PER_FACE * faces
 
 

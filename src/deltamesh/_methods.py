@@ -27,6 +27,23 @@ ANCHORING: Final = ("anchors", "anchor_method", "diffusion", "seed", "solution")
 
 
 @dataclass(frozen=True)
+class Memory:
+    """Bytes that decoding takes at most: coder tables and modules; and what grows with the mesh.
+
+    They are measured as peak memory of whole processes (`benchmarks/memory.py`), and rounded up.
+    """
+
+    fixed: int
+    per_vertex: int
+
+
+# Of interpolated anchors, multigrid and the two surfaces of the refined method; of least squares,
+# factorization and its solves.
+INTERPOLATED: Final = Memory(192 << 20, 400)
+LEAST_SQUARES: Final = Memory(256 << 20, 4000)
+
+
+@dataclass(frozen=True)
 class Method:
     """A geometry method.
 
@@ -34,9 +51,8 @@ class Method:
     ----------
     layout : MethodLayout
         Its name and title, its sections, and whether it is anchored, exact, or coarse.
-    memory, memory_per_vertex : int
-        Bytes that decoding takes at most, measured as peak memory of whole processes
-        (`benchmarks/memory.py`), and rounded up: coder tables; factorization and its solves.
+    memory : Memory or None
+        Of decoding; None with anchors, where their solution decides.
     options : tuple of str
         The options of the encoder that mean something to it and not to all methods.
     solution : str
@@ -47,8 +63,7 @@ class Method:
     """
 
     layout: MethodLayout
-    memory: int
-    memory_per_vertex: int
+    memory: Memory | None
     options: tuple[str, ...] = ()
     solution: str = ""
     first_step: float = 0.0
@@ -61,31 +76,27 @@ class Method:
 
 REFINED: Final = Method(
     layout.METHODS["refined"],
-    memory=256 << 20,
-    memory_per_vertex=4000,
+    memory=None,
     options=(*RATES, *BOUNDS, *ANCHORING, "coarse"),
     solution=layout.INTERPOLATED,
     first_step=0.117,
 )
 HIGHPASS: Final = Method(
     layout.METHODS["highpass"],
-    memory=256 << 20,
-    memory_per_vertex=4000,
+    memory=None,
     options=(*RATES, *BOUNDS, *ANCHORING),
     solution=layout.LEAST_SQUARES,
     first_step=0.12,
 )
 CARTESIAN: Final = Method(
     layout.METHODS["cartesian"],
-    memory=192 << 20,
-    memory_per_vertex=400,
+    memory=Memory(192 << 20, 400),
     options=(*RATES, *BOUNDS),
     first_step=0.03,
 )
 LOSSLESS: Final = Method(
     layout.METHODS["lossless"],
-    memory=256 << 20,
-    memory_per_vertex=600,
+    memory=Memory(256 << 20, 600),
 )
 
 # In the order in which they are offered.

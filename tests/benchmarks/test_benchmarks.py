@@ -23,9 +23,9 @@ from deltamesh._mesh import TriangleMesh
 from deltamesh.bench import _rates as rates
 
 sys.path.append(str(BENCHMARKS))
-corpus, curves, equal, headline, processes, run, shapes = map(
+corpus, curves, equal, headline, large, processes, run, shapes = map(
     importlib.import_module,
-    ("corpus", "curves", "equal", "headline", "processes", "run", "shapes"),
+    ("corpus", "curves", "equal", "headline", "large", "processes", "run", "shapes"),
 )
 SCRIPTS = (
     "run",
@@ -43,6 +43,7 @@ SCRIPTS = (
     "bounds",
     "parts",
     "readers",
+    "large",
 )
 README = (BENCHMARKS / "README.md").read_text(encoding="utf-8")
 TORUS = corpus.GENERATED
@@ -351,6 +352,60 @@ def test_a_process_is_measured_without_its_parent() -> None:
     assert 5 << 20 < used.peak < 80 << 20
     with pytest.raises(RuntimeError, match="No such command"):
         processes.deltamesh("nothing")
+
+
+# ---- Large surfaces ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("n", [20, 1000, 2001])
+def test_large_surfaces_are_closed_irregular_and_turned_outwards(n: int) -> None:
+    mesh = large.surface(n)
+    F, V = mesh.faces, mesh.vertices
+    assert V.shape == (n, 3)
+    assert F.shape == (2 * n - 4, 3)
+    ends = np.stack((F, np.roll(F, -1, axis=1)), axis=2).reshape(-1, 2)
+    there, back = (set(map(tuple, x.tolist())) for x in (ends, ends[:, ::-1]))
+    assert there == back
+    assert len(there) == 3 * len(F)
+    assert np.linalg.det(V[F]).sum() > 0
+    valences = np.bincount(F.ravel())
+    assert valences.min() >= 3
+    if n >= 1000:
+        assert 0.5 < np.mean(valences != 6) < 0.6
+    assert (V.astype(np.float32) == V).all()
+    again = large.surface(n)
+    assert (again.vertices == V).all()
+    assert (again.faces == F).all()
+
+
+def test_larger_surfaces_are_the_same_surface() -> None:
+    coarse, fine = (large.surface(n).vertices for n in (1000, 16000))
+    directions = (V / np.linalg.norm(V, axis=1, keepdims=True) for V in (coarse, fine))
+    near = np.argmax(np.matmul(*(D.T if i else D for i, D in enumerate(directions))), axis=1)
+    radius, other = np.linalg.norm(coarse, axis=1), np.linalg.norm(fine[near], axis=1)
+    assert np.corrcoef(radius, other)[0, 1] > 0.98
+
+
+def test_growth_is_an_exponent_above_the_start_up() -> None:
+    def row(n: int, cpu: float) -> Any:
+        return large.Row(n, "decode", 1, processes.Usage(cpu, cpu, 1), 0.0)
+
+    assert large.growth(row(1000, 1.5), row(8000, 4.5), 0.5) == "0.67"
+    assert large.growth(row(1000, 0.4), row(8000, 4.5), 0.5) == ""
+    assert large.growth(row(1000, 1.5), row(1000, 4.5), 0.5) == ""
+
+
+@pytest.mark.skipif(not hasattr(os, "wait4"), reason="POSIX only")
+def test_the_table_of_large_surfaces(tmp_path: Path) -> None:
+    pytest.importorskip("DracoPy")
+    arguments = ["500", "1000", "--folder", str(tmp_path)]
+    done = CliRunner().invoke(large.command, arguments)
+    assert done.exit_code == 0, done.output
+    rows = [line.split() for line in done.stdout.splitlines()]
+    assert [row[0] for row in rows[1:]] == ["500"] * 4 + ["1000"] * 4
+    assert [row[1] for row in rows[1:]] == ["encode", "decode", "Draco", "Draco"] * 2
+    assert 300 < int(rows[5][2]) < int(rows[7][3])
+    assert len(corpus.read(tmp_path / "large-1000.ply").vertices) == 1000
 
 
 # ---- Generated shapes and scenes ---------------------------------------------------------------

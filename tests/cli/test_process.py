@@ -21,8 +21,7 @@ from deltamesh_cli import failures, files, progress, signals
 def test_pipes(folder: Path) -> None:
     encode = [*PROGRAM, "encode", "-", "--input-format", "ply"]
     made = children.run(encode, given=TORUS.read_bytes())
-    told = b"note: standard input: triangles that turned over: 1, the first in face 4349\n"
-    assert (made.returncode, made.stderr) == (0, told)
+    assert (made.returncode, made.stderr) == (0, b"")
     assert made.stdout == Path("torus.dmesh").read_bytes()
     back = children.run([*PROGRAM, "decode", "-"], given=made.stdout)
     assert (back.returncode, back.stderr) == (0, b"")
@@ -71,7 +70,7 @@ def test_progress_is_shown_on_a_terminal_only(folder: Path) -> None:
 
 
 def test_verbose_tells_each_stage(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli("encode -v torus.ply") == 0
+    assert cli("encode -v torus.ply --quality 3") == 0
     *lines, note = capsys.readouterr().err.splitlines()
     assert note.startswith("note: torus.ply: triangles that turned over")
     assert lines[1].startswith("deltamesh: reading: ")

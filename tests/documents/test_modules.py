@@ -81,6 +81,12 @@ TWINS: Mapping[str, tuple[str, ...] | str] = {
     "mesh.correspondence": ("oracle.patch",),
     "mesh.cutting": ("oracle.fans", "oracle.orient"),
     "mesh.diagonals": ("polygon_oracle.choose",),
+    "mesh.differences": (
+        "differences_oracle.distance",
+        "differences_oracle.face_normal",
+        "differences_oracle.face_change",
+        "differences_oracle.dihedral_angle",
+    ),
     "mesh.distance": ("oracle.farthest", "poisson_oracle.nearest"),
     "mesh.elimination": ("oracle.factor_entries",),
     "mesh.factor": ("oracle.solve_by_elimination", "oracle.factor_entries"),
@@ -92,6 +98,7 @@ TWINS: Mapping[str, tuple[str, ...] | str] = {
         "poisson_oracle.factor",
     ),
     "mesh.neighbours": ("oracle.neighbours", "oracle.component_labels"),
+    "mesh.normals": ("oracle.normals",),
     "mesh.outlines": ("polygon_oracle.outlines",),
 }
 

@@ -4,8 +4,9 @@
 #include "fuzz.h"
 
 const char SECTION_IDS[SECTIONS][5] = {"PARM", "CONN", "STCH", "COPY", "POLY", "STEP",
-                                       "ANCH", "DELT", "NORM", "CART", "EXAC", "FIXS",
-                                       "ATTR", "PART", "ORDR", "FILL", "meta", "CHEK"};
+                                       "ANCH", "DELT", "NORM", "CART", "EXAC", "CELL",
+                                       "FIXS", "ATTR", "PART", "ORDR", "FILL", "meta",
+                                       "CHEK"};
 
 int64_t left_of(const bytes *from) { return from->end - from->at; }
 
@@ -47,7 +48,7 @@ static void read_parameters(container *file)
 {
     bytes p = file->sections[PARM];
     file->method = read_byte(&p);
-    read_byte(&p); /* flags */
+    file->interpolated = (read_byte(&p) & 4) != 0;
     file->anchor_method = read_byte(&p);
     const uint8_t bits = read_byte(&p);
     const int64_t step = read_little(&p, 8); /* the bits of a double */
@@ -63,11 +64,12 @@ static void read_parameters(container *file)
     file->has_step = step != 0;
     const int stepless = file->method == 3 || (file->method == 0 && bits == 0);
     require(file->has_step == !stepless && step >= 0, "step");
+    require(!file->interpolated || (anchored && !stepless), "interpolated anchors without deltas");
 }
 
 void read_container(container *file, const uint8_t *data, size_t size)
 {
-    static const uint8_t HEAD[] = {0x89, 'D', 'M', 'S', '\r', '\n', 0x1A, '\n', 3, 0, 0, 0};
+    static const uint8_t HEAD[] = {0x89, 'D', 'M', 'S', '\r', '\n', 0x1A, '\n', 4, 0, 0, 0};
     bytes from = {data, data + size};
     memset(file, 0, sizeof(*file));
     require(memcmp(read_bytes(&from, sizeof(HEAD)).at, HEAD, sizeof(HEAD)) == 0, "signature");

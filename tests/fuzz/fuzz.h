@@ -53,8 +53,8 @@ void check_end(const dm_coder *c);
 
 /* Sections of a container, by their ids; `at` is NULL for those that are not there. */
 enum {
-    PARM, CONN, STCH, COPY, POLY, STEP, ANCH, DELT, NORM, CART, EXAC, FIXS, ATTR, PART, ORDR, FILL,
-    META, CHEK, SECTIONS
+    PARM, CONN, STCH, COPY, POLY, STEP, ANCH, DELT, NORM, CART, EXAC, CELL, FIXS, ATTR, PART, ORDR,
+    FILL, META, CHEK, SECTIONS
 };
 extern const char SECTION_IDS[SECTIONS][5];
 typedef struct {
@@ -63,7 +63,7 @@ typedef struct {
     /* Of PARM: */
     int64_t method, anchor_method, anchor_count, isolated;
     uint64_t seed;
-    int has_step;
+    int has_step, interpolated;
 } container;
 void read_container(container *file, const uint8_t *data, size_t size);
 

@@ -3,7 +3,7 @@
 
 #include "fuzz.h"
 
-enum { GREEDY = 2, RANDOM = 1, MOST_BITS = 30, MOST_EXPONENT = 120 };
+enum { GREEDY = 2, RANDOM = 1, MOST_BITS = 30, MOST_EXPONENT = 120, MOST_UNIT = 64 };
 
 /* Vertices of the faces alone, their components, and the extra bits of their coordinates. */
 typedef struct {
@@ -94,7 +94,7 @@ static int64_t *extra_of(const solid *v, const int64_t *vertices, int64_t count)
     return extra;
 }
 
-static void decode_anchors(const container *file, const solid *v, int64_t isolated)
+static const int64_t *decode_anchors(const container *file, const solid *v, int64_t isolated)
 {
     bytes payload = file->sections[ANCH];
     const int64_t *const bits = read_grid_bits(&payload);
@@ -117,6 +117,38 @@ static void decode_anchors(const container *file, const solid *v, int64_t isolat
     tell("anchors", anchors, k);
     tell("ANCH", positions, 3 * k);
     tell("isolated", others, 3 * isolated);
+    return anchors;
+}
+
+/* What the cells of anchors have lost in whose components there are others. */
+static void decode_cells(const container *file, const solid *v, const int64_t *anchors)
+{
+    bytes payload = file->sections[CELL];
+    const int64_t stages = file->method == 2 ? 2 : 1, k = file->anchor_count;
+    int64_t *const held = take_zeros(v->components), *const units = take_numbers(stages);
+    int64_t rows = 0, some = 0;
+    for (int64_t i = 0; i < k; i++)
+        held[v->labels[anchors[i]]]++;
+    for (int64_t i = 0; i < k; i++)
+        rows += held[v->labels[anchors[i]]] > 1 ? stages : 0;
+    require(file->interpolated && rows > 0, "vectors of cells that have none");
+    for (int64_t i = 0; i < stages; i++) {
+        units[i] = read_byte(&payload) - MOST_UNIT / 2;
+        require(units[i] <= MOST_UNIT / 2, "a unit");
+    }
+    const graph none = {.n = rows, .entries = 0, .indptr = take_zeros(rows + 1),
+                        .indices = take_numbers(0)};
+    int64_t *const values = decode_vectors(payload, none);
+    for (int64_t i = 0; i < 3 * rows; i++)
+        some |= values[i] != 0;
+    require(some || !allowed.strict, "no cell has lost anything");
+    int64_t *const nearest = take_numbers(v->near.n);
+    check(dm_nearest(v->near.indptr, v->near.n, v->near.indices, v->near.entries, anchors, k,
+                     nearest, take_numbers(v->near.n)), "dm_nearest");
+    for (int64_t i = 0; i < v->near.n; i++)
+        insist(nearest[i] >= 0 && v->labels[anchors[nearest[i]]] == v->labels[i], "a cell");
+    tell("units", units, stages);
+    tell("CELL", values, 3 * rows);
 }
 
 static void decode_deltas(const container *file, const solid *v)
@@ -190,6 +222,8 @@ void decode_geometry(const container *file, const structure *s, const elements *
         return;
     }
     require(file->sections[ANCH].at != NULL, "ANCH is missing");
-    decode_anchors(file, &v, s->isolated);
+    const int64_t *const anchors = decode_anchors(file, &v, s->isolated);
     decode_deltas(file, &v);
+    if (file->sections[CELL].at)
+        decode_cells(file, &v, anchors);
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from containers import CARTESIAN, PAYLOADS
+from containers import CARTESIAN, HIGHPASS, PAYLOADS
 
 from deltamesh._limits import (
     DEFAULT_MAX_VERTICES,
@@ -16,6 +16,7 @@ from deltamesh._limits import (
     memory_for_counts,
     memory_needed,
 )
+from deltamesh._methods import INTERPOLATED, LEAST_SQUARES
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.layout import MAX_ELEMENTS_PER_BYTE
@@ -115,3 +116,25 @@ def test_memory_grows_with_what_is_there() -> None:
     assert memory_needed(file_of(1000, 2000, POLY=b"?")) > base
     assert memory_for_counts(1000, 2000) >= base
     assert memory_for_counts(2000, 2000) > memory_for_counts(1000, 2000)
+
+
+def anchored_file(vertices: int, *, interpolated: bool) -> Container:
+    parameters = replace(HIGHPASS, isolated=0, interpolated=interpolated)
+    payloads = PAYLOADS["highpass"] | {"CONN": bytes(vertices // 8), "DELT": bytes(vertices // 8)}
+    return build_container(vertices, 2 * vertices, parameters, payloads, None, bytes(8))
+
+
+def test_interpolated_anchors_take_less_memory_than_least_squares() -> None:
+    for n in (1000, 10**6):
+        ours, papers = (memory_needed(anchored_file(n, interpolated=i)) for i in (True, False))
+        fixed = LEAST_SQUARES.fixed - INTERPOLATED.fixed
+        assert papers - ours == fixed + n * (LEAST_SQUARES.per_vertex - INTERPOLATED.per_vertex)
+        assert ours < papers < memory_for_counts(n, 2 * n) + 1
+
+
+def test_ten_million_vertices_are_within_the_default_limits() -> None:
+    n = 10**7
+    counts = Counts(n, 0, n, 2 * n)
+    check(anchored_file(n, interpolated=True), counts)
+    with pytest.raises(LimitError, match="more than the limit"):
+        check(anchored_file(n, interpolated=False), counts)

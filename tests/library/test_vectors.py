@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh._vectors import angles, crosses, dots, lengths, safe_lengths
+from deltamesh._vectors import angles, crosses, dots, largest, lengths, safe_lengths, sides
 
 
 @given(st.integers(0, 10**6), st.integers(0, 20))
@@ -36,3 +36,19 @@ def test_safe_lengths_at_any_scale() -> None:
         wanted = np.ldexp([5.0, 0.0, 3.0], power)
         np.testing.assert_array_equal(safe_lengths(np.ldexp(rows, power)), wanted)
     assert len(safe_lengths(np.zeros((0, 3)))) == 0
+
+
+@given(st.integers(0, 10**6), st.integers(1, 20), st.integers(1, 4))
+def test_sides_of_a_box_are_those_of_numpy(seed: int, count: int, columns: int) -> None:
+    V = np.random.default_rng(seed).normal(size=(count, columns))
+    np.testing.assert_array_equal(sides(V), np.ptp(V, axis=0))
+    np.testing.assert_array_equal(sides(V[:0]), np.zeros(columns))
+
+
+@pytest.mark.parametrize(
+    ("numbers", "wanted"),
+    [([], 0), ([1.5, -2.5], 2.5), ([3, -2], 3), ([-(2**63), 1], 2.0**63), ([-np.inf], np.inf)],
+)
+def test_largest_magnitude(numbers: list[float], wanted: float) -> None:
+    assert largest(np.array(numbers)) == wanted
+    assert np.isnan(largest(np.array([*numbers, np.nan])))

@@ -40,6 +40,7 @@ def expected_arrays(path: Path) -> Arrays:
         ("STEP", i.exponents),
         ("ANCH", i.positions),
         ("DELT", i.values),
+        ("CELL", i.cells),
         ("FIXS", i.corrections),
         ("NORM", i.refinements),
         ("CART", i.values),
@@ -47,6 +48,8 @@ def expected_arrays(path: Path) -> Arrays:
     found = [(name, array) for name, array in found if name in sections]
     if "ANCH" in sections:
         found += [("anchors", i.anchors), ("isolated", i.isolated)]
+    if "CELL" in sections:
+        found.append(("units", i.units))
     if content.order is not None:
         order = content.order
         found += [("vertices", order.vertices), ("polygons", order.polygons)]
@@ -100,7 +103,18 @@ def test_golden_files_are_read_as_the_library_reads_them(replay: Path) -> None:
         for name, array in expected_arrays(path):
             np.testing.assert_array_equal(known[name], array.ravel(), err_msg=f"{path.stem} {name}")
             sections.add(name)
-    assert {"CONN", "STCH", "COPY", "POLY", "STEP", "DELT", "NORM", "CART", "FIXS"} <= sections
+    assert {
+        "CONN",
+        "STCH",
+        "COPY",
+        "POLY",
+        "STEP",
+        "DELT",
+        "NORM",
+        "CART",
+        "FIXS",
+        "CELL",
+    } <= sections
 
 
 @pytest.mark.slow

@@ -76,7 +76,7 @@ class Cells:
         count = len(self._component_sizes)
         anchors = np.bincount(self._of_anchors, minlength=count)[:, None]
         centres = _sums(self._of_anchors, positions, count) / anchors
-        return np.asarray(centres[self.labels])
+        return self._spread(centres)
 
     def sums(self, x: Floats) -> Floats:
         """Return the sum of x, float64 (n, c), over each cell, float64 (k, c)."""
@@ -89,15 +89,27 @@ class Cells:
 
     def centred(self, x: Floats) -> Floats:
         """Return x, float64 (n, c), less its mean over each component."""
-        means = _sums(self.labels, x, len(self._component_sizes)) / self._component_sizes
-        return x - (means if len(means) == 1 else means[self.labels])
+        return x - self._means(x)
 
     def completed(self, delta: Floats, y: Floats) -> Floats:
         """Return the deltas, float64 (n, c), with y (k, c) added over the cells.
 
         They are centred, as the Laplacian of anything is.
         """
-        return self.centred(delta + (y if len(y) == 1 else y[self.of]))
+        result = delta + (y if len(y) == 1 else y[self.of])
+        result -= self._means(result)
+        return result
+
+    def _means(self, x: Floats) -> Floats:
+        return self._spread(
+            _sums(self.labels, x, len(self._component_sizes)) / self._component_sizes
+        )
+
+    def _spread(self, rows: Floats) -> Floats:
+        """Return the row of the component of each vertex, float64 (n, c), maybe all one row."""
+        if len(rows) == 1:
+            return np.broadcast_to(rows, (len(self.labels), rows.shape[1]))
+        return np.asarray(rows[self.labels])
 
 
 def _sums(of: Ints, x: Floats, count: int) -> Floats:

@@ -73,5 +73,6 @@ class Fit:
 
     def _inverse(self, b: Floats, iterations: int) -> Floats:
         """Return L^+ b, nearly, for a centred b."""
-        x, _ = self._poisson.solve(b, np.zeros_like(b), most=iterations)
+        x = np.zeros_like(b)
+        self._poisson.solve(b, x, most=iterations)
         return self._cells.centred(x)

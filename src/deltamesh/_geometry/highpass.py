@@ -18,6 +18,7 @@ from deltamesh._geometry.integers import NONE, Integers, Quantized
 from deltamesh._geometry.positions import (
     UNITS,
     all_positions,
+    doubt,
     fitted,
     grid_points,
     placed,
@@ -32,7 +33,7 @@ from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh._streams.vectors import decode_vectors, encode_vectors
-from deltamesh._vectors import safe_lengths
+from deltamesh._vectors import safe_lengths, sides
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Parameters, Section
@@ -124,7 +125,7 @@ def corrected(
         If a correction takes more than 2^30 steps.
     """
     error = vertices - W
-    far = safe_lengths(error) > settings.largest
+    far = safe_lengths(error) > settings.largest - doubt(parameters)
     if parameters.step and far.any():
         each = parameters.step * steps.ratios(integers)
         fixes = to_grid(np.where(far[:, None], error, 0.0), np.zeros(3), each)
@@ -153,7 +154,7 @@ def step_of(vertices: Floats, delta: Floats, settings: Settings) -> float:
 
 def _anchor_step(vertices: Floats, step: float) -> float:
     """Return the step of the grid of the anchors."""
-    extent = float(np.ptp(vertices, axis=0).max())
+    extent = float(sides(vertices).max())
     coarsest = extent / 2.0**ANCHOR_GRID_BITS or 1.0
     finest = extent / 2.0 ** (layout.MAX_GRID_BITS - 1)
     return max(min(coarsest, step / ANCHOR_REFINEMENT if step else coarsest), finest)

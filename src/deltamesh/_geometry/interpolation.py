@@ -76,12 +76,15 @@ class Interpolation:
         cells, anchors = self.cells, self.cells.anchors
         scale, shift = cells.least(steps), cells.centres(positions)
         with np.errstate(over="ignore", invalid="ignore"):
-            x = np.zeros_like(delta) if start is None else (start - shift) / scale
+            x = np.zeros_like(delta) if start is None else start - shift
+            x /= scale
             x[anchors] = (positions - shift[anchors]) / scale[anchors]
-            scaled = delta / scale
-            x, bound = self._poisson.solve(scaled, x, tolerance)
-            if bound <= tolerance or self._is_rounding(bound, scaled, x):
-                return x * scale + shift
+            delta = delta / scale
+            bound = self._poisson.solve(delta, x, tolerance)
+            if bound <= tolerance or self._is_rounding(bound, delta, x):
+                x *= scale
+                x += shift
+                return x
         raise SolveError(
             "the Poisson problem has no solution in double precision: more anchors help"
         )

@@ -12,7 +12,6 @@ from typing import Final
 import numpy as np
 
 from deltamesh._kernels.mesh.multigrid import (
-    LANES,
     MAX_DENSE,
     MAX_LEVELS,
     Hierarchy,
@@ -64,8 +63,8 @@ class Poisson:
 
     def solve(
         self, b: Floats, x: Floats, tolerance: float = 0.0, most: int = MOST_ITERATIONS
-    ) -> tuple[Floats, float]:
-        """Return x with L x = b in the rows of the free vertices.
+    ) -> float:
+        """Solve L x = b in the rows of the free vertices, in place.
 
         Parameters
         ----------
@@ -78,18 +77,11 @@ class Poisson:
 
         Returns
         -------
-        float64 (n, 3)
         float
             The bound on the error: more than the tolerance after `most` iterations.
         """
-        has_barrier = self._hierarchy.barrier > 0 or not tolerance
-        barrier = np.zeros if has_barrier else np.ones
-        rows = np.zeros((len(b), LANES))
-        rows[:, : b.shape[1]], rows[:, -1] = b, barrier(len(b))
-        start = np.zeros((len(b), LANES))
-        start[:, : x.shape[1]] = x
-        bound, _ = self._hierarchy.solve(rows, start, float(tolerance), most)
-        return start[:, : x.shape[1]].copy(), bound
+        bound, _ = self._hierarchy.solve(b, x, float(tolerance), most)
+        return bound
 
     def rounding(self, b: Floats, x: Floats) -> float:
         """Return a bound on the error that solutions near x, float64 (n, 3), have by rounding."""

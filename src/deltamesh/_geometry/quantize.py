@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 
 from deltamesh._kernels.coding import delta as kernels
+from deltamesh._vectors import largest, sides
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.layout import MAX_GRID_BITS
 from deltamesh_formats.errors import MeshError
@@ -21,14 +22,12 @@ MOST_STEPS: Final = 1 << MAX_GRID_BITS
 
 def delta_step(delta: Floats, bits: int) -> float:
     """Return range / 2^bits of the coordinate with the largest range; 1 when all are constant."""
-    extent = float(np.ptp(delta, axis=0).max()) if len(delta) else 0.0
-    return extent / 2.0**bits or 1.0
+    return float(sides(delta).max()) / 2.0**bits or 1.0
 
 
 def grid_step(vertices: Floats, bits: int) -> float:
     """Return the longest side of the bounding box / (2^bits - 1); 1 when there is no extent."""
-    extent = float(np.ptp(vertices, axis=0).max())
-    return extent / (2.0**bits - 1) or 1.0
+    return float(sides(vertices).max()) / (2.0**bits - 1) or 1.0
 
 
 def to_grid(vertices: Floats, origin: Floats, step: float | Floats, extra: int | Ints = 0) -> Ints:
@@ -121,5 +120,5 @@ def check_size(steps: Floats | Ints, step: float | Floats) -> None:
     ------
     MeshError
     """
-    if len(steps) and not np.abs(steps).max() < MOST_STEPS:
+    if not largest(steps) < MOST_STEPS:
         raise MeshError(f"a quantization step of {np.min(step):g} is too small for this mesh")

@@ -75,7 +75,7 @@ def quantize(
     )
     parameters = replace(parameters, dead_zone=DEAD_ZONE, normal_dead_zone=NORMAL_DEAD_ZONE)
     coarse = highpass.deltas(parameters, integers)
-    left = delta - coarse
+    left = np.subtract(delta, coarse, out=delta)
     if parameters.interpolated:
         integers = smoothed(left, parameters, integers, systems)
     W, N = _bent(surface, systems, parameters, integers, vertices, ROUGHLY)
@@ -89,7 +89,8 @@ def quantize(
         # The anchors have moved a little, and the normals with them.
         _, N = _bent(surface, systems, parameters, integers, W)
         W = near
-    W = solved(coarse + (each * fine) * N, parameters, integers, systems, start=W)
+    coarse += (each * fine) * N
+    W = solved(coarse, parameters, integers, systems, start=W)
     return highpass.corrected(W, vertices, parameters, integers, settings)
 
 
@@ -97,9 +98,9 @@ def reconstruct(
     surface: Surface, parameters: Parameters, integers: Integers, systems: Systems
 ) -> Floats:
     """Solve for the coarse deltas, correct them along the normals, and solve again."""
-    W, N = _bent(surface, systems, parameters, integers)
-    each = parameters.step * steps.ratios(integers)
-    fine = highpass.deltas(parameters, integers) + (each * integers.refinements) * N
+    W, fine = _bent(surface, systems, parameters, integers)
+    fine *= parameters.step * steps.ratios(integers) * integers.refinements
+    fine += highpass.deltas(parameters, integers)
     W = solved(fine, parameters, integers, systems, start=W)
     return all_positions(W, parameters, integers)
 

@@ -70,6 +70,8 @@ def exponents_of(settings: Settings, surface: Surface, step: float) -> Ints:
 
 def ratios(integers: Integers) -> Floats:
     """Return the ratio of each row of the values, float64 (n, 1): 1 for isolated vertices."""
+    if not len(integers.exponents):
+        return np.broadcast_to(1.0, (len(integers.values), 1))
     result = np.ones((len(integers.values), 1))
     result[: len(integers.exponents), 0] = RATIOS[integers.exponents]
     return result

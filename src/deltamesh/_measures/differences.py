@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from deltamesh._graph.halfedges import by_edge, edges_of_two, ends
-from deltamesh._vectors import angles, crosses, dots, lengths
+from deltamesh._kernels.mesh import differences as kernels
 from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.caching import cached_property
 
@@ -73,7 +73,7 @@ class Reference:
 
     @cached_property
     def _normals_and_areas(self) -> tuple[Floats, Floats]:
-        return _face_normals(self.vertices, self.faces, self.unit)
+        return kernels.face_normals(self.vertices, self.faces, self.unit)
 
     @cached_property
     def edges(self) -> tuple[Ints, Ints, Ints, Bools]:
@@ -82,7 +82,7 @@ class Reference:
 
     @cached_property
     def _dihedral(self) -> Floats:
-        return _dihedral_angles(self.vertices, self.normals, *self.edges)
+        return kernels.dihedral_angles(self.vertices, self.normals, *self.edges)
 
     def differences(self, W: Floats) -> Differences:
         """Return the differences of other positions of the vertices, float64 (n, 3).
@@ -92,42 +92,14 @@ class Reference:
         ValueError
             If they are not as many.
         """
-        V, m, area = self.vertices, self.normals, self.areas
+        V = self.vertices
         if V.shape != W.shape:
             raise ValueError(f"{len(V)} and {len(W)} vertices cannot be compared one by one")
-        distance, (k, left) = lengths((W - V) / self.unit), _face_normals(W, self.faces, self.unit)
-        angle = np.where(~k.any(axis=1), 90.0, angles(m, k))
-        change = np.abs(self._dihedral - _dihedral_angles(W, k, *self.edges))
-        lost = (area > 0) & (left < LOST * area)
-        turned = (area > 0) & ~lost & (angle > TURNED)
-        return Differences(distance, angle, np.minimum(change, 360 - change), lost, turned)
-
-
-def _face_normals(V: Floats, F: Ints, unit: float) -> tuple[Floats, Floats]:
-    """Return the faces' normals (m, 3), of any length, and twice their areas in the square unit.
-
-    The sides of a face are scaled by themselves: that of others may be 1e150 times as long.
-    """
-    a, b, c = V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
-    (left, i), (right, j) = _scaled((b - a) / unit), _scaled((c - a) / unit)
-    normals = crosses(left, right)
-    return normals, np.ldexp(lengths(normals), i + j)
-
-
-def _scaled(x: Floats) -> tuple[Floats, Ints]:
-    """Return rows whose largest number is 1/2 to 1, to the last bit, and the powers of two."""
-    exponents = np.frexp(np.abs(x).max(axis=1, initial=0.0))[1]
-    return np.ldexp(x, -exponents[:, None]), exponents
-
-
-def _dihedral_angles(
-    V: Floats, m: Floats, pairs: Ints, left: Ints, right: Ints, same: Bools
-) -> Floats:
-    """Return the angles (e,) from the left faces' normals to the right ones', convex: positive."""
-    a, b = m[left], np.where(same[:, None], -m[right], m[right])
-    axis = crosses(a, b)
-    along = V[pairs[:, 1]] - V[pairs[:, 0]]
-    return np.where(dots(axis, along) < 0, -1.0, 1.0) * angles(a, b)
+        after = kernels.face_normals(W, self.faces, self.unit)
+        angle, lost, turned = kernels.face_changes(self._normals_and_areas, after, LOST, TURNED)
+        change = np.abs(kernels.dihedral_angles(W, after[0], *self.edges) - self._dihedral)
+        np.minimum(change, 360 - change, out=change)
+        return Differences(kernels.distances(V, W, self.unit), angle, change, lost, turned)
 
 
 def _interior_edges(F: Ints) -> tuple[Ints, Ints, Ints, Bools]:

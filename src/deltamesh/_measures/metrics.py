@@ -15,7 +15,7 @@ from deltamesh._graph.adjacency import edges
 from deltamesh._measures.differences import Differences, Reference
 from deltamesh._measures.hausdorff import squared_hausdorff
 from deltamesh._mesh import TriangleMesh
-from deltamesh._vectors import lengths, safe_lengths
+from deltamesh._vectors import lengths, safe_lengths, sides
 from deltamesh_formats.array_types import Floats, Ints
 
 # Of Mq in the visual error (Sorkine, Cohen-Or and Toledo 2003, section 5).
@@ -140,7 +140,7 @@ def angles_rounded_up(angle: Floats) -> Floats:
 
 def diagonal(V: Floats) -> float:
     """Return the length of the bounding box's diagonal, 0 without vertices."""
-    return math.hypot(*np.ptp(V, axis=0)) if len(V) else 0.0
+    return math.hypot(*sides(V))
 
 
 def mean_edges(V: Floats, F: Ints, component: Ints, count: int) -> Floats:
@@ -239,4 +239,5 @@ def _rms(x: Floats) -> float:
 
 def _normal_deviation(angle: Floats, area: Floats) -> float:
     total = float(area.sum())
-    return float(area @ angle) / total if total > 0 else 0.0
+    # A product of BLAS has other last bits for another number of threads.
+    return float((area * angle).sum()) / total if total > 0 else 0.0

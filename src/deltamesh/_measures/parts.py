@@ -109,6 +109,8 @@ class PartReference:
         self.diagonal: Floats = np.array([math.hypot(*side) for side in high - low])
         self._weights: list[tuple[Ints, Ints, Floats]] = []
         self._edges: list[tuple[Ints, Ints]] = []
+        self._counts = np.diff(np.append(self._starts, len(self._vertex)))
+        self._edge_counts = np.zeros(q, dtype=np.int64)
         square = (self.diagonal / self._unit) ** 2
         for part in parts.divisions:
             faces = np.flatnonzero(part >= 0)
@@ -119,23 +121,22 @@ class PartReference:
             self._weights.append((part[faces], faces, weight))
             edges = np.flatnonzero((part[left] >= 0) & (part[left] == part[right]))
             self._edges.append((part[left][edges], edges))
+            self._edge_counts += np.bincount(self._edges[-1][0], minlength=q)
 
     def errors(self, d: Differences) -> PartErrors:
         """Return the errors that differences from the reference amount to."""
         q, unit = self.parts.count, self._unit
         distance = d.distance[self._vertex]
-        counts = np.diff(np.append(self._starts, len(distance)))
-        normal, change, edges = np.zeros(q), np.zeros(q), np.zeros(q)
+        normal, change = np.zeros(q), np.zeros(q)
         for part, faces, weight in self._weights:
             normal += np.bincount(part, weight * d.angle[faces], q)
         for part, at in self._edges:
             change += np.bincount(part, d.change[at], q)
-            edges += np.bincount(part, minlength=q)
         return PartErrors(
-            rms=unit * np.sqrt(np.add.reduceat(distance * distance, self._starts) / counts),
+            rms=unit * np.sqrt(np.add.reduceat(distance * distance, self._starts) / self._counts),
             max=unit * np.maximum.reduceat(distance, self._starts),
             normal_deviation=normal,
-            dihedral=change / np.maximum(edges, 1),
+            dihedral=change / np.maximum(self._edge_counts, 1),
             diagonal=self.diagonal,
         )
 

@@ -28,7 +28,8 @@ from deltamesh._methods import AUTO, CARTESIAN
 from deltamesh._options import Options, Settings
 from deltamesh._sections.draft import Cost, Draft
 from deltamesh._shape.complexes import distinct_faces
-from deltamesh_formats.array_types import Ints
+from deltamesh._vectors import largest
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.container import Container, Parameters
 from deltamesh_formats.errors import LimitError, MeshError, SolveError
 
@@ -61,8 +62,7 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
             surface, V[:used], V[used:], settings, systems
         )
         if not has_scale(parameters, integers):
-            largest = float(np.abs(V).max())
-            reason = f"coordinates of {largest:g} are too large for method {settings.method}"
+            reason = f"coordinates of {largest(V):g} are too large for method {settings.method}"
             raise ScaleError(f"{reason}: try lossless")
         payloads = partial(coder.encode, surface, parameters, integers)
         measured = replace(measure(decoded), doubt=doubt(parameters))
@@ -74,7 +74,8 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
             return trial
         coder, payloads = geometry_codec(trial.settings.method), trial.payloads
         found = coder.reconstruct(surface, trial.parameters, trial.integers, systems)
-        return replace(trial, encode=lambda: payloads, vertices=found, measured=measure(found))
+        measured = replace(measure(found), doubt=trial.measured.doubt)
+        return replace(trial, encode=lambda: payloads, vertices=found, measured=measured)
 
     scale = diagonal(V)
     bounds = bounds_of(options, scale)
@@ -118,10 +119,10 @@ def _cost(binding: Binding, named: NamedParts) -> Cost:
 def has_scale(p: Parameters, i: Integers) -> bool:
     """Return whether no position that these integers could mean would overflow (SPEC.md 5.8)."""
     of_vertices, of_anchors = ratios(i), anchor_ratios(i)
-    numbers = [np.abs(a) * of_vertices[: len(a)] for a in (i.values, i.refinements, i.corrections)]
-    numbers += [np.abs(i.positions) * of_anchors, np.abs(i.isolated)]
-    numbers.append(np.ldexp(np.abs(i.cells).astype(np.float64), i.units[:, None, None]))
-    values = max(float(a.max(initial=0)) for a in numbers)
+    numbers: list[Floats | Ints] = [i.positions * of_anchors, i.isolated]
+    numbers += [a * of_vertices[: len(a)] for a in (i.values, i.refinements, i.corrections)]
+    numbers.append(np.ldexp(i.cells.astype(np.float64), i.units[:, None, None]))
+    values = max(map(largest, numbers))
     steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
     return bool(values * steps + origin <= 100 * LARGEST)
 

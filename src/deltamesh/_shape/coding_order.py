@@ -15,14 +15,14 @@ from deltamesh_formats.array_types import Ints
 from deltamesh_formats.polymesh.permutations import distinct, inverse
 
 
-def in_coding_order(draft: ShapeDraft, coded: CodedManifold) -> ShapeDraft:
-    """Return the draft with a coded manifold, the stitches of the complex, and the provenance.
+def in_coding_order(draft: ShapeDraft, cut: Cut, coded: CodedManifold) -> ShapeDraft:
+    """Return the draft with a coded manifold in place of its cut, stitches and provenance.
 
     Points are numbered as the vertices of the manifold meet them; the points that it does not have
     come last, in the lexicographic order of their positions.
     """
     source = draft.input
-    stitched, met = _first_appearances(source.cut.points[coded.order], len(source.first_vertices))
+    stitched, met = _first_appearances(cut.points[coded.order], len(source.first_vertices))
     rank = np.full(len(source.first_vertices), -1, dtype=np.int64)
     rank[met] = np.arange(len(met))
     isolated = distinct(source.points[source.kept])
@@ -31,7 +31,7 @@ def in_coding_order(draft: ShapeDraft, coded: CodedManifold) -> ShapeDraft:
     rank[isolated] = np.arange(len(met), len(met) + len(isolated))
 
     faces = source.points[source.triangles.faces]
-    stitches, corners = _stitches(faces, source.cut, coded, stitched, rank)
+    stitches, corners = _stitches(faces, cut, coded, stitched, rank)
     manifold = coded.manifold
     unstitched = trivial(manifold.vertex_count, len(manifold.faces))
     built = Complex(manifold, unstitched, len(met), len(isolated))
@@ -41,6 +41,7 @@ def in_coding_order(draft: ShapeDraft, coded: CodedManifold) -> ShapeDraft:
     provenance = TriangleProvenance(vertices, vertices, corners)
     return replace(
         draft,
+        cut=None,
         structure=structure_of(built),
         stitches=stitches,
         triangle_provenance=provenance,

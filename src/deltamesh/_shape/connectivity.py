@@ -46,10 +46,11 @@ def applies(draft: ShapeDraft) -> bool:
 
 def encode(draft: ShapeDraft) -> tuple[bytes, ShapeDraft]:
     """Return the payload of CONN, and the draft in coding order; the mirror is `decode`."""
-    cut = draft.input.cut
+    cut = draft.cut
+    assert cut is not None
     topology = build_topology(cut.faces, cut.opposite, len(cut.points))
     payload, coded = encode_connectivity(topology)
-    return payload, in_coding_order(draft, coded)
+    return payload, in_coding_order(draft, cut, coded)
 
 
 def decode(payload: memoryview, container: Container, structure: Structure) -> Structure:

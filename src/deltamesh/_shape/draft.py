@@ -22,7 +22,7 @@ _NOTHING: Final = TriangleProvenance(_NONE, _NONE, _NONE.reshape(0, 3))
 
 @dataclass(frozen=True)
 class Input:
-    """Triangles of the input, their points, and the manifold that they are cut into.
+    """Triangles of the input, and their points.
 
     Attributes
     ----------
@@ -36,8 +36,6 @@ class Input:
         Whether a vertex is in a face.
     kept : bool (n,)
         Whether a vertex is in the file.
-    cut : Cut
-        Of the triangles over points.
     """
 
     vertices: Floats
@@ -46,7 +44,6 @@ class Input:
     points: Ints
     in_face: Bools
     kept: Bools
-    cut: Cut
 
 
 @dataclass(frozen=True)
@@ -56,6 +53,8 @@ class ShapeDraft:
     Attributes
     ----------
     input : Input
+    cut : Cut or None
+        Of the triangles over points; None once the manifold that they are cut into is coded.
     structure : Structure
         As a decoder knows it after the same sections.
     stitches : Stitches
@@ -65,6 +64,7 @@ class ShapeDraft:
     """
 
     input: Input
+    cut: Cut | None
     structure: Structure = EMPTY
     stitches: Stitches = EMPTY.complex.stitches
     triangle_provenance: TriangleProvenance = _NOTHING
@@ -103,4 +103,4 @@ def first_draft(
     in_face[triangles.faces] = True
     kept = in_face if drop_isolated else np.ones(len(vertices), dtype=bool)
     manifold = cut(points[triangles.faces], len(first))
-    return ShapeDraft(Input(vertices, triangles, first, points, in_face, kept, manifold))
+    return ShapeDraft(Input(vertices, triangles, first, points, in_face, kept), manifold)

@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 
 from deltamesh._graph.elements import Elements, of_vertices
+from deltamesh._graph.parallelograms import NO_QUADS
 from deltamesh._shape.manifold import Manifold, Stitches, complex_faces, trivial
 from deltamesh._shape.merge_candidates import hidden_halfedges, merge_candidates
 from deltamesh._shape.polygons import Polygons, merged_polygons, plain
@@ -133,6 +134,8 @@ class Structure:
 
     def _quads(self) -> Ints:
         """Return the polygons of four corners, (q, 4), over points."""
+        if not len(self.merged):
+            return NO_QUADS
         corners, offsets = self.polygons.corners, self.polygons.offsets
         first = offsets[:-1][np.diff(offsets) == 4]
         quads: Ints = corners[first[:, None] + np.arange(4)]

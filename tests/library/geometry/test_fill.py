@@ -15,7 +15,7 @@ from graphs import FREE_SOLVERS
 import deltamesh
 from deltamesh import _limits
 from deltamesh._limits import memory_needed
-from deltamesh._methods import METHODS
+from deltamesh._methods import LEAST_SQUARES
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import LimitError, MeshError
 
@@ -171,8 +171,8 @@ def refused(memory):
         return True
 assert refused(1 << 20)  # all is compiled and imported
 before, start = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.process_time()
-assert refused({METHODS["highpass"].memory_per_vertex * n})
-assert refused({2 * METHODS["highpass"].memory_per_vertex * n})
+assert refused({LEAST_SQUARES.per_vertex * n})
+assert refused({2 * LEAST_SQUARES.per_vertex * n})
 assert refused({1 << 30})
 after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 assert after - before < 400 << 10, (before, after)

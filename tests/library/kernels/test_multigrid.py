@@ -13,7 +13,7 @@ from sparse_matrices import GRAPHS
 
 from deltamesh._graph.adjacency import adjacency
 from deltamesh._kernels.mesh import multigrid
-from deltamesh._kernels.mesh.multigrid import LANES, MAX_DENSE, Hierarchy, Level
+from deltamesh._kernels.mesh.multigrid import COORDINATES, MAX_DENSE, Hierarchy, Level
 from deltamesh_formats.array_types import Ints
 
 MESHES = meshes.every()
@@ -119,40 +119,38 @@ def test_a_solve_ends_within_its_bound(name: str) -> None:
     free = np.setdiff1d(np.arange(n), fixed)
     if not len(free):
         return
-    hierarchy, expected = hierarchy_of(L, fixed), RNG.normal(size=(n, LANES))
+    hierarchy, expected = hierarchy_of(L, fixed), RNG.normal(size=(n, COORDINATES))
     inverse = np.linalg.inv(L[np.ix_(free, free)])
     for tolerance in (1e-1, 1e-5, 1e-9):
-        b, x = L @ expected, np.zeros((n, LANES))
+        b, x = L @ expected, np.zeros((n, COORDINATES))
         x[fixed] = expected[fixed]
-        b[:, -1], x[:, -1] = hierarchy.barrier == 0, 0
         bound, iterations = hierarchy.solve(b, x, tolerance, 1000)
-        error = np.abs(x - expected)[:, :-1].max()
+        error = np.abs(x - expected).max()
         assert error <= bound * (1 + 1e-6)
         assert bound <= tolerance
         assert 0 < iterations < 60
         assert hierarchy.barrier >= np.abs(inverse).sum(axis=1).max() * (1 - 1e-9)
-        np.testing.assert_array_equal(x[fixed, :-1], expected[fixed, :-1])
+        np.testing.assert_array_equal(x[fixed], expected[fixed])
 
 
 def test_after_so_many_iterations_it_ends() -> None:
     L = LAPLACIANS["mesh torus"]
-    hierarchy, expected = hierarchy_of(L, np.array([0])), RNG.normal(size=(len(L), LANES))
+    hierarchy, expected = hierarchy_of(L, np.array([0])), RNG.normal(size=(len(L), COORDINATES))
     errors = []
     for most in (0, 3, 9):
-        b, x = L @ expected, np.zeros((len(L), LANES))
-        b[:, -1] = 0
-        x[0, :-1] = expected[0, :-1]
+        b, x = L @ expected, np.zeros((len(L), COORDINATES))
+        x[0] = expected[0]
         bound, iterations = hierarchy.solve(b, x, 0.0, most)
         assert bound == np.inf
         assert iterations == most
-        errors.append(np.abs(x - expected)[:, :-1].max())
+        errors.append(np.abs(x - expected).max())
     assert errors[0] > 2 * errors[1] > 4 * errors[2]
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
 def test_of_what_is_no_number_no_error_is_bounded(wrong: float) -> None:
     L = LAPLACIANS["mesh torus"]
-    b, x = np.ones((len(L), LANES)), np.zeros((len(L), LANES))
+    b, x = np.ones((len(L), COORDINATES)), np.zeros((len(L), COORDINATES))
     b[7, 1] = wrong
     bound, _ = hierarchy_of(L, np.array([0])).solve(b, x, 1e-3, 50)
     assert bound == np.inf
@@ -185,7 +183,7 @@ def test_graphs_that_are_none_are_refused(changes) -> None:
         multigrid.aggregate(wrong.indptr, wrong.indices, wrong.inverse)
     with pytest.raises(ValueError, match="contradict"):
         multigrid.coarsen(wrong, 1)
-    rows = np.zeros((LEVEL.nodes, LANES))
+    rows = np.zeros((LEVEL.nodes, COORDINATES))
     with pytest.raises(ValueError, match="contradict"):
         Hierarchy([wrong]).solve(rows, rows.copy(), 1.0, 1)
 
@@ -200,13 +198,13 @@ def test_aggregates_that_are_none_are_refused() -> None:
     for wrong in (-1, LEVEL.nodes + 1):
         with pytest.raises(ValueError):  # noqa: PT011  # numpy's own, or the core's
             multigrid.coarsen(good, wrong)
-    rows = np.zeros((LEVEL.nodes, LANES))
+    rows = np.zeros((LEVEL.nodes, COORDINATES))
     with pytest.raises(ValueError, match="contradict"):
         Hierarchy([bad, coarse]).solve(rows, rows.copy(), 1.0, 1)
 
 
 def test_more_levels_than_there_may_be_are_refused() -> None:
-    rows = np.zeros((LEVEL.nodes, LANES))
+    rows = np.zeros((LEVEL.nodes, COORDINATES))
     levels = [LEVEL] + [replace(LEVEL, weights=np.ones(ENTRIES, np.float32))] * multigrid.MAX_LEVELS
     with pytest.raises(ValueError, match="contradict"):
         Hierarchy(levels).solve(rows, rows.copy(), 1.0, 1)
@@ -215,7 +213,10 @@ def test_more_levels_than_there_may_be_are_refused() -> None:
 def test_arrays_of_other_sizes_are_refused() -> None:
     with pytest.raises(ValueError):  # noqa: PT011
         multigrid.aggregate(LEVEL.indptr, LEVEL.indices, LEVEL.inverse[:-1])
-    for rows in (np.zeros((LEVEL.nodes, LANES - 1)), np.zeros((LEVEL.nodes - 1, LANES))):
+    for rows in (
+        np.zeros((LEVEL.nodes, COORDINATES - 1)),
+        np.zeros((LEVEL.nodes - 1, COORDINATES)),
+    ):
         with pytest.raises(ValueError):  # noqa: PT011
             Hierarchy([LEVEL]).solve(rows, rows.copy(), 1.0, 1)
 

@@ -31,7 +31,8 @@ from deltamesh_formats.array_types import Floats
 Shorts = NDArray[np.int32]
 Singles = NDArray[np.float32]
 
-LANES, MAX_LEVELS, MAX_DENSE = map(constant, ("DM_LANES", "DM_MAX_LEVELS", "DM_MAX_DENSE"))
+COORDINATES, LANES = map(constant, ("DM_COORDINATES", "DM_LANES"))
+MAX_LEVELS, MAX_DENSE = map(constant, ("DM_MAX_LEVELS", "DM_MAX_DENSE"))
 
 
 @dataclass(frozen=True)
@@ -148,10 +149,9 @@ class Hierarchy:
 
         Parameters
         ----------
-        b, x : float64 (n, LANES)
-            The last column is for the barrier: b of 1 and x of 0 before it is known, else 0.
+        b, x : float64 (n, 3)
         tolerance : float
-            It ends where no coordinate errs more.
+            It ends where no coordinate errs more; at 0, no barrier is looked for.
         most : int
             Iterations after which it ends all the same.
 
@@ -165,7 +165,7 @@ class Hierarchy:
         n, levels, nodes, entries = self.n, len(self._sizes), *map(sum, self._counts())
         indptr, indices, weights, diagonal, inverse, aggregate = self._arrays
         barrier, bound, done = c_double(self.barrier), c_double(), number()
-        floats_of_cycle = (np.empty((nodes, LANES), dtype=np.float32) for _ in range(2))
+        cycle = (np.empty((nodes - n, LANES), dtype=np.float32) for _ in range(2))
         call(
             "dm_solve_poisson",
             ints(self._sizes, levels),
@@ -179,15 +179,16 @@ class Hierarchy:
             shorts(aggregate, nodes),
             floats(self._factor, *self._factor.shape),
             len(self._factor),
-            floats(b, n, LANES),
-            floats_out(x, n, LANES),
+            floats(b, n, COORDINATES),
+            floats_out(x, n, COORDINATES),
             tolerance,
             most,
             byref(barrier),
             byref(bound),
             byref(done),
-            *(floats_out(np.empty((n, LANES)), n, LANES) for _ in range(3)),
-            *(address(array) for array in floats_of_cycle),
+            address(np.empty(n)),
+            *(address(np.empty((n, LANES))) for _ in range(3)),
+            *map(address, cycle),
         )
         self.barrier = barrier.value
         return bound.value, done.value
