@@ -61,6 +61,9 @@ WASM_OPTIONS = (
 # Functions of the core in modules of JavaScript, quoted or as exports.
 CALLED = re.compile(r'(?:"|exports\.)(dm_\w+)')
 
+# Those by which Python foresees the memory of a factorization.
+FORESEEN = ("dm_breadth", "dm_dissect", "dm_factor_entries", "dm_product_entries")
+
 
 class BuildError(Exception):
     """Failure of a build, with the reason."""
@@ -151,14 +154,14 @@ def build_wasm(module: Path, names: Sequence[str] = ()) -> Path:
     ----------
     module : Path
     names : sequence of str
-        Functions that it has. Default: all.
+        Functions that it has. Default: those that decoders call, in JavaScript or in Python.
 
     Raises
     ------
     BuildError
     """
     library = WEB / "freestanding"
-    exports = [f"-Wl,--export={name}" for name in names] or ["-Wl,--export-dynamic"]
+    exports = [f"-Wl,--export={name}" for name in names or (*called_functions(), *FORESEEN)]
     linked = [*WASM_OPTIONS, *exports, *map(str, sorted(library.glob("*.c")))]
     _compile([*zig(), *WASM, f"-I{library}"], module, linked)
     return module

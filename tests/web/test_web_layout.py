@@ -9,7 +9,7 @@ import children
 import pytest
 from places import ROOT
 
-from deltamesh import _limits, _mesh
+from deltamesh import _limits, _mesh, _methods
 from deltamesh._methods import METHODS
 from deltamesh_formats.container import layout
 
@@ -98,8 +98,16 @@ def test_methods(constants: dict[str, Any]) -> None:
         assert (own.title, own.geometry) == (found["title"], tuple(found["geometry"]))
         for flag in ("corrected", "anchored", "exact", "bare", "coarse"):
             assert getattr(own, flag) == found.get(flag, False)
-        memory = found["memory"], found["memoryPerVertex"]
-        assert memory == (method.memory, method.memory_per_vertex)
+        if method.memory is None:
+            assert "memory" not in found
+        else:
+            assert_memory(found, method.memory)
+    assert_memory(constants["INTERPOLATED"], _methods.INTERPOLATED)
+    assert_memory(constants["LEAST_SQUARES"], _methods.LEAST_SQUARES)
+
+
+def assert_memory(found: dict[str, Any], memory: _methods.Memory) -> None:
+    assert (found["memory"], found["memoryPerVertex"]) == (memory.fixed, memory.per_vertex)
 
 
 def test_limits(constants: dict[str, Any]) -> None:

@@ -28,8 +28,6 @@ export const METHODS = [
     corrected: true,
     anchored: true,
     bare: true,
-    memory: 2 ** 28,
-    memoryPerVertex: 4000,
   },
   {
     name: "cartesian",
@@ -45,8 +43,6 @@ export const METHODS = [
     corrected: true,
     anchored: true,
     coarse: true,
-    memory: 2 ** 28,
-    memoryPerVertex: 4000,
   },
   {
     name: "lossless",
@@ -57,6 +53,9 @@ export const METHODS = [
     memoryPerVertex: 600,
   },
 ];
+// Memory of decoding, by what positions make of deltas and anchors.
+export const INTERPOLATED = { memory: 192 * 2 ** 20, memoryPerVertex: 400 };
+export const LEAST_SQUARES = { memory: 2 ** 28, memoryPerVertex: 4000 };
 export const KNOWN = new Set([
   "PARM",
   "CONN",

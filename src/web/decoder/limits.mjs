@@ -2,7 +2,7 @@
 import { entriesOf } from "./attribute_table.mjs";
 import { readVarint } from "./bytes.mjs";
 import { FormatError, LimitError } from "./errors.mjs";
-import { MAX_ELEMENTS_PER_BYTE } from "./layout.mjs";
+import { INTERPOLATED, LEAST_SQUARES, MAX_ELEMENTS_PER_BYTE } from "./layout.mjs";
 import { movedParts, textSize } from "./texts.mjs";
 
 // Bytes of memory that decoding takes at most, as the Python library estimates them.
@@ -69,7 +69,9 @@ function checkMemory(needed, memory) {
 function memoryOfCounts(container) {
   const { parameters, sections, vertices: n, triangles: m } = container;
   const perFace = PER_FACE + (sections.has("POLY") ? PER_GLUED_FACE : 0);
-  let needed = parameters.method.memory + parameters.method.memoryPerVertex * n + perFace * m;
+  const bySolution = parameters.interpolated ? INTERPOLATED : LEAST_SQUARES;
+  const { memory, memoryPerVertex } = parameters.method.anchored ? bySolution : parameters.method;
+  let needed = memory + memoryPerVertex * n + perFace * m;
   const counts = { vertex: n, corner: 3 * m, face: m };
   for (const entry of entriesOf(container)) {
     const columns = 3 * Math.ceil(entry.columns / 3);

@@ -104,30 +104,23 @@ function factored(core, { indptr, indices, weights, diagonal }) {
 export function solvePoisson(core, hierarchy, b, x, tolerance) {
   const { n, sizes, entries, indptr, indices, weights } = hierarchy;
   const lanes = core.constant("DM_LANES");
-  const [rows, start] = [b, x].map((columns) => {
-    const wide = new Float64Array(lanes * n);
-    for (let v = 0; v < n; v++) wide.set(columns.subarray(3 * v, 3 * v + 3), lanes * v);
-    return wide;
-  });
-  // Before the barrier is known, it is solved for in the last column.
-  if (!hierarchy.barrier) for (let v = 0; v < n; v++) rows[lanes * v + lanes - 1] = 1;
+  const solution = x.slice();
   const barrier = Float64Array.of(hierarchy.barrier);
   const bound = new Float64Array(1);
   const nodes = hierarchy.diagonal.length;
   const levels = [sizes, entries, sizes.length, shorts(indptr), shorts(indices), weights];
   const numbers = [hierarchy.diagonal, hierarchy.inverse, shorts(hierarchy.aggregate)];
-  const wanted = [rows, out(start), real(tolerance), MOST_ITERATIONS];
+  const wanted = [b, out(solution), real(tolerance), MOST_ITERATIONS];
   const found = [out(barrier), out(bound), place()];
-  const memory = [n, n, n].map((count) => room(lanes * count));
-  const cycle = [room(Math.ceil((lanes * nodes) / 2)), room(Math.ceil((lanes * nodes) / 2))];
+  const memory = [n, lanes * n, lanes * n, lanes * n].map((count) => room(count));
+  const coarse = Math.ceil((lanes * (nodes - n)) / 2); // floats of 32 bits
   const dense = [hierarchy.factor, hierarchy.dense];
   core.call(
     "dm_solve_poisson",
-    ...[...levels, ...numbers, ...dense, ...wanted, ...found, ...memory, ...cycle],
+    ...[...levels, ...numbers, ...dense, ...wanted, ...found, ...memory],
+    ...[room(coarse), room(coarse)],
   );
   [hierarchy.barrier] = barrier;
-  const solution = new Float64Array(3 * n);
-  for (let v = 0; v < n; v++) solution.set(start.subarray(lanes * v, lanes * v + 3), 3 * v);
   return { solution, bound: bound[0] };
 }
 

@@ -9,6 +9,9 @@
 #define rint(x) __builtin_rint(x)
 #define sqrt(x) __builtin_sqrt(x)
 
+/* Of what only measures errors, which no decoder calls. */
+double atan2(double y, double x);
+
 /* The instruction f64.max returns NaN for NaN, other than the function. */
 static inline double fmax(double a, double b)
 {
