@@ -384,8 +384,9 @@ DM_API int dm_minimum_degree(const int64_t *indptr, int64_t n, const int64_t *in
                              int64_t entries, int64_t *order, int64_t *lists, int64_t *memory);
 
 /* neighbours.c */
-DM_API int dm_fill_neighbours(const int64_t *pairs, int64_t edges, int64_t n, int64_t *indptr,
-                              int64_t *indices);
+DM_API int dm_gather_neighbours(const int64_t *a, const int64_t *b, int64_t count, int64_t n,
+                                int64_t *indptr, int32_t *indices, int64_t *entries,
+                                int32_t *rows, int64_t *place);
 DM_API int dm_label_components(const int64_t *indptr, int64_t n, const int64_t *indices,
                                int64_t entries, int64_t *label, int64_t *queue, int64_t *count);
 

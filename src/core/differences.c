@@ -13,7 +13,7 @@
 #include "graphs.h"
 #include "vectors.h"
 
-/* Powers of two up to that, and 1 over them, are taken, so that all are doubles far from the ends. */
+/* Powers of two from 2^-1000 to 2^1000 are taken: the inverses of all of them are doubles, too. */
 enum { MOST_EXPONENT = 1000 };
 
 static const double DEGREES = 180.0 / 3.14159265358979323846;
@@ -35,7 +35,7 @@ static double power(int exponent)
 
 /* A vector whose largest number is 1/2 to 1, to the last bit, and the power of two that it lacks.
 
-   It is another one for vectors beyond the powers taken: those that are zero, say. */
+   Beyond the powers that are taken, the last of them is: for a zero vector, say. */
 static dm_vector scaled(dm_vector v, int *exponent)
 {
     const double x = fabs(v.x), y = fabs(v.y), z = fabs(v.z);

@@ -2,37 +2,53 @@
 #include "deltamesh_core.h"
 #include "graphs.h"
 
-/* Fill in the rows of neighbours, indptr (n + 1,) and indices (2 edges,), which ascend.
+/* Set the rows of neighbours, indptr (n + 1,) and indices (2 count,), of half-edges from a to b
+   (count,), in any order: each row ascends, has every neighbour once, and not the vertex itself.
+   `entries` counts them. Scratch: rows (2 count,), place (n,).
 
-   pairs (edges, 2): the edges (i, j), i < j < n, each once, in lexicographic order. */
-int dm_fill_neighbours(const int64_t *pairs, int64_t edges, int64_t n, int64_t *indptr,
-                       int64_t *indices)
+   Two passes sort without comparing: in the second one, vertices come to the rows of their
+   neighbours in ascending order. */
+int dm_gather_neighbours(const int64_t *a, const int64_t *b, int64_t count, int64_t n,
+                         int64_t *indptr, int32_t *indices, int64_t *entries, int32_t *rows,
+                         int64_t *place)
 {
-    for (int64_t e = 0; e < edges; e++) {
-        const int64_t i = pairs[2 * e], j = pairs[2 * e + 1];
-        const int64_t *const before = pairs + 2 * e - 2;
-        if (i < 0 || i >= j || j >= n)
-            return DM_INVALID;
-        if (e > 0 && (before[0] > i || (before[0] == i && before[1] >= j)))
-            return DM_INVALID;
-    }
+    if (n < 0 || n > INT32_MAX || !dm_all_in(a, count, 0, n) || !dm_all_in(b, count, 0, n))
+        return DM_INVALID;
     for (int64_t v = 0; v <= n; v++)
         indptr[v] = 0;
-    /* indptr[v + 1] counts, then is where the next neighbour of v belongs, then where v ends. */
-    for (int64_t k = 0; k < 2 * edges; k++)
-        indptr[pairs[k] + 1]++;
+    for (int64_t h = 0; h < count; h++)
+        if (a[h] != b[h])
+            indptr[a[h]]++, indptr[b[h]]++;
     int64_t begin = 0;
+    for (int64_t v = 0; v <= n; v++) {
+        const int64_t size = indptr[v];
+        indptr[v] = begin;
+        begin += size;
+    }
+    for (int64_t v = 0; v < n; v++)
+        place[v] = indptr[v];
+    for (int64_t h = 0; h < count; h++)
+        if (a[h] != b[h]) {
+            rows[place[a[h]]++] = (int32_t)b[h];
+            rows[place[b[h]]++] = (int32_t)a[h];
+        }
+    for (int64_t v = 0; v < n; v++)
+        place[v] = indptr[v];
+    for (int64_t v = 0; v < n; v++)
+        for (int64_t k = indptr[v]; k < indptr[v + 1]; k++) {
+            const int64_t w = rows[k];
+            if (place[w] == indptr[w] || indices[place[w] - 1] != v)
+                indices[place[w]++] = (int32_t)v;
+        }
+    int64_t end = 0;
     for (int64_t v = 0; v < n; v++) {
-        const int64_t count = indptr[v + 1];
-        indptr[v + 1] = begin;
-        begin += count;
+        const int64_t first = indptr[v];
+        indptr[v] = end;
+        for (int64_t k = first; k < place[v]; k++)
+            indices[end++] = indices[k];
     }
-    /* A vertex is the second one of all its edges to lower vertices before it is the first one. */
-    for (int64_t e = 0; e < edges; e++) {
-        const int64_t i = pairs[2 * e], j = pairs[2 * e + 1];
-        indices[indptr[i + 1]++] = j;
-        indices[indptr[j + 1]++] = i;
-    }
+    indptr[n] = end;
+    *entries = end;
     return DM_OK;
 }
 

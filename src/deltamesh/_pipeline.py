@@ -14,6 +14,7 @@ import numpy as np
 
 from deltamesh._content import NOTHING, Content
 from deltamesh._geometry.integers import Integers
+from deltamesh._geometry.interpolation import FINER
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.systems import Systems
 from deltamesh._limits import check_limits, filling, memory_to_solve
@@ -31,6 +32,7 @@ from deltamesh_formats.caching import cached_property
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Meta
 from deltamesh_formats.container.layout import (
+    ATTRIBUTES,
     CHECK,
     FILLING,
     MAX_COUNT,
@@ -180,7 +182,8 @@ def decode_mesh(
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
     to_solve = memory_to_solve(container, memory)
-    systems = Systems(surface, solver, threads, to_solve)
+    precision = FINER if ATTRIBUTES in container.sections else 1.0
+    systems = Systems(surface, solver, threads, to_solve, precision)
     coder = geometry_codec(parameters.method)
     points = coder.reconstruct(surface, parameters, content.integers, systems)
     margin = 0.0 if container.meta is None else container.meta.room

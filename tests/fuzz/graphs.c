@@ -10,21 +10,14 @@ static int64_t most(int64_t a, int64_t b) { return a > b ? a : b; }
 
 graph graph_of_pairs(const int64_t *a, const int64_t *b, int64_t count, int64_t n)
 {
-    int64_t *const keys = take_numbers(count), found = 0, edges = 0;
-    for (int64_t k = 0; k < count; k++)
-        if (a[k] != b[k])
-            keys[found++] = least(a[k], b[k]) * n + most(a[k], b[k]);
-    const int64_t *const order = order_of(keys, found);
-    int64_t *const pairs = take_numbers(2 * found);
-    for (int64_t k = 0; k < found; k++) {
-        const int64_t key = keys[order[k]];
-        if (k > 0 && key == keys[order[k - 1]])
-            continue;
-        pairs[2 * edges] = key / n, pairs[2 * edges + 1] = key % n;
-        edges++;
-    }
-    const graph g = {n, 2 * edges, take_numbers(n + 1), take_numbers(2 * edges)};
-    check(dm_fill_neighbours(pairs, edges, n, g.indptr, g.indices), "dm_fill_neighbours");
+    graph g = {n, 0, take_numbers(n + 1), take_numbers(2 * count)};
+    int32_t *const indices = (int32_t *)take_numbers(count);
+    int32_t *const rows = (int32_t *)take_numbers(count);
+    check(dm_gather_neighbours(a, b, count, n, g.indptr, indices, &g.entries, rows,
+                               take_numbers(n)),
+          "dm_gather_neighbours");
+    for (int64_t k = 0; k < g.entries; k++)
+        g.indices[k] = indices[k];
     return g;
 }
 

@@ -23,6 +23,8 @@ from deltamesh_formats.errors import SolveError
 # some hundred times the errors.
 TOLERANCE: Final = 1e-3
 NORMAL_TOLERANCE: Final = 1e-4
+# Where attributes follow, whose normals are predicted from positions, both are so much finer.
+FINER: Final = 1e-3
 # Where doubles cannot keep that, errors may be those of rounding, up to that share of the extent.
 ROUNDING: Final = 1e-6
 
@@ -60,7 +62,7 @@ class Interpolation:
         tolerance : float
             The error that a coordinate may have, in the least step of its component.
         start : float64 (n, 3), optional
-            Something near the solution, which saves iterations.
+            Something near the solution, which saves iterations and takes the solution.
 
         Returns
         -------
@@ -76,8 +78,12 @@ class Interpolation:
         cells, anchors = self.cells, self.cells.anchors
         scale, shift = cells.least(steps), cells.centres(positions)
         with np.errstate(over="ignore", invalid="ignore"):
-            x = np.zeros_like(delta) if start is None else start - shift
-            x /= scale
+            x = start
+            if x is None:
+                x = np.zeros_like(delta)
+            else:
+                x -= shift
+                x /= scale
             x[anchors] = (positions - shift[anchors]) / scale[anchors]
             delta = delta / scale
             bound = self._poisson.solve(delta, x, tolerance)

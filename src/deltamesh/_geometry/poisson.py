@@ -58,7 +58,6 @@ class Poisson:
         free[fixed] = False
         inverse = np.divide(1, diagonal, out=np.zeros_like(diagonal), where=free)
         shorts = indptr.astype(np.int32), indices.astype(np.int32)
-        self._diagonal = diagonal
         self._hierarchy = Hierarchy(_levels(*shorts, diagonal, inverse))
 
     def solve(
@@ -85,7 +84,8 @@ class Poisson:
 
     def rounding(self, b: Floats, x: Floats) -> float:
         """Return a bound on the error that solutions near x, float64 (n, 3), have by rounding."""
-        terms = np.abs(b).max(axis=1) + 2 * self._diagonal * float(np.abs(x).max(initial=0.0))
+        largest = float(np.abs(x).max(initial=0.0))
+        terms = np.abs(b).max(axis=1) + 2 * self._hierarchy.diagonal * largest
         return self._hierarchy.barrier * ROUNDINGS * EPSILON * float(terms.max(initial=0.0))
 
 

@@ -44,7 +44,7 @@ def solved(
     stage : int
         Of the method; the last by default.
     start : float64 (n, 3), optional
-        Something near, which saves time where anchors are interpolated.
+        Something near, which saves time where anchors are interpolated, and takes the result.
     tolerance : float, optional
         See `Interpolation.solve`. Default: that of a decoder.
     """
@@ -56,7 +56,7 @@ def solved(
     lost = vectors(parameters, integers, system.cells, stage)
     each = parameters.step * steps.ratios(integers)
     is_last = stage in (-1, len(UNITS[parameters.method]) - 1)
-    tolerance = tolerance or (TOLERANCE if is_last else NORMAL_TOLERANCE)
+    tolerance = tolerance or (TOLERANCE if is_last else NORMAL_TOLERANCE) * systems.precision
     return system.solve(system.cells.completed(delta, lost), anchors, each, tolerance, start)
 
 

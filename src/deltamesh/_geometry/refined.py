@@ -78,7 +78,7 @@ def quantize(
     left = np.subtract(delta, coarse, out=delta)
     if parameters.interpolated:
         integers = smoothed(left, parameters, integers, systems)
-    W, N = _bent(surface, systems, parameters, integers, vertices, ROUGHLY)
+    W, N = _bent(surface, systems, parameters, integers, vertices.copy(), ROUGHLY)
     fine = quantize_delta(
         left, graph, each, carries[1], normals=N, zone=NORMAL_DEAD_ZONE, along=True
     )

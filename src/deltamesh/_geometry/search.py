@@ -35,8 +35,9 @@ from deltamesh_formats.errors import MeshError, TargetError
 # How coarse the deltas may be, by effort, the likeliest first.
 COARSE: Final = {1: (5.0,), 2: (5.0, 3.0, 8.0), 3: (5.0, 3.0, 8.0, 2.0)}
 # Of effort 2, one other: finer deltas pay where they take few bytes beside the refinements, and
-# coarser ones, rarely, where they take many: that is tried where a trial takes no second.
-FEW, MANY = 1.2, 2.9
+# coarser ones, rarely, where they take many or next to none: that is tried where a trial takes no
+# second.
+FEW, MANY, NONE = 1.2, 2.9, 0.5
 CHEAP: Final = 60_000
 # Where a distance, not an angle, would bound the step, twice the anchors divide distances by that,
 # for 0.08 bits a vertex and more; but not more of them than that share of the vertices.
@@ -230,7 +231,8 @@ def _may_pay(settings: Settings, best: Trial, effort: int) -> bool:
     deltas, normals = (len(best.payloads.get(name, b"")) for name in (DELTAS, NORMALS))
     if settings.coarse < best.settings.coarse:
         return deltas < FEW * normals
-    return deltas > MANY * normals and len(best.vertices) <= CHEAP
+    is_extreme = deltas > MANY * normals or deltas < NONE * normals
+    return is_extreme and len(best.vertices) <= CHEAP
 
 
 def _anchored(

@@ -29,6 +29,8 @@ class Systems:
     surface : Surface
     solver, threads, memory
         Of the least-squares problems, see `LeastSquares`.
+    precision : float
+        Factor of the tolerances of interpolated anchors.
     """
 
     def __init__(
@@ -37,7 +39,9 @@ class Systems:
         solver: str = "auto",
         threads: int | None = None,
         memory: float = math.inf,
+        precision: float = 1.0,
     ) -> None:
+        self.precision = precision
         graph, labels = surface.graph, surface.labels
         self._least_squares = factorization(graph, solver, threads, memory)
         self._cells = _remembered(lambda anchors: Cells(graph, labels, anchors))

@@ -25,18 +25,10 @@ def edges(faces: Ints, n: int) -> Ints:
     int64 (e, 2)
         Pairs (i, j), i < j, in lexicographic order.
     """
-    return edges_between(*ends(faces), n)
-
-
-def edges_between(a: Ints, b: Ints, n: int) -> Ints:
-    """Return the undirected edges of half-edges from a to b, int64 (h,), as `edges` does."""
-    low, high = np.minimum(a, b), np.maximum(a, b)
-    # Sorting in place and comparing neighbours is several times faster than np.unique's hash table.
-    keys = (low * n + high)[low != high]
-    keys.sort()
-    if len(keys):
-        keys = keys[np.concatenate(([True], keys[1:] != keys[:-1]))]
-    return np.stack(np.divmod(keys, n), axis=1) if n else np.empty((0, 2), dtype=np.int64)
+    indptr, indices = adjacency(faces, n)
+    rows = np.repeat(np.arange(n), np.diff(indptr))
+    ascending = rows < indices
+    return np.stack([rows[ascending], indices[ascending]], axis=1)
 
 
 def adjacency(faces: Ints, n: int) -> tuple[Ints, Ints]:
@@ -53,14 +45,12 @@ def adjacency(faces: Ints, n: int) -> tuple[Ints, Ints]:
     indices : int64 (2 e,)
         The neighbours of i are `indices[indptr[i]:indptr[i + 1]]`, ascending.
     """
-    return adjacency_of_edges(edges(faces, n), n)
+    return adjacency_between(*ends(faces), n)
 
 
-def adjacency_of_edges(pairs: Ints, n: int) -> tuple[Ints, Ints]:
-    """Return the neighbours of every vertex, as `adjacency` does, from `edges` (e, 2)."""
-    indptr, indices = np.empty(n + 1, dtype=np.int64), np.empty(2 * len(pairs), dtype=np.int64)
-    neighbours.fill(pairs, indptr, indices)
-    return indptr, indices
+def adjacency_between(a: Ints, b: Ints, n: int) -> tuple[Ints, Ints]:
+    """Return the neighbours of every vertex along half-edges from a to b, int64 (h,)."""
+    return neighbours.gather(a, b, n)
 
 
 def components(indptr: Ints, indices: Ints) -> Ints:

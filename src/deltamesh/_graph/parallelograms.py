@@ -43,11 +43,13 @@ def parallelograms(
     opposite = pair_halfedges(faces) if opposite is None else opposite
     (a, b), apex = ends(faces), np.roll(faces, -2, axis=1).ravel()
     across = np.where(opposite >= 0, apex[opposite], n)
-    sides = [np.roll(quads, -shift, axis=1).ravel() for shift in (3, 1, 2, 0)]
-    a, b, across, apex = (
-        np.concatenate(both) for both in zip(sides, (a, b, across, apex), strict=True)
-    )
-    known = np.flatnonzero(np.maximum(np.maximum(a, b), across) < apex)
+    if len(quads):
+        sides = [np.roll(quads, -shift, axis=1).ravel() for shift in (3, 1, 2, 0)]
+        a, b, across, apex = (
+            np.concatenate(both) for both in zip(sides, (a, b, across, apex), strict=True)
+        )
+    highest = np.maximum(a, b)
+    known = np.flatnonzero(np.maximum(highest, across, out=highest) < apex)
     known = known[np.argsort(apex[known], kind="stable")]
     first = np.zeros(n + 1, dtype=np.int64)
     np.cumsum(np.bincount(apex[known], minlength=n), out=first[1:])

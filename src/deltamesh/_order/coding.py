@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from deltamesh._graph.adjacency import adjacency_of_edges, edges_between
+from deltamesh._graph.adjacency import adjacency_between
 from deltamesh._kernels.coding import face_order, steps, vertex_order
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._order.reordering import Order, permuted_corners
@@ -227,8 +227,7 @@ def _code_vertices(
     first, last = rows.offsets[:-1], rows.offsets[1:] - 1
     after = np.arange(1, len(rows.corners) + 1)
     after[last] = first
-    pairs = edges_between(rows.corners, rows.corners[after], n)
-    indptr, indices = adjacency_of_edges(pairs, n)
+    indptr, indices = adjacency_between(rows.corners, rows.corners[after], n)
     # By columns, the entries of a symmetric matrix are those by rows, mirrored.
     mirror = inverse(np.argsort(indices, kind="stable"))
     newest = 1 if plan & PLAN_NEWEST else 0

@@ -10,6 +10,7 @@ import numpy as np
 from deltamesh._content import Content
 from deltamesh._geometry.bounds import Binding, Bounds, bounds_of, furthest_at_rate
 from deltamesh._geometry.integers import Integers
+from deltamesh._geometry.interpolation import FINER
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.part_search import components_of
 from deltamesh._geometry.positions import doubt
@@ -49,7 +50,8 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
     structure, V = draft.shape.structure, draft.positions
     surface, used = structure.surface, structure.complex.used
     memory = memory_to_encode(surface.vertex_count)
-    systems = Systems(surface, options.solver, options.threads, memory)
+    precision = FINER if draft.mesh.attributes else 1.0
+    systems = Systems(surface, options.solver, options.threads, memory, precision)
     faces, polygons = _measured(draft)
     component = np.pad(surface.labels, (0, len(V) - used), constant_values=-1)
     named = named_parts(draft.mesh, faces, polygons, component)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 from deltamesh._attributes.domains import Domains
 from deltamesh._content import Content
 from deltamesh._geometry.bounds import POSITION_TOLERANCE
+from deltamesh._geometry.interpolation import FINER
 from deltamesh._measures.metrics import diagonal
 from deltamesh._parts import decode_parts, encode_parts
 from deltamesh._sections import geometry
@@ -124,7 +125,7 @@ def _attribute_settings(draft: Draft) -> AttributeSettings:
     options, trial = draft.options, draft.chosen
     V = trial.vertices[draft.content.structure.points]
     solved = layout.METHODS[trial.parameters.method].anchored
-    doubt = max(POSITION_TOLERANCE * diagonal(V), trial.measured.doubt)
+    doubt = max(POSITION_TOLERANCE * diagonal(V), FINER * trial.measured.doubt)
     return AttributeSettings(
         bits_uv=options.bits_uv,
         bits_normal=options.bits_normal,

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from deltamesh._graph.adjacency import adjacency, adjacency_of_edges, components, edges_between
+from deltamesh._graph.adjacency import adjacency, adjacency_between, components
 from deltamesh._graph.elements import Elements
 from deltamesh._graph.halfedges import ends
 from deltamesh._graph.parallelograms import NO_QUADS, parallelograms
@@ -79,6 +79,5 @@ def surface_of(
         graph = adjacency(faces, vertex_count)
     else:
         start, end = ends(faces)
-        pairs = edges_between(start[~hidden], end[~hidden], vertex_count)
-        graph = adjacency_of_edges(pairs, vertex_count)
+        graph = adjacency_between(start[~hidden], end[~hidden], vertex_count)
     return Surface(faces, graph, isolated_count, quads, manifold)

@@ -23,9 +23,11 @@ def test_points_are_numbered_as_they_are_met(mesh: meshes.Arrays, drop_isolated:
     V, F = mesh
     triangles = from_triangles(V, F).triangulation()
     draft = first_draft(V, triangles, drop_isolated=drop_isolated, exact=False)
-    cut = draft.input.cut
+    cut = draft.cut
+    assert cut is not None
     _, coded = encode_connectivity(build_topology(cut.faces, cut.opposite, len(cut.points)))
-    found = in_coding_order(draft, coded)
+    found = in_coding_order(draft, cut, coded)
+    assert found.cut is None
     points = found.stitches.points
     first_seen = list(dict.fromkeys(points.tolist()))
     assert first_seen == list(range(len(first_seen)))

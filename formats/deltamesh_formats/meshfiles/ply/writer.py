@@ -60,8 +60,8 @@ def write(mesh: PolyMesh) -> Written:
         kind = NAMES[each.values.dtype.str[1:]]
         header.append(f"property list {NAMES[count]} {kind} {each.name}")
     head = "\n".join([*header, *_properties(face), "end_header", ""]).encode(*text.ENCODING)
-    body = _records(vertex).tobytes() + _face_bytes(mesh, lists, counts, face)
-    return Written(head + body, PLY.losses(mesh, [attribute for attribute, _ in kept]))
+    body = _records(vertex).data, _face_bytes(mesh, lists, counts, face).data
+    return Written(b"".join((head, *body)), PLY.losses(mesh, [attribute for attribute, _ in kept]))
 
 
 def _known_type(values: NDArray[Any]) -> NDArray[Any] | None:
@@ -130,10 +130,13 @@ def _face_bytes(
     lists: list[_List],
     counts: list[str],
     columns: list[tuple[str, NDArray[Any]]],
-) -> bytes:
+) -> NDArray[np.uint8]:
     """Return the bytes of the faces; records of one size are packed as one array."""
     sizes = mesh.sizes
     of_size = {int(k): _face_type(int(k), lists, counts, columns) for k in distinct(sizes)}
+    if len(of_size) == 1:
+        [(size, kind)] = of_size.items()
+        return _packed(size, kind, lists, columns)
     lengths = np.zeros(len(sizes), dtype=np.int64)
     for size, kind in of_size.items():
         lengths[sizes == size] = kind.itemsize
@@ -141,19 +144,29 @@ def _face_bytes(
     out = np.empty(int(lengths.sum()), dtype=np.uint8)
     for size, kind in of_size.items():
         mine = np.flatnonzero(sizes == size)
-        records = np.empty(len(mine), dtype=kind)
         at = mesh.offsets[mine, None] + np.arange(size)
-        for i, each in enumerate(lists):
-            width = each.values.shape[1]
-            records[f"n{i}"] = size * width
-            records[f"l{i}"] = each.values[at].reshape(len(mine), size * width)
-        for i, (_, values) in enumerate(columns):
-            records[f"f{i}"] = values[mine]
-        raw = records.view(np.uint8).reshape(len(mine), kind.itemsize)
-        if len(of_size) == 1:
-            return raw.tobytes()
-        out[starts[mine, None] + np.arange(kind.itemsize)] = raw
-    return out.tobytes()
+        some = [each._replace(values=each.values[at.ravel()]) for each in lists]
+        raw = _packed(size, kind, some, [(name, values[mine]) for name, values in columns])
+        out[starts[mine, None] + np.arange(kind.itemsize)] = raw.reshape(len(mine), -1)
+    return out
+
+
+def _packed(
+    size: int,
+    kind: np.dtype[np.void],
+    lists: list[_List],
+    columns: list[tuple[str, NDArray[Any]]],
+) -> NDArray[np.uint8]:
+    """Return the bytes of faces of one size, in the order of their corners."""
+    count = len(lists[0].values) // size
+    records = np.empty(count, dtype=kind)
+    for i, each in enumerate(lists):
+        width = size * each.values.shape[1]
+        records[f"n{i}"] = width
+        records[f"l{i}"] = each.values.reshape(count, width)
+    for i, (_, values) in enumerate(columns):
+        records[f"f{i}"] = values
+    return records.view(np.uint8)
 
 
 def _face_type(

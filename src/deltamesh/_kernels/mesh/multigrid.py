@@ -144,6 +144,11 @@ class Hierarchy:
         self._factor = factor_dense(last.matrix()) if is_dense else np.zeros((0, 0))
         self.barrier = 0.0
 
+    @property
+    def diagonal(self) -> Singles:
+        """The diagonal of the finest level, float32 (n,)."""
+        return self._arrays[3][: self.n]
+
     def solve(self, b: Floats, x: Floats, tolerance: float, most: int) -> tuple[float, int]:
         """Solve A x = b in place, from where x starts; fixed nodes keep their x.
 

@@ -4,25 +4,32 @@ from __future__ import annotations
 
 from ctypes import byref
 
-from deltamesh._kernels.core import call, ints, ints_out, number, scratch
+import numpy as np
+
+from deltamesh._kernels.core import address, call, ints, ints_out, number, scratch, shorts_out
 from deltamesh_formats.array_types import Ints
 
 
-def fill(pairs: Ints, indptr: Ints, indices: Ints) -> None:
-    """Fill in the neighbours of the vertices, which ascend.
+def gather(a: Ints, b: Ints, n: int) -> tuple[Ints, Ints]:
+    """Return the neighbours of n vertices, int64 (n + 1,) and (e,), which ascend, each once.
 
-    pairs : int64 (e, 2), the edges (i, j), i < j < n, each once, in lexicographic order.
-    indptr : int64 (n + 1,), indices : int64 (2 e,), filled in.
+    a, b : int64 (h,), the vertices at both ends of half-edges, in any order; loops do not count.
     """
-    e, n = len(pairs), len(indptr) - 1
+    count, entries = len(a), number()
+    indptr, indices = np.empty(n + 1, dtype=np.int64), np.empty(2 * count, dtype=np.int32)
     call(
-        "dm_fill_neighbours",
-        ints(pairs, e, 2),
-        e,
+        "dm_gather_neighbours",
+        ints(a, count),
+        ints(b, count),
+        count,
         n,
         ints_out(indptr, n + 1),
-        ints_out(indices, 2 * e),
+        shorts_out(indices, 2 * count),
+        byref(entries),
+        address(np.empty(2 * count, dtype=np.int32)),
+        scratch(n),
     )
+    return indptr, indices[: entries.value].astype(np.int64)
 
 
 def label_components(indptr: Ints, indices: Ints, label: Ints) -> int:
