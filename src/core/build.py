@@ -61,8 +61,10 @@ WASM_OPTIONS = (
 # Functions of the core in modules of JavaScript, quoted or as exports.
 CALLED = re.compile(r'(?:"|exports\.)(dm_\w+)')
 
-# Those by which Python foresees the memory of a factorization.
-FORESEEN = ("dm_breadth", "dm_dissect", "dm_factor_entries", "dm_product_entries")
+# Functions that the core has for others, and that have a body.
+DECLARED = re.compile(r"DM_API [^;]*?\b(dm_\w+)\(")
+# What WebAssembly has no instruction for: functions of these sources only measure errors.
+LIBRARY = re.compile(r"\batan2\(")
 
 
 class BuildError(Exception):
@@ -154,14 +156,14 @@ def build_wasm(module: Path, names: Sequence[str] = ()) -> Path:
     ----------
     module : Path
     names : sequence of str
-        Functions that it has. Default: those that decoders call, in JavaScript or in Python.
+        Functions that it has. Default: all that need no library of mathematics.
 
     Raises
     ------
     BuildError
     """
     library = WEB / "freestanding"
-    exports = [f"-Wl,--export={name}" for name in names or (*called_functions(), *FORESEEN)]
+    exports = [f"-Wl,--export={name}" for name in names or decoding_functions()]
     linked = [*WASM_OPTIONS, *exports, *map(str, sorted(library.glob("*.c")))]
     _compile([*zig(), *WASM, f"-I{library}"], module, linked)
     return module
@@ -171,6 +173,14 @@ def called_functions() -> list[str]:
     """Return the names of the functions of the core that `src/web` calls."""
     texts = [path.read_text(encoding="utf-8") for path in WEB.glob("decoder/*.mjs")]
     return sorted({name for text in texts for name in CALLED.findall(text)})
+
+
+def decoding_functions() -> list[str]:
+    """Return the names of the functions of the core that need no library of mathematics."""
+    header = (SOURCES / "deltamesh_core.h").read_text(encoding="utf-8")
+    texts = [path.read_text(encoding="utf-8") for path in SOURCES.glob("*.c")]
+    bare = "".join(text for text in texts if not LIBRARY.search(text))
+    return [name for name in DECLARED.findall(header) if f"{name}(" in bare]
 
 
 def build_page(page: Path = PAGE) -> Path:
