@@ -1,4 +1,4 @@
-"""Build hook: an installation compiles the core, for every Python of its platform."""
+"""Build hook: an installation compiles the core, for every Python of its platform, and the page."""
 
 from __future__ import annotations
 
@@ -27,18 +27,23 @@ def _builder(root: str) -> ModuleType:
 
 
 class CustomBuildHook(BuildHookInterface[Any]):
-    """Hook that compiles the core into the wheel; editable ones find it among the sources."""
+    """Hook that puts the core and the page into the wheel; editable ones find them as sources."""
 
     def dependencies(self) -> list[str]:
-        """Return a compiler that is a wheel, where the system has none for the target."""
-        has_compiler = not TARGET and _builder(self.root).compiler()
-        return [] if has_compiler else ["ziglang>=0.13"]
+        """Return a compiler that is a wheel: only it makes WebAssembly everywhere."""
+        return ["ziglang>=0.13"]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Compile the core, and tag the wheel by its platform alone."""
+        """Compile the core, make the page, and tag the wheel by its platform alone."""
         builder = _builder(self.root)
         library = builder.build(TARGET)
-        build_data["artifacts"].append(library.relative_to(self.root).as_posix())
+        made = [library]
+        try:
+            made.append(builder.build_page())
+        except builder.NoCompilerError as error:
+            # A build without isolation may lack it; `deltamesh view` then says so.
+            self.app.display_warning(str(error))
+        build_data["artifacts"] += [path.relative_to(self.root).as_posix() for path in made]
         build_data["pure_python"] = False
         here = sysconfig.get_platform().replace("-", "_").replace(".", "_")
         platform = builder.TARGETS[TARGET] if TARGET else here

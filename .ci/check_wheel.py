@@ -34,7 +34,7 @@ def main(target: str, wheel: Path) -> None:
     tag = f"py3-none-{build.TARGETS[target]}.whl"
     assert wheel.name.endswith(tag), f"{wheel.name}: not {tag}"
     with zipfile.ZipFile(wheel) as archive:
-        names = [name for name in archive.namelist() if "/_core." in name]
+        names = [name for name in names_of(wheel) if "/_core." in name]
         assert [Path(name).name for name in names] == [build.library_of(target).name], names
         library = archive.read(names[0])
     magic, at, machine = KINDS["-".join(target.split(".")[0].split("-")[:2])]
@@ -47,7 +47,15 @@ def main(target: str, wheel: Path) -> None:
     missing = [name for name in exported if name.encode() not in library]
     assert len(exported) > 50, exported
     assert not missing, f"{wheel.name}: {missing}"
+    page = [name for name in names_of(wheel) if name.endswith("/_page/page.html")]
+    assert page, f"{wheel.name}: no page"
     print(f"{wheel.name}: {len(library)} bytes of library, {len(exported)} names")
+
+
+def names_of(wheel: Path) -> list[str]:
+    """Return the names of the files in a wheel."""
+    with zipfile.ZipFile(wheel) as archive:
+        return archive.namelist()
 
 
 if __name__ == "__main__":

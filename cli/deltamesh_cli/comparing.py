@@ -18,7 +18,7 @@ from deltamesh_formats.container.summary import bits_per_vertex, relative
 from deltamesh_formats.polymesh.kinds import KIND_WORDS
 
 if TYPE_CHECKING:
-    from deltamesh._compare.likeness import Difference
+    from deltamesh._compare.likeness import Correspondence, Difference
     from deltamesh._measures.report import Report
     from deltamesh._mesh import TriangleMesh
     from deltamesh_formats.array_types import Floats, Ints
@@ -47,6 +47,8 @@ class Comparison:
         correspond.
     report : Report or None
         What became of the parts and faces of A; None if the vertices do not correspond.
+    match : Correspondence or None
+        The vertices that correspond, if they do.
     """
 
     a: LoadedMesh
@@ -55,6 +57,7 @@ class Comparison:
     attributes: tuple[Difference, ...] | None = None
     other_parts: tuple[Kind, ...] | None = None
     report: Report | None = None
+    match: Correspondence | None = None
 
 
 def compare_meshes(a: LoadedMesh, b: LoadedMesh, progress: Progress) -> Comparison:
@@ -85,10 +88,10 @@ def compare_meshes(a: LoadedMesh, b: LoadedMesh, progress: Progress) -> Comparis
     report = _report(a.mesh, reference, cut.polygon[kept], paired.vertices)
     pairs = likeness.matched_corners(a.mesh, b.mesh, match)
     if pairs is None:
-        return Comparison(a, b, errors, report=report)
+        return Comparison(a, b, errors, report=report, match=match)
     attributes = likeness.differences(a.mesh, b.mesh, pairs)
     other_parts = likeness.other_parts(a.mesh, b.mesh, pairs)
-    return Comparison(a, b, errors, attributes, other_parts, report)
+    return Comparison(a, b, errors, attributes, other_parts, report, match)
 
 
 def _report(mesh: PolyMesh, reference: TriangleMesh, polygons: Ints, others: Floats) -> Report:
@@ -125,6 +128,12 @@ def comparison_object(name_a: str, name_b: str, comparison: Comparison) -> dict[
 
 def comparison_text(name_a: str, name_b: str, comparison: Comparison) -> str:
     """Return a comparison as text for people; the names are those of the files."""
+    lines = f"{_file_line(name_a, comparison.a)}\n{_file_line(name_b, comparison.b)}"
+    return "\n\n".join([lines, *map(table, comparison_tables(comparison))])
+
+
+def comparison_tables(comparison: Comparison) -> list[list[tuple[str, ...]]]:
+    """Return the rows of the tables that show a comparison; the first row of most is a head."""
     a, b = comparison.a, comparison.b
     tables: list[list[tuple[str, ...]]] = [list(_error_rows(comparison.errors))]
     if comparison.attributes:
@@ -133,8 +142,7 @@ def comparison_text(name_a: str, name_b: str, comparison: Comparison) -> str:
         tables.insert(1, rows)
     if comparison.other_parts is not None and (a.mesh.parts or b.mesh.parts):
         tables.append(list(_part_rows(comparison)))
-    lines = f"{_file_line(name_a, a)}\n{_file_line(name_b, b)}"
-    return "\n\n".join([lines, *map(table, tables)])
+    return tables
 
 
 def _file_object(name: str, loaded: LoadedMesh) -> dict[str, object]:

@@ -26,6 +26,8 @@ COMMANDS: Final = {
     "info": "Describe .dmesh files without decoding them.",
     "test": "Check that .dmesh files are intact.",
     "compare": "Measure how far mesh B is from mesh A.",
+    "view": "Show a mesh in the browser, beside its original.",
+    "render": "Write a picture of a mesh, or of its errors.",
     "bench": "Measure file sizes, errors and times of meshes.",
     "completion": "Print a script that completes command lines.",
 }

@@ -3,6 +3,9 @@
 `python src/core/build.py` writes a shared library beside the modules that load it; an installation
 does the same (`hatch_build.py`). The compiler is the one that CC names, else the system's, else the
 one of the package ziglang, which also compiles for other systems and for WebAssembly.
+
+With ziglang, it also makes what runs in browsers, of `src/web`: a page that is complete in itself
+(`--page`), beside the module that fills it in, and a package for the npm registry (`--npm FOLDER`).
 """
 
 from __future__ import annotations
@@ -11,15 +14,20 @@ import argparse
 import hashlib
 import importlib.util
 import os
+import re
 import shlex
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from types import ModuleType
 
 SOURCES = Path(__file__).parent
 FOLDER = SOURCES.parent / "deltamesh" / "_kernels"
+WEB = SOURCES.parent / "web"
+PAGE = SOURCES.parent / "deltamesh" / "_page" / "page.html"
 
 # No contraction: a fused multiply-add rounds once where the others round twice.
 FLAGS = ("-std=c11", "-ffp-contract=off", "-fvisibility=hidden")
@@ -39,13 +47,32 @@ TARGETS = {
     "aarch64-macos.11.0": "macosx_11_0_arm64",
     "x86_64-windows-gnu": "win_amd64",
 }
-# A module of WebAssembly without a beginning of its own, whose user asks it for memory.
-WASM = ("-target", "wasm32-wasi", "-mexec-model=reactor", "-O2", "-s")
-WASM_EXPORTS = ("-Wl,--export-dynamic", "-Wl,--export=malloc", "-Wl,--export=free")
+# A module of WebAssembly without any library, and small, for it travels in every page; whoever
+# calls it looks after its memory.
+WASM = ("-target", "wasm32-freestanding", "-mcpu=generic+bulk_memory+simd128", "-nostdlib", "-s")
+WASM_OPTIONS = (
+    "-Os",
+    "-mllvm",
+    "-inline-threshold=0",
+    "-Wl,--no-entry",
+    "-Wl,-z,stack-size=1048576",
+    "-Wl,--export=__heap_base",
+)
+# Functions of the core in modules of JavaScript, quoted or as exports.
+CALLED = re.compile(r'(?:"|exports\.)(dm_\w+)')
+
+# Functions that the core has for others, and that have a body.
+DECLARED = re.compile(r"DM_API [^;]*?\b(dm_\w+)\(")
+# What WebAssembly has no instruction for: functions of these sources only measure errors.
+LIBRARY = re.compile(r"\batan2\(")
 
 
 class BuildError(Exception):
     """Failure of a build, with the reason."""
+
+
+class NoCompilerError(BuildError):
+    """The compiler that a build needs is not installed."""
 
 
 def compiler() -> list[str] | None:
@@ -61,15 +88,12 @@ def zig() -> list[str]:
 
     Raises
     ------
-    BuildError
+    NoCompilerError
         If it is not installed.
     """
     if importlib.util.find_spec("ziglang"):
         return [sys.executable, "-m", "ziglang", "cc"]
-    raise BuildError(
-        "deltamesh needs a C compiler to be installed from source, and found none: no CC in the "
-        "environment, no cc, gcc or clang on PATH, no package ziglang"
-    )
+    raise NoCompilerError("the package ziglang is not installed")
 
 
 def digest() -> str:
@@ -107,21 +131,94 @@ def build(target: str = "", flags: Sequence[str] = ()) -> Path:
     library = library_of(target)
     # Of itself, ziglang compiles for the very processor that it runs on, but libraries get around.
     kind = ("-target", target) if target else ("-mcpu=baseline",)
-    command = (None if target else compiler()) or [*zig(), *kind, "-s"]
+    command = (None if target else compiler()) or [*_last_compiler(), *kind, "-s"]
     if library.suffix != ".dll":
         command += ["-fPIC"]
     _compile([*command, "-shared", FAST, *flags], library, ["-lm"])
     return library
 
 
-def build_wasm(module: Path) -> Path:
+def _last_compiler() -> list[str]:
+    """Return the command of ziglang, where no other compiler was found."""
+    try:
+        return zig()
+    except NoCompilerError as error:
+        raise NoCompilerError(
+            "deltamesh needs a C compiler to be installed from source, and found none: no CC in "
+            f"the environment, no cc, gcc or clang on PATH, and {error}"
+        ) from None
+
+
+def build_wasm(module: Path, names: Sequence[str] = ()) -> Path:
     """Compile the core as WebAssembly, with ziglang; return the path of the module.
+
+    Parameters
+    ----------
+    module : Path
+    names : sequence of str
+        Functions that it has. Default: all that need no library of mathematics.
 
     Raises
     ------
     BuildError
     """
-    _compile([*zig(), *WASM], module, WASM_EXPORTS)
+    library = WEB / "freestanding"
+    exports = [f"-Wl,--export={name}" for name in names or decoding_functions()]
+    linked = [*WASM_OPTIONS, *exports, *map(str, sorted(library.glob("*.c")))]
+    _compile([*zig(), *WASM, f"-I{library}"], module, linked)
+    return module
+
+
+def called_functions() -> list[str]:
+    """Return the names of the functions of the core that `src/web` calls."""
+    texts = [path.read_text(encoding="utf-8") for path in WEB.glob("decoder/*.mjs")]
+    return sorted({name for text in texts for name in CALLED.findall(text)})
+
+
+def decoding_functions() -> list[str]:
+    """Return the names of the functions of the core that need no library of mathematics."""
+    header = (SOURCES / "deltamesh_core.h").read_text(encoding="utf-8")
+    texts = [path.read_text(encoding="utf-8") for path in SOURCES.glob("*.c")]
+    bare = "".join(text for text in texts if not LIBRARY.search(text))
+    return [name for name in DECLARED.findall(header) if f"{name}(" in bare]
+
+
+def build_page(page: Path = PAGE) -> Path:
+    """Make the page that shows meshes, with the core in it; return its path.
+
+    Raises
+    ------
+    BuildError
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        core = build_wasm(Path(folder) / "core.wasm", called_functions()).read_bytes()
+    unfinished = page.with_name(f"{page.name}.{os.getpid()}")
+    unfinished.write_text(_joining().page(core), encoding="utf-8", newline="\n")
+    unfinished.replace(page)
+    return page
+
+
+def build_package(folder: Path) -> Path:
+    """Make a package for the npm registry: a new folder with the modules and the core.
+
+    Raises
+    ------
+    BuildError
+    """
+    ignored = shutil.ignore_patterns("*.py", "freestanding", "viewer", "__pycache__")
+    shutil.copytree(WEB, folder, ignore=ignored)
+    shutil.copy(WEB.parents[1] / "LICENSE", folder)
+    build_wasm(folder / "core.wasm", called_functions())
+    return folder
+
+
+def _joining() -> ModuleType:
+    """Return the module `src/web/join.py`, which is in no package."""
+    spec = importlib.util.spec_from_file_location("join_web", WEB / "join.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
     return module
 
 
@@ -148,10 +245,19 @@ def main() -> None:
     )
     parser.add_argument("--target", choices=TARGETS, default="", help="compile for it, by ziglang")
     parser.add_argument("--wasm", type=Path, metavar="FILE", help="write WebAssembly, by ziglang")
+    parser.add_argument("--page", action="store_true", help="make the page, by ziglang")
+    parser.add_argument("--npm", type=Path, metavar="FOLDER", help="make a package, by ziglang")
     arguments = parser.parse_args()
     flags = STRICT * arguments.strict + SANITIZED * arguments.sanitize
     try:
-        print(build_wasm(arguments.wasm) if arguments.wasm else build(arguments.target, flags))
+        if arguments.wasm:
+            print(build_wasm(arguments.wasm))
+        elif arguments.page:
+            print(build_page())
+        elif arguments.npm:
+            print(build_package(arguments.npm))
+        else:
+            print(build(arguments.target, flags))
     except BuildError as error:
         sys.exit(str(error))
 

@@ -6,21 +6,14 @@ import assert from "node:assert/strict";
 import { createReadStream } from "node:fs";
 import { readFile } from "node:fs/promises";
 import { createInterface } from "node:readline";
-import { WASI } from "node:wasi";
+import { Heap } from "../../src/web/decoder/heap.mjs";
 
 const [, , module, calls] = process.argv;
-const wasi = new WASI({ version: "preview1" });
-const compiled = await WebAssembly.compile(await readFile(module));
-const { exports } = await WebAssembly.instantiate(compiled, wasi.getImportObject());
-wasi.initialize({ exports });
+const { instance } = await WebAssembly.instantiate(await readFile(module));
+const { exports } = instance;
+const heap = new Heap(exports.memory, exports.__heap_base.value);
 
 const STRUCT = 4096; // bytes for a struct of any kind
-
-function allocate(size) {
-  const at = exports.malloc(Math.max(size, 8));
-  assert(at, `no memory for ${size} bytes`);
-  return at;
-}
 
 const memory = (at, size) => Buffer.from(exports.memory.buffer, at, size);
 
@@ -33,14 +26,14 @@ function replay(call, kept) {
     if ("kept" in argument) {
       // Of a coder or a front: it lives as long as the file.
       if (!kept.has(argument.kept)) {
-        const at = allocate(argument.size ?? STRUCT);
+        const at = heap.allocate(argument.size ?? STRUCT);
         if (argument.before) memory(at, argument.size).write(argument.before, "base64");
         kept.set(argument.kept, at);
       }
       return kept.get(argument.kept);
     }
     const before = Buffer.from(argument.before, "base64");
-    const at = allocate(before.length);
+    const at = heap.allocate(before.length);
     before.copy(memory(at, before.length));
     freed.push(at);
     checks.push([at, argument.after]);
@@ -52,7 +45,7 @@ function replay(call, kept) {
     const size = Buffer.byteLength(after, "base64");
     assert.equal(memory(at, size).toString("base64"), after, `${call.name}: an array`);
   }
-  freed.forEach((at) => exports.free(at));
+  freed.forEach((at) => heap.release(at));
 }
 
 let count = 0;
@@ -62,6 +55,6 @@ for await (const line of createInterface({ input: createReadStream(calls) })) {
     replay(call, kept);
     count += 1;
   }
-  kept.forEach((at) => exports.free(at));
+  kept.forEach((at) => heap.release(at));
 }
 console.log(count);

@@ -14,6 +14,7 @@ from deltamesh_cli.failures import attempt, process_all
 from deltamesh_cli.inputs import EITHER, Choice, Input, chosen_files
 from deltamesh_cli.meshes import load_mesh
 from deltamesh_cli.output import display_name, message, print_json
+from deltamesh_cli.pages import page_of_comparison
 from deltamesh_cli.pairing import Folder
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.signals import interruptible
@@ -33,6 +34,7 @@ names."""
 _EXAMPLES = """\
 deltamesh compare bunny.ply bunny.ply.dmesh
 deltamesh compare scan.glb scan.obj     shows the effect of a conversion
+deltamesh compare a.ply a.ply.dmesh --html a.html
 deltamesh compare -r scans packed       pairs files by name
 deltamesh compare --json a.obj b.obj | jq .errors.hausdorff
 """
@@ -42,6 +44,15 @@ deltamesh compare --json a.obj b.obj | jq .errors.hausdorff
 @click.argument("sources", type=FILE, metavar="[A]...", nargs=-1)
 @click.argument("second", type=FILE, metavar="B")
 @chosen_files
+@click.option(
+    "--html",
+    "page",
+    type=FILE,
+    metavar="PAGE",
+    help="Write a page that shows both in the browser, with errors in colours, as deltamesh view"
+    " does.",
+)
+@click.option("-f", "--force", is_flag=True, help="Overwrite PAGE if it exists.")
 @options.input_format
 @options.solver
 @options.threads
@@ -53,6 +64,8 @@ def command(
     sources: tuple[str, ...],
     second: str,
     choice: Choice,
+    page: str | None,
+    force: bool,
     input_format: str | None,
     as_json: bool,
     quiet: bool,
@@ -83,17 +96,25 @@ def command(
     inputs = choice.inputs(sources, EITHER)
     if folder is None and (len(inputs) > 1 or any(one.in_folder for one in inputs)):
         raise click.UsageError(f"Many files are given to compare: {second} has to be a folder.")
+    if folder is not None and page is not None:
+        raise click.UsageError("--html is for two files, not for folders.")
     paired: list[str] = []
 
     def compare_one(one: Input) -> None:
         name = one.checked()
         other = second if folder is None else folder.counterpart(one)
         paired.append(other)
+        if page is not None:
+            files.check_output(name, page, force=force, text=True)
         with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
             a = load_mesh(name, input_format, progress, **parameters)
             b = load_mesh(other, input_format, progress, **parameters)
             with attempt(other, f"cannot compare with {display_name(name)}"):
                 comparison = interruptible(lambda: compare_meshes(a, b, progress))
+            if page is not None:
+                with attempt(other, "cannot show"):
+                    text = page_of_comparison(other, name, comparison, progress)
+                files.write_output(page, text.encode(), force=force)
         if as_json:
             print_json(comparison_object(name, other, comparison))
         elif not quiet:

@@ -104,6 +104,6 @@ def test_golden_and_refused_files_decode_alike(
             file.write(json.dumps(recorder.calls) + "\n")
             total += len(recorder.calls)
     script = ROOT / "tests/support/replay.mjs"
-    done = children.run(["node", "--no-warnings", str(script), str(module), str(calls)], text=True)
+    done = children.run(["node", str(script), str(module), str(calls)], text=True)
     assert done.stderr == ""
     assert int(done.stdout) == total > 500

@@ -1,0 +1,161 @@
+// Decoder of `.dmesh` files: bytes become a mesh of typed arrays, or are refused.
+import { entriesOf } from "./attribute_table.mjs";
+import { decodeAttributes, domainsOf, restored } from "./attributes.mjs";
+import { decodeConnectivity } from "./connectivity.mjs";
+import { readContainer } from "./container.mjs";
+import { decodeCopies } from "./copies.mjs";
+import { digested, digestOf } from "./digest.mjs";
+import { FormatError } from "./errors.mjs";
+import { checkScale, decodeGeometry, reconstructed } from "./geometry.mjs";
+import { inverse } from "./integers.mjs";
+import { announced, checkLimits, MAX_VERTICES, MEMORY } from "./limits.mjs";
+import { decodeOrder, permutedCorners } from "./order.mjs";
+import { decodeParts } from "./parts.mjs";
+import { decodePolygons } from "./polygons.mjs";
+import { decodeStitches } from "./stitches.mjs";
+import { complexOf, manifoldOf, plainStructure, trivialStitches } from "./structure.mjs";
+import { readTexts } from "./texts.mjs";
+import { fansOf } from "./triangles.mjs";
+
+// Sections whose decoders walk from half-edge to half-edge.
+const NEED_MANIFOLD = ["STCH", "COPY", "POLY", "ATTR"];
+
+/** Return what a file says of itself; nothing of its mesh is decoded. */
+export function inspect(bytes) {
+  const container = readContainer(bytes);
+  const { version, vertices, triangles, parameters, meta, sections } = container;
+  const texts = sections.get("PART")?.read((payload) => readTexts(payload)[0]);
+  return {
+    version,
+    vertices,
+    triangles,
+    size: bytes.length,
+    parameters: { ...parameters, method: parameters.method.name },
+    meta,
+    sections: [...sections.values()].map(({ id, offset, end }) => ({ id, bytes: end - offset })),
+    attributes: entriesOf(container),
+    parts: (texts?.divisions ?? []).map(({ kind, names }) => ({ kind, names })),
+    metadata: texts?.metadata ?? new Map(),
+    lost: texts?.lost ?? [],
+  };
+}
+
+/**
+ * Decode a file, a Uint8Array, with a core of `loadCore`; return its mesh.
+ *
+ * `maxVertices` and `memory`, in bytes, are the limits. Of the mesh, `positions` has three numbers
+ * a vertex; `corners` and `offsets` the vertices of each polygon; `triangles` those of each
+ * triangle, `triangleCorners` their places among `corners`, `trianglePolygons` their polygons;
+ * `anchors` the vertices whose positions are stored; `attributes` and `parts` what else there is.
+ */
+export function decode(core, bytes, { maxVertices = MAX_VERTICES, memory = MEMORY } = {}) {
+  const container = readContainer(bytes);
+  const content = readContent(core, container, maxVertices, memory);
+  checkDigest(core, container, content);
+  checkScale(container, content.integers);
+  const { surface } = content.structure;
+  const points = reconstructed(core, container, content.integers, surface);
+  return meshOf(container, content, points);
+}
+
+function readContent(core, container, maxVertices, memory) {
+  const counts = announced(container);
+  checkLimits(container, counts, maxVertices, memory);
+  const structure = readStructure(core, container, counts);
+  const { sections } = container;
+  const integers = decodeGeometry(core, container, structure.surface);
+  const domains = domainsOf(structure);
+  const read = (id, run) => sections.get(id)?.read(run);
+  const attributes = read("ATTR", (payload) => decodeAttributes(core, payload, domains)) ?? [];
+  const parts = read("PART", (payload) => decodeParts(core, payload, domains)) ?? null;
+  const order = read("ORDR", (payload) => decodeOrder(core, payload, structure)) ?? null;
+  return { structure, domains, integers, attributes, parts, order };
+}
+
+function readStructure(core, { sections, vertices, triangles }, counts) {
+  let structure = sections.get("CONN").read((payload) => {
+    const faces = decodeConnectivity(core, payload, counts);
+    const manifold = manifoldOf(core, faces, counts.vertices);
+    if (NEED_MANIFOLD.some((id) => sections.has(id)) && !manifold.isSound) {
+      throw new FormatError("the faces form no manifold", 0);
+    }
+    const stitches = trivialStitches(counts.vertices, counts.faces);
+    const used = counts.points - counts.isolated;
+    return plainStructure(core, complexOf(core, manifold, stitches, used, counts.isolated));
+  });
+  const further = {
+    STCH: (payload) => decodeStitches(core, payload, triangles, structure),
+    COPY: (payload) => decodeCopies(core, payload, vertices, structure),
+    POLY: (payload) => decodePolygons(core, payload, structure),
+  };
+  for (const [id, run] of Object.entries(further)) {
+    structure = sections.get(id)?.read(run) ?? structure;
+  }
+  return structure;
+}
+
+function checkDigest(core, { digest, sections }, content) {
+  const found = digestOf(core, digested(content));
+  if (!digest.every((byte, i) => byte === found[i])) {
+    const reason = "the checksum of the decoded integers is wrong";
+    throw new FormatError(reason, sections.get("CHEK").offset);
+  }
+}
+
+/** Return the mesh of a content and of the positions of its points. */
+function meshOf(container, content, points) {
+  const { structure, domains, integers, attributes, parts, order } = content;
+  const { points: pointOf, polygons } = structure;
+  const positions = gathered(points, pointOf, 3);
+  const made = attributes.map((one) => restored(one, domains, positions));
+  const mesh = {
+    positions,
+    corners: domains.vertexOfCorners,
+    offsets: polygons.offsets,
+    attributes: made,
+    parts: (parts?.divisions ?? []).map((one) => ({ ...one })),
+    metadata: parts?.metadata ?? new Map(),
+    lost: parts?.lost ?? [],
+    anchors: anchorsOf(integers.anchors, pointOf),
+    precision: container.parameters.single ? "float32" : "float64",
+  };
+  if (order) reorder(mesh, order);
+  return Object.assign(mesh, fansOf(mesh.corners, mesh.offsets));
+}
+
+/** Return the first vertex at each point that is an anchor. */
+function anchorsOf(anchors, pointOf) {
+  const first = new Map();
+  pointOf.forEach((point, v) => {
+    if (!first.has(point)) first.set(point, v);
+  });
+  return anchors.map((point) => first.get(point));
+}
+
+/** Bring a mesh into the order of its source. */
+function reorder(mesh, order) {
+  const [places, offsets] = permutedCorners(mesh.offsets, order);
+  const rank = inverse(order.vertices);
+  const taken = { vertex: order.vertices, corner: places, face: order.polygons };
+  const sizes = { vertex: rank.length, corner: places.length, face: order.polygons.length };
+  mesh.positions = gathered(mesh.positions, order.vertices, 3);
+  mesh.corners = places.map((c) => rank[mesh.corners[c]]);
+  mesh.offsets = offsets;
+  mesh.anchors = mesh.anchors.map((v) => rank[v]);
+  for (const attribute of mesh.attributes) {
+    const elements = taken[attribute.domain];
+    const width = attribute.values.length / (sizes[attribute.domain] || 1);
+    attribute.values = gathered(attribute.values, elements, width);
+    if (attribute.has) attribute.has = gathered(attribute.has, elements, 1);
+  }
+  for (const one of mesh.parts) one.ofFace = gathered(one.ofFace, order.polygons, 1);
+}
+
+/** Return rows of an array, each of so many numbers. */
+function gathered(array, rows, width) {
+  const found = new array.constructor(rows.length * width);
+  rows.forEach((row, i) => {
+    for (let k = 0; k < width; k++) found[i * width + k] = array[row * width + k];
+  });
+  return found;
+}

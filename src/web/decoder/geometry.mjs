@@ -1,0 +1,247 @@
+// Integers of the geometry, by method, and the positions that they stand for.
+//
+// All integers are as they are digested; sections that a method has not leave theirs empty.
+import { readVarint, take } from "./bytes.mjs";
+import { decodeAnchors } from "./anchors.mjs";
+import { sharedCells } from "./cells.mjs";
+import { out } from "./core.mjs";
+import { FormatError } from "./errors.mjs";
+import { decodeExact } from "./exact.mjs";
+import { alone, given, lowestOf } from "./graph.mjs";
+import { doubled } from "./integers.mjs";
+import { decodeThree, decodeVectors } from "./labels.mjs";
+import { LEAST_UNIT, MOST_UNIT, POSITION_LARGEST } from "./layout.mjs";
+import { vertexNormals } from "./normals.mjs";
+import { greatest } from "./poisson.mjs";
+import { solverOf } from "./solver.mjs";
+import { decodeSteps, extraBits, ratiosOf, readGridBits } from "./steps.mjs";
+
+// Solves that a method takes, one after the other.
+const STAGES = { highpass: 1, refined: 2 };
+
+const NONE = new Int32Array(0);
+const NOTHING = {
+  values: NONE,
+  anchors: NONE,
+  positions: NONE,
+  isolated: NONE,
+  refinements: NONE,
+  corrections: NONE,
+  formats: NONE,
+  exponents: NONE,
+  units: NONE,
+  cells: NONE,
+};
+
+/** Return the integers of the geometry of a file. */
+export function decodeGeometry(core, container, surface) {
+  const { sections, parameters } = container;
+  const { name, anchored } = parameters.method;
+  if (name === "lossless") {
+    return sections.get("EXAC").read((payload) => {
+      const [values, formats] = decodeExact(core, payload, surface.elements);
+      return { ...NOTHING, values, formats };
+    });
+  }
+  const exponents = decodeSteps(core, container, surface);
+  return anchored
+    ? decodeDifferences(core, container, surface, exponents)
+    : { ...NOTHING, values: decodeGrid(core, container, surface, exponents), exponents };
+}
+
+/** Return anchors, deltas, refinements and corrections. */
+function decodeDifferences(core, { sections, parameters }, surface, exponents) {
+  const { graph, count: n } = surface;
+  const found = sections
+    .get("ANCH")
+    .read((payload) => decodeAnchors(core, payload, parameters, surface, exponents));
+  const vectors = (payload) => decodeVectors(core, payload, graph);
+  const values = sections.get("DELT").read((payload) => {
+    if (parameters.step) return vectors(payload);
+    if (payload.length) throw new FormatError("deltas in a file of 0 bits", 0);
+    return new Int32Array(3 * n);
+  });
+  const lost = sections
+    .get("CELL")
+    ?.read((payload) => decodeCells(core, payload, parameters, surface, found.anchors));
+  const corrections = sections.get("FIXS")?.read((payload) => {
+    if (!parameters.step) throw new FormatError("corrections in a file of 0 bits", 0);
+    return vectors(payload);
+  });
+  const refinements = sections.get("NORM")?.read((payload) => {
+    const fine = new Int32Array(n);
+    core.decode(core.model("vectors"), payload, (coder) => {
+      core.call("dm_code_refinements", coder, ...given(graph), values, out(fine));
+    });
+    return fine;
+  });
+  return {
+    ...NOTHING,
+    ...found,
+    ...lost,
+    values,
+    exponents,
+    corrections: corrections ?? NONE,
+    refinements: refinements ?? NONE,
+  };
+}
+
+/** Return what the cells of anchors have lost at each stage, and its units in octaves. */
+function decodeCells(core, payload, { method, interpolated }, { labels }, anchors) {
+  const shared = sharedCells(labels, anchors);
+  const stages = STAGES[method.name];
+  if (!(interpolated && shared.length)) {
+    throw new FormatError("vectors of cells that have none", 0);
+  }
+  const units = Int32Array.from(take(payload, 0, stages), (byte) => byte + LEAST_UNIT);
+  const most = units.indexOf(Math.max(...units));
+  if (units[most] > MOST_UNIT) throw new FormatError(`a unit of 2^${units[most]} steps`, most);
+  const rows = alone(stages * shared.length);
+  const cells = decodeVectors(core, payload.subarray(stages), rows, stages);
+  if (cells.every((x) => !x)) throw new FormatError("no cell has lost anything", stages);
+  return { units, cells };
+}
+
+/** Return the grid points of a Cartesian file. */
+function decodeGrid(core, { sections }, surface, exponents) {
+  const roots = surfaceRoots(surface, exponents);
+  if (exponents.some((e, v) => e !== exponents[roots[surface.labels[v]]])) {
+    sections.get("STEP").read(() => {
+      throw new FormatError("steps that differ within a component of a Cartesian file", 0);
+    });
+  }
+  return sections.get("CART").read((payload) => {
+    if (!exponents.length) return decodeThree(core, payload, surface.elements);
+    const [points, at] = decodeRoots(core, payload, roots, exponents);
+    const values = decodeThree(core, payload.subarray(at), surface.elements, at);
+    for (const root of roots) {
+      if (values.subarray(3 * root, 3 * root + 3).some((x) => x)) {
+        const reason = "the first vertex of a component is not where its root is";
+        throw new FormatError(reason, at);
+      }
+    }
+    surface.labels.forEach((label, v) => {
+      for (let a = 0; a < 3; a++) values[3 * v + a] += points[3 * label + a];
+    });
+    return values;
+  });
+}
+
+const surfaceRoots = (surface, exponents) => (exponents.length ? lowestOf(surface.labels) : []);
+
+/** Return the grid points of the roots, and where the stream of all vertices begins. */
+function decodeRoots(core, payload, roots, exponents) {
+  const bits = readGridBits(payload);
+  const [size, at] = readVarint(payload, 3);
+  const extra = Int32Array.from(roots, (v) => extraBits(exponents[v]));
+  const points = new BigInt64Array(3 * roots.length);
+  const stream = take(payload, at, size);
+  const run = (coder) => core.call("dm_code_points", coder, out(points), roots.length, bits, extra);
+  core.decode(core.model("points"), stream, run, at);
+  return [points, at + size];
+}
+
+/** Return numbers as doubles, whatever holds them. */
+const floatsOf = (numbers) =>
+  numbers instanceof BigInt64Array ? doubled(numbers) : Float64Array.from(numbers);
+
+/** Refuse integers that mean positions that no mesh has (SPEC.md 5.8). */
+export function checkScale({ parameters, sections }, integers) {
+  const { coarse, step, anchorStep, origin } = parameters;
+  const steps = Math.max(coarse * step, anchorStep);
+  const away = Math.max(...origin.map(Math.abs));
+  if (!(largestOf(integers, parameters) * steps + away <= 100 * POSITION_LARGEST)) {
+    throw new FormatError("positions that are too large", sections.get("PARM").offset);
+  }
+}
+
+function largestOf(integers, { method }) {
+  if (method.exact) return 0;
+  const { values, refinements, corrections, positions, isolated, anchors, exponents, units, cells } = integers;
+  const ratios = ratiosOf(exponents, exponents.length);
+  let most = 0;
+  const look = (numbers, width, vertexOf) => {
+    const found = floatsOf(numbers);
+    for (let i = 0; i < found.length; i++) {
+      const scale = vertexOf ? (ratios[vertexOf(Math.floor(i / width))] ?? 1) : 1;
+      most = Math.max(most, Math.abs(found[i]) * scale);
+    }
+  };
+  const same = (v) => v;
+  look(values, 3, same);
+  look(refinements, 1, same);
+  look(corrections, 3, same);
+  look(positions, 3, (i) => anchors[i]);
+  look(isolated, 3, null);
+  const each = cells.length / (units.length || 1);
+  units.forEach((unit, stage) => {
+    most = Math.max(most, greatest(cells.subarray(stage * each, (stage + 1) * each)) * 2 ** unit);
+  });
+  return most;
+}
+
+/** Return the positions of all points, Float64Array, three numbers each. */
+export function reconstructed(core, { parameters }, integers, surface) {
+  const { method, step, origin } = parameters;
+  if (method.exact) return new Float64Array(integers.values.buffer.slice(0));
+  const ratios = ratiosOf(integers.exponents, surface.count + surface.isolated);
+  if (!method.anchored) return onGrid(integers.values, origin, (v) => step * ratios[v]);
+  return solved(core, parameters, integers, surface, ratios);
+}
+
+function onGrid(points, origin, stepOf) {
+  return floatsOf(points).map((g, i) => origin[i % 3] + g * stepOf(Math.floor(i / 3)));
+}
+
+/** Return the solution of deltas and anchors, refined and corrected. */
+function solved(core, parameters, integers, surface, ratios) {
+  const { step, origin, anchorStep, coarse, interpolated } = parameters;
+  const { values, anchors, positions, isolated, refinements, corrections } = integers;
+  const fixed = onGrid(positions, origin, (i) => anchorStep * ratios[anchors[i]]);
+  const delta = floatsOf(values).map((d, i) => d * (coarse * (step * ratios[Math.floor(i / 3)])));
+  const solver = solverOf(core, surface.graph, surface.labels, anchors, interpolated);
+  const steps = Float64Array.from({ length: surface.count }, (_, v) => step * ratios[v]);
+  const solve = (stage, isLast, start) => {
+    const lost = interpolated ? lostOf(parameters, integers, solver.cells, ratios, stage) : null;
+    return solver.solve(delta, fixed, { steps, lost, start, isLast });
+  };
+  let points;
+  try {
+    points = solve(0, !refinements.length, null);
+    if (refinements.length) {
+      const normals = vertexNormals(
+        points,
+        surface.faces,
+        steps.map((s) => coarse * s),
+      );
+      for (let i = 0; i < delta.length; i++) {
+        const v = Math.floor(i / 3);
+        delta[i] += steps[v] * refinements[v] * normals[i];
+      }
+      points = solve(1, true, points);
+    }
+  } finally {
+    solver.free();
+  }
+  const all = new Float64Array(points.length + isolated.length);
+  all.set(points);
+  for (let i = 0; i < corrections.length; i++) {
+    all[i] += steps[Math.floor(i / 3)] * corrections[i];
+  }
+  all.set(onGrid(isolated, origin, () => anchorStep), points.length);
+  return all;
+}
+
+/** Return what is added to the deltas of each cell at a stage, three numbers each. */
+function lostOf({ step }, { anchors, units, cells }, { shared, sizes }, ratios, stage) {
+  const lost = new Float64Array(3 * anchors.length);
+  if (!cells.length) return lost;
+  const unit = step * 2 ** units[stage];
+  shared.forEach((cell, i) => {
+    for (let a = 0; a < 3; a++) {
+      const number = cells[3 * (stage * shared.length + i) + a];
+      lost[3 * cell + a] = (number * (unit * ratios[anchors[cell]])) / sizes[cell];
+    }
+  });
+  return lost;
+}

@@ -1,0 +1,37 @@
+// Decoder of .dmesh files for JavaScript, in Node and in browsers.
+import { compiled, loadCore } from "./decoder/core.mjs";
+import { decode, inspect } from "./decoder/decode.mjs";
+import { decoderIn } from "./decoder/worker_client.mjs";
+
+export { DeltameshError, FormatError, LimitError, SolveError } from "./decoder/errors.mjs";
+export { inspect } from "./decoder/decode.mjs";
+
+/** Return the compiled core that is beside this module. */
+async function ownModule() {
+  const place = new URL("./core.wasm", import.meta.url);
+  if (place.protocol !== "file:") return fetch(place);
+  const { readFile } = await import("node:fs/promises");
+  return readFile(place);
+}
+
+/**
+ * Return a decoder: `decode(bytes, limits)` returns a mesh, `inspect(bytes)` what a file says.
+ *
+ * `wasm` is the compiled core: its bytes, a Response of them, or a WebAssembly.Module.
+ */
+export async function createDecoder({ wasm = ownModule() } = {}) {
+  const core = await loadCore(wasm);
+  return { decode: (bytes, limits) => decode(core, bytes, limits), inspect };
+}
+
+/**
+ * Return a decoder in a worker: its `decode(bytes, limits)` returns a promise of { mesh, about },
+ * and `close()` ends it.
+ *
+ * `worker` is one of the browser; without one given, that of this package.
+ */
+export async function createWorkerDecoder({ wasm = ownModule(), worker } = {}) {
+  const place = new URL("./decoder/worker.mjs", import.meta.url);
+  const own = worker ?? new Worker(place, { type: "module" });
+  return decoderIn(own, await compiled(wasm));
+}

@@ -1,0 +1,255 @@
+// Controls of the page: buttons, lists, tables, keys, and files that are dropped.
+import { gradientOf, partColour } from "./colours.mjs";
+import { factsOf, short, tableOf } from "./facts.mjs";
+import { FIELDS } from "./fields.mjs";
+import { nameOf } from "./panel.mjs";
+
+const THEMES = ["", "dark", "light"];
+const find = (selector) => document.querySelector(selector);
+
+/** Controls of a viewer, whose elements the page has. */
+export class Controls {
+  constructor(viewer) {
+    this.viewer = viewer;
+    this.facts = JSON.parse(find("#facts")?.textContent || "{}");
+    this.#listen();
+    this.update();
+  }
+
+  /** Write a message over the picture; return a function that takes it away. */
+  say(text, isFault = false) {
+    const message = document.createElement("p");
+    message.textContent = text;
+    message.classList.toggle("fault", isFault);
+    message.addEventListener("click", () => message.remove());
+    find("#message").append(message);
+    return () => message.remove();
+  }
+
+  /** Write a message while something is done; return a function that takes it away. */
+  wait(text) {
+    this.hint?.();
+    return this.say(text);
+  }
+
+  /** Write what a page without meshes waits for. */
+  invite(text) {
+    this.hint = this.say(text);
+  }
+
+  /** Write what is under the pointer. */
+  point(text) {
+    find("#pointer").textContent = text;
+  }
+
+  /** Fill lists and tables anew. */
+  fill() {
+    const { panels, original } = this.viewer;
+    const options = new Map([["plain", "plain"]]);
+    panels.flatMap((panel) => panel.colourings()).forEach(([key, title]) => options.set(key, title));
+    if (original) {
+      for (const [key, { title }] of Object.entries(FIELDS)) options.set(key, `error: ${title}`);
+    }
+    const select = find("#colouring");
+    select.replaceChildren(...[...options].map(([key, title]) => new Option(title, key)));
+    if (!options.has(this.viewer.look.colouring)) this.viewer.look.colouring = "plain";
+    this.#fillFacts();
+    this.#fillParts();
+    this.update();
+  }
+
+  #fillFacts() {
+    const { panels } = this.viewer;
+    const tables = panels.map((panel) => tableOf(factsOf(panel), titleOf(panel)));
+    const { compared = [] } = this.facts;
+    const comparison = compared.map((rows, i) => tableOf(rows, i ? "" : "difference"));
+    find("#numbers").replaceChildren(...comparison, ...tables);
+  }
+
+  #fillParts() {
+    const divisions = new Map();
+    for (const { kind, names, ofFace } of this.viewer.panels.flatMap(({ mesh }) => mesh.parts)) {
+      if (!divisions.has(kind)) divisions.set(kind, new Map());
+      const colours = divisions.get(kind);
+      names.forEach((_, part) => colours.set(nameOf(names, part), partColour(part)));
+      if (ofFace.some((part) => part < 0)) colours.set(nameOf(names, -1), partColour(-1));
+    }
+    const lists = [...divisions].map(([kind, colours]) => this.#listOf(kind, colours));
+    find("#parts").replaceChildren(...lists);
+    find("#parts").parentElement.hidden = !lists.length;
+  }
+
+  /** Return a list of parts that can be hidden. */
+  #listOf(kind, colours) {
+    const list = document.createElement("fieldset");
+    list.append(Object.assign(document.createElement("legend"), { textContent: `${kind}s` }));
+    const hide = () => {
+      const boxes = [...list.querySelectorAll("input")];
+      const names = boxes.filter((box) => !box.checked).map((box) => box.value);
+      this.viewer.hideParts(kind, new Set(names));
+    };
+    for (const [name, rgb] of colours) {
+      const label = document.createElement("label");
+      const box = Object.assign(document.createElement("input"), { type: "checkbox", value: name });
+      box.checked = !this.viewer.hidden.get(kind)?.has(name);
+      const swatch = document.createElement("i");
+      swatch.style.background = `rgb(${rgb})`;
+      label.append(box, swatch, name);
+      list.append(label);
+    }
+    list.addEventListener("change", hide);
+    // Alone, or all again.
+    list.addEventListener("dblclick", (event) => {
+      const own = event.target.closest("label")?.querySelector("input");
+      if (!own) return;
+      const boxes = [...list.querySelectorAll("input")];
+      const isAlone = boxes.every((box) => box.checked === (box === own));
+      boxes.forEach((box) => (box.checked = isAlone || box === own));
+      hide();
+    });
+    return list;
+  }
+
+  /** Show the scale of errors, or none. */
+  showLegend(field, most) {
+    find("#legend").hidden = !field;
+    if (!field) return;
+    const { title, unit, signed } = field;
+    find("#legend .title").textContent = `${title}, ${unit}`;
+    find("#legend .bar").style.background = gradientOf(signed);
+    find("#legend .low").textContent = signed ? short(-most) : "0";
+    find("#legend .high").textContent = `${short(most)} and more`;
+  }
+
+  /** Label the panels that are seen, one above the other or side by side. */
+  label(seen, isTall) {
+    const names = find("#names");
+    names.classList.toggle("tall", isTall);
+    const texts = seen.map(titleOf);
+    if (names.dataset.shown === JSON.stringify(texts)) return;
+    names.dataset.shown = JSON.stringify(texts);
+    const labels = texts.map((text) => {
+      const label = document.createElement("div");
+      label.append(Object.assign(document.createElement("span"), { textContent: text }));
+      return label;
+    });
+    names.replaceChildren(...labels);
+  }
+
+  /** Bring buttons into the state of the viewer. */
+  update() {
+    const { look, layout, panels } = this.viewer;
+    for (const name of ["flat", "wire", "anchors"]) press(find(`#${name}`), look[name]);
+    for (const name of ["side", "single", "flicker"]) press(find(`#${name}`), layout === name);
+    find("#upwards").textContent = `${this.viewer.camera.upwards} up`;
+    find("#colouring").value = look.colouring;
+    find("#layouts").hidden = panels.length < 2;
+    find("#anchors").disabled = !panels.some(({ mesh }) => mesh.anchors.length);
+  }
+
+  #listen() {
+    const { viewer } = this;
+    const on = (selector, run) => find(selector).addEventListener("click", run);
+    for (const name of ["flat", "wire", "anchors"]) on(`#${name}`, () => this.#toggle(name));
+    for (const name of ["side", "single", "flicker"]) on(`#${name}`, () => viewer.setLayout(name));
+    on("#reset", () => this.#reset());
+    on("#upwards", () => this.#turnUpwards());
+    on("#theme", () => this.#theme());
+    on("#help", () => find("#keys").showModal());
+    on("#panel", () => document.body.classList.toggle("narrow"));
+    find("#colouring").addEventListener("change", ({ target }) => viewer.set({ colouring: target.value })); // prettier-ignore
+    find("#scale").addEventListener("input", ({ target }) => {
+      viewer.scale = 2 ** Number(target.value);
+      viewer.paint();
+    });
+    find("#file").addEventListener("change", ({ target }) => this.#openAll(target.files));
+    addEventListener("keydown", (event) => this.#key(event));
+    addEventListener("dragover", (event) => event.preventDefault());
+    addEventListener("drop", (event) => {
+      event.preventDefault();
+      this.#openAll(event.dataTransfer.files);
+    });
+  }
+
+  #toggle(name) {
+    this.viewer.set({ [name]: !this.viewer.look[name] });
+  }
+
+  #reset() {
+    this.viewer.camera.reset();
+    this.viewer.draw();
+  }
+
+  /** Let the next axis point upwards, z or y. */
+  #turnUpwards() {
+    const { camera } = this.viewer;
+    camera.upwards = camera.upwards === "y" ? "z" : "y";
+    this.#reset();
+    this.update();
+  }
+
+  #theme() {
+    const { dataset } = document.documentElement;
+    dataset.theme = THEMES[(THEMES.indexOf(dataset.theme ?? "") + 1) % THEMES.length];
+    this.viewer.draw();
+  }
+
+  async #openAll(files) {
+    for (const file of files) {
+      await this.viewer.open(file.name, new Uint8Array(await file.arrayBuffer()));
+    }
+  }
+
+  #key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || find("#keys").open) return;
+    if (/^(SELECT|INPUT)$/.test(event.target.tagName) && event.key !== "Escape") return;
+    const { viewer } = this;
+    const { camera } = viewer;
+    const height = viewer.canvas.clientHeight || 1;
+    const turn = (dx, dy) => () => (event.shiftKey ? camera.pan(dx, dy, height) : camera.turn(dx, dy, height)); // prettier-ignore
+    const keys = {
+      f: () => this.#toggle("flat"),
+      w: () => this.#toggle("wire"),
+      a: () => this.#toggle("anchors"),
+      c: () => this.#nextColouring(),
+      s: () => viewer.setLayout("side"),
+      1: () => viewer.setLayout("single"),
+      x: () => viewer.setLayout(viewer.layout === "flicker" ? "single" : "flicker"),
+      " ": () => this.#flip(),
+      r: () => camera.reset(),
+      z: () => this.#turnUpwards(),
+      t: () => this.#theme(),
+      "?": () => find("#keys").showModal(),
+      ArrowLeft: turn(-20, 0),
+      ArrowRight: turn(20, 0),
+      ArrowUp: turn(0, -20),
+      ArrowDown: turn(0, 20),
+      "+": () => camera.zoom(1.15),
+      "-": () => camera.zoom(1 / 1.15),
+    };
+    const run = keys[event.key] ?? keys[event.key.toLowerCase()];
+    if (!run) return;
+    event.preventDefault();
+    run();
+    viewer.draw();
+  }
+
+  #nextColouring() {
+    const keys = [...find("#colouring").options].map(({ value }) => value);
+    const next = (keys.indexOf(this.viewer.look.colouring) + 1) % keys.length;
+    this.viewer.set({ colouring: keys[next] });
+  }
+
+  /** Show one panel, and the other one the next time. */
+  #flip() {
+    if (this.viewer.layout !== "single") this.viewer.setLayout("single");
+    this.viewer.next();
+  }
+}
+
+const press = (button, isPressed) => button.setAttribute("aria-pressed", String(isPressed));
+
+/** Return what a panel is called. */
+function titleOf({ name, role, size }) {
+  return `${role ? `${role}: ` : ""}${name} · ${short(size)} bytes`;
+}

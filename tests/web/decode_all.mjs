@@ -1,0 +1,42 @@
+// Decoding by the package of src/web: `node decode_all.mjs PACKAGE FOLDER` gets names of files on
+// standard input, one a line, and prints for each what came of it as JSON; the arrays of a mesh go
+// into FOLDER, a file each.
+import { readFile, writeFile } from "node:fs/promises";
+import { createInterface } from "node:readline";
+import { pathToFileURL } from "node:url";
+
+const [, , place, folder] = process.argv;
+const { createDecoder } = await import(pathToFileURL(`${place}/index.mjs`));
+const decoder = await createDecoder();
+
+let count = 0;
+async function kept(array) {
+  const name = `${folder}/${count++}`;
+  await writeFile(name, new Uint8Array(array.buffer, array.byteOffset, array.byteLength));
+  return { kind: array.constructor.name, file: name };
+}
+
+async function stored(value) {
+  if (ArrayBuffer.isView(value)) return kept(value);
+  if (value instanceof Map) return stored(Object.fromEntries(value));
+  if (Array.isArray(value)) return Promise.all(value.map(stored));
+  if (typeof value === "bigint") return String(value);
+  if (value === null || typeof value !== "object") return value;
+  const made = {};
+  for (const [key, one] of Object.entries(value)) made[key] = await stored(one);
+  return made;
+}
+
+for await (const line of createInterface({ input: process.stdin })) {
+  const [path, memory] = line.split("\t");
+  const bytes = new Uint8Array(await readFile(path));
+  let result;
+  try {
+    const mesh = decoder.decode(bytes, memory ? { memory: Number(memory) } : {});
+    result = { mesh: await stored(mesh), about: await stored(decoder.inspect(bytes)) };
+  } catch (error) {
+    const { name, message, offset = null, stack } = error;
+    result = { error: { name, message, offset, stack } };
+  }
+  console.log(JSON.stringify(result));
+}
