@@ -8,6 +8,7 @@ import shlex
 import shutil
 import sys
 import tomllib
+from configparser import ConfigParser
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -158,6 +159,25 @@ def test_a_desktop_knows_a_file_by_its_bytes_and_by_its_name(tmp_path: Path) -> 
     assert "50:model/x-deltamesh:*.dmesh" in globs
     if shutil.which("gio") or shutil.which("mimetype"):
         assert done.stdout.strip() == "model/x-deltamesh"
+
+
+def test_a_file_manager_draws_a_thumbnail(tmp_path: Path) -> None:
+    pytest.importorskip("pyvista")
+    parser = ConfigParser(interpolation=None)
+    parser.read(ROOT / "packaging" / "deltamesh.thumbnailer")
+    entry = parser["Thumbnailer Entry"]
+    kind = ElementTree.parse(ROOT / "packaging" / "deltamesh.xml").find(f"{MIME}mime-type")
+    assert kind is not None
+    assert entry["MimeType"] == f"{kind.get('type')};"
+    shutil.copy(GOLDEN / "cartesian-1-bit.dmesh", tmp_path / "scan.dmesh")
+    places = {"%i": "scan.dmesh", "%o": "thumbnail.png", "%s": "64"}
+    program, *words = (places.get(word, word) for word in entry["Exec"].split())
+    assert program == entry["TryExec"] == "deltamesh"
+    call = [sys.executable, "-m", "deltamesh_cli", *words]
+    for _ in range(2):  # the second time, there is one
+        done = children.run(call, cwd=tmp_path, env=dict(os.environ), text=True)
+        assert done.returncode == 0, done.stderr
+    assert (tmp_path / "thumbnail.png").read_bytes().startswith(b"\x89PNG")
 
 
 # ---- pre-commit, the action, the container ------------------------------------------------------
