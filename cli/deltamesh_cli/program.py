@@ -27,7 +27,7 @@ COMMANDS: Final = {
     "test": "Check that .dmesh files are intact.",
     "compare": "Measure how far mesh B is from mesh A.",
     "view": "Show a mesh in the browser, beside its original.",
-    "render": "Write a picture of a mesh, or of its errors.",
+    "render": "Write a picture of a mesh, a PNG, without a browser.",
     "bench": "Measure file sizes, errors and times of meshes.",
     "completion": "Print a script that completes command lines.",
 }

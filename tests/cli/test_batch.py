@@ -464,7 +464,15 @@ def test_a_bar_is_drawn_on_a_terminal(scans: Path) -> None:
     assert bad.startswith("deltamesh: scans/bad.ply: cannot read: it does not begin with 'ply'")
     assert re.fullmatch(r"\S+ 5/5 files 100% \d+ s elapsed", bar)
     assert not any(rest)
-    assert b" left" in done.stderr
+
+
+@posix
+def test_a_bar_says_what_is_left(scans: Path) -> None:
+    many()
+    environment = os.environ | {"TERM": "xterm", "COLUMNS": "100"}
+    done = children.run([*PROGRAM, "batch", "scans"], terminal="stderr", env=environment)
+    assert done.returncode == 0
+    assert re.search(rb"\d+ s elapsed, \d+ s left", done.stderr)
 
 
 @posix
