@@ -27,6 +27,9 @@ enum { COORDINATES = DM_COORDINATES, LANES = DM_LANES, BARRIER = LANES - 1 };
 /* More of them gain nothing: the residual is as small as rounding lets it be. */
 enum { RESTARTS = 3 };
 
+/* The bound where a number is infinite or none: no iteration mends that. */
+#define OVERFLOWN (-1.0)
+
 /* Whether rows of neighbours are those of a graph of n nodes. */
 static int is_graph(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries)
 {
@@ -323,7 +326,7 @@ static void multiply(const level *l, const double *p, double *q, double *product
 }
 
 /* Return a bound on the error of a solution, from its residual r and the barrier so far; infinite
-   where it proves nothing yet.
+   where it proves nothing yet, OVERFLOWN where it never will.
 
    The barrier w has A w >= (1 - s) 1, s being the largest |1 - A w|. A is an M-matrix, so A^-1 >= 0
    and no row of A^-1 sums up to more than max w / (1 - s). */
@@ -341,7 +344,7 @@ static double bound_of(const level *l, const double *w, const double *r, double 
             most = fmax(most, w[i]);
     }
     if (!defined)
-        return HUGE_VAL;
+        return OVERFLOWN;
     if (*barrier == 0.0 && slack <= 0.5)
         *barrier = most / (1.0 - slack);
     return *barrier > 0.0 ? *barrier * largest : (largest == 0.0 && slack == 0.0 ? 0.0 : HUGE_VAL);
@@ -439,6 +442,10 @@ int dm_solve_poisson(const int64_t *sizes, const int64_t *entries, int64_t level
         *bound = bound_of(l, w, r, barrier);
         for (int64_t i = 0; i < l->n * LANES; i++)
             p[i] = 0.0;
+        if (*bound < 0.0) {
+            *bound = HUGE_VAL;
+            break;
+        }
         if (*bound <= tolerance || *iterations >= most || again == RESTARTS)
             break;
         *iterations += descend(&h, x, w, r, p, q, tolerance, most - *iterations, barrier, bound);

@@ -200,7 +200,9 @@ def test_standard_error_that_takes_no_more(folder: Path) -> None:
 
 
 @posix
-@pytest.mark.parametrize("name", ["/dev/stdout", pytest.param("link.dmesh", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "name", ["/dev/stdout", pytest.param("link.dmesh", marks=pytest.mark.slow)]
+)
 def test_standard_output_by_another_name(folder: Path, torus_dmesh: bytes, name: str) -> None:
     if not os.path.exists("/dev/stdout"):
         pytest.skip("no /dev/stdout")

@@ -162,7 +162,8 @@ def doubt(parameters: Parameters) -> float:
 
     Where anchors are weighed in least squares that is a share of the diagonal, see `bounds`.
     """
-    return math.sqrt(3) * TOLERANCE * parameters.step if parameters.interpolated else 0.0
+    solved = parameters.interpolated and parameters.anchor_count
+    return math.sqrt(3) * TOLERANCE * parameters.step if solved else 0.0
 
 
 def all_positions(vertices: Floats, parameters: Parameters, integers: Integers) -> Floats:

@@ -60,9 +60,14 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
     def attempt(settings: Settings) -> Trial:
         draft.progress(f"geometry, {settings.method}")
         coder = geometry_codec(settings.method)
-        parameters, integers, decoded = coder.quantize(
-            surface, V[:used], V[used:], settings, systems
-        )
+        try:
+            parameters, integers, decoded = coder.quantize(
+                surface, V[:used], V[used:], settings, systems
+            )
+        except SolveError as error:
+            if bounds is None:
+                raise
+            raise MeshError(str(error)) from error  # of this step; a search has others
         if not has_scale(parameters, integers):
             reason = f"coordinates of {largest(V):g} are too large for method {settings.method}"
             raise ScaleError(f"{reason}: try lossless")

@@ -52,6 +52,8 @@ def guesses(values: Floats, lattice: Lattice, single: bool, origins: int) -> Ite
         Effort: how many numbers an addition may have begun with.
     """
     k, _ = lattice.multiples(values)
+    if k.min() == k.max():  # all are at one point of the lattice, which says nothing of them
+        return
     yield from _scaled(values, lattice, single)
     yield from _dequantized(values, k, lattice, single)
     yield from _linear(values, k, lattice, single)
@@ -65,6 +67,8 @@ def _scaled(values: Floats, lattice: Lattice, single: bool) -> Iterator[Guess]:
     if (error > 0.25 * lattice.step).mean() > 0.1:
         return
     used = np.abs(multiples) > 0
+    if not used.any():  # all are far below the step
+        return
     size, m = np.abs(values[used]), np.abs(multiples[used])
     half = units(size, single) / 2
     for places in range(_MOST_PLACES + 1):

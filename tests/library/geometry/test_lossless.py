@@ -330,3 +330,13 @@ def test_a_file_of_other_forms_is_as_good() -> None:
     other = forging.consistent(other)
     assert len(other) > len(data)
     assert decode(other).vertices.tobytes() == mesh.vertices.tobytes()
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_vertices_that_are_next_to_nothing_beside_others(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    near, far = rng.standard_normal((300, 3)) * 1e-6, rng.standard_normal((30, 3)) * 1e9
+    V, F = np.concatenate([near, far]), np.arange(300).reshape(100, 3)
+    again = decode(encode(V, F, method="lossless", keep_order=True))
+    np.testing.assert_array_equal(again.vertices, V)
+    np.testing.assert_array_equal(again.faces, F)

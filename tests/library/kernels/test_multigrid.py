@@ -229,3 +229,11 @@ def test_a_mesh_has_the_levels_of_its_graph(name: str) -> None:
     level = finest(LAPLACIANS[f"mesh {name}"], [])
     np.testing.assert_array_equal(level.indptr, indptr)
     np.testing.assert_array_equal(level.indices, indices)
+
+
+def test_numbers_that_overflow_end_the_iterations() -> None:
+    level = finest(LAPLACIANS[f"mesh {next(iter(MESHES))}"], [0])
+    rows = np.full((level.nodes, COORDINATES), 1e300)
+    bound, iterations = Hierarchy([level]).solve(rows, np.zeros_like(rows), 1e-3, 1000)
+    assert bound == np.inf
+    assert iterations <= 2

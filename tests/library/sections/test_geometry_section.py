@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import meshes
 import numpy as np
 import pytest
 from containers import CARTESIAN
 
+from deltamesh import encode, info
 from deltamesh._geometry.integers import Integers
+from deltamesh._geometry.interpolation import Interpolation
 from deltamesh._mesh import LARGEST
 from deltamesh._sections.geometry import has_scale
+from deltamesh_formats.errors import MeshError, SolveError
 
 ONES = np.ones((2, 3), dtype=np.int64)
 
@@ -44,3 +48,29 @@ def test_in_fine_steps_more_of_them_are_small() -> None:
         assert not has_scale(parameters, replace(integers, exponents=exponents[::-1]))
     far = Integers(np.concatenate([far, far]), exponents=exponents)
     assert not has_scale(parameters, far)
+
+
+def test_a_step_that_is_not_solved_does_not_end_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    V, F = meshes.icosphere(3)
+    solve, steps = Interpolation.solve, []
+
+    def second_fails(self, delta, positions, each, *others, **more):
+        steps.append(float(np.max(each)))
+        if len(set(steps)) == 2:
+            raise SolveError("no solution")
+        return solve(self, delta, positions, each, *others, **more)
+
+    monkeypatch.setattr(Interpolation, "solve", second_fails)
+    assert info(encode(V, F, method="refined", normal_error=0.5)).parameters.method == "refined"
+    assert len(set(steps)) > 1
+    steps[:] = [1.0]
+    with pytest.raises(MeshError, match="no solution; try method cartesian"):
+        encode(V, F, method="refined", step=0.01)
+
+
+def test_nothing_is_in_doubt_where_nothing_is_solved() -> None:
+    V, F = meshes.icosphere(1)
+    flat = np.full_like(V, 7.0)
+    found = info(encode(flat, F, method="refined", max_error_rel=1e-4))
+    assert found.meta is not None
+    assert found.meta.max < 1e-20
