@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Callable
 from functools import lru_cache
@@ -47,6 +48,12 @@ class Systems:
         self._cells = _remembered(lambda anchors: Cells(graph, labels, anchors))
         self._interpolation = _remembered(lambda anchors: Interpolation(self._cells(anchors)))
         self._fit = _remembered(lambda anchors: Fit(self._cells(anchors)))
+
+    def to_precision(self, precision: float) -> Systems:
+        """Return the same systems, with another factor of the tolerances."""
+        other = copy.copy(self)
+        other.precision = precision
+        return other
 
     def least_squares(self, anchors: Ints) -> LeastSquares:
         """Return the system [L; S], factored."""

@@ -50,8 +50,8 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
     structure, V = draft.shape.structure, draft.positions
     surface, used = structure.surface, structure.complex.used
     memory = memory_to_encode(surface.vertex_count)
-    precision = FINER if draft.mesh.attributes else 1.0
-    systems = Systems(surface, options.solver, options.threads, memory, precision)
+    systems = Systems(surface, options.solver, options.threads, memory)
+    of_decoder = systems.to_precision(FINER) if draft.mesh.attributes else systems
     faces, polygons = _measured(draft)
     component = np.pad(surface.labels, (0, len(V) - used), constant_values=-1)
     named = named_parts(draft.mesh, faces, polygons, component)
@@ -80,7 +80,7 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
         if not trial.parameters.interpolated:
             return trial
         coder, payloads = geometry_codec(trial.settings.method), trial.payloads
-        found = coder.reconstruct(surface, trial.parameters, trial.integers, systems)
+        found = coder.reconstruct(surface, trial.parameters, trial.integers, of_decoder)
         measured = replace(measure(found), doubt=trial.measured.doubt)
         return replace(trial, encode=lambda: payloads, vertices=found, measured=measured)
 

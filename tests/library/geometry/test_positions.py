@@ -226,7 +226,9 @@ def test_vectors_that_are_too_large_are_refused() -> None:
 def test_by_how_much_positions_may_differ() -> None:
     plain = Parameters("highpass", anchor_method="farthest", step=0.01)
     assert positions.doubt(plain) == 0
-    assert positions.doubt(replace(plain, interpolated=True)) == pytest.approx(3**0.5 * 1e-5)
+    solved = replace(plain, interpolated=True, anchor_count=1)
+    assert positions.doubt(solved) == pytest.approx(3**0.5 * 1e-5)
+    assert positions.doubt(replace(solved, anchor_count=0)) == 0
     one = encoded("torus", "refined").draft.chosen
     assert one.measured.doubt == positions.doubt(one.parameters) > 0
 
@@ -238,5 +240,8 @@ def test_what_is_made_for_anchors_is_remembered() -> None:
         first = make(one)
         assert make(one.copy()) is first
         assert make(two) is not first
+    finer = systems.to_precision(0.1)
+    assert (systems.precision, finer.precision) == (1, 0.1)
+    assert finer.cells(two) is systems.cells(two)
     np.testing.assert_array_equal(systems.cells(one).anchors, one)
     assert systems.interpolation(one).cells is systems.cells(one)
