@@ -19,7 +19,7 @@ from typing import Any, Final
 import click
 
 from deltamesh_cli.failures import Failure, attempt
-from deltamesh_cli.output import display_name
+from deltamesh_cli.output import display_name, print_json
 from deltamesh_cli.signals import stopping_cleanly
 from deltamesh_formats.atomic import found_at, write_file
 from deltamesh_formats.errors import LimitError
@@ -48,6 +48,21 @@ def without_suffix(name: str) -> str | None:
     """
     stem, suffix = os.path.splitext(without_wrapper(name)[0])
     return stem if suffix.lower() == SUFFIX else None
+
+
+def named_after(source: str, suffix: str) -> str:
+    """Return the name of what is made of a file, beside it, or here where that is at a URL."""
+    return f"{os.path.basename(source) if is_url(source) else source}{suffix}"
+
+
+def print_written(
+    kind: str, source: str, target: str, size: int, *, as_json: bool, quiet: bool
+) -> None:
+    """Print what has been made of a file, of some kind, and how many bytes it has."""
+    if as_json:
+        print_json({"file": source, kind: target, "bytes": size})
+    elif not quiet and target != STDIO:
+        click.echo(f"{display_name(target)}: {size} bytes")
 
 
 def chosen_output(positional: str | None, option: str | None) -> str | None:

@@ -182,8 +182,9 @@ def decode_mesh(
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
     to_solve = memory_to_solve(container, memory)
-    precision = FINER if ATTRIBUTES in container.sections else 1.0
-    systems = Systems(surface, solver, threads, to_solve, precision)
+    systems = Systems(surface, solver, threads, to_solve)
+    if ATTRIBUTES in container.sections:
+        systems = systems.to_precision(FINER)
     coder = geometry_codec(parameters.method)
     points = coder.reconstruct(surface, parameters, content.integers, systems)
     margin = 0.0 if container.meta is None else container.meta.room

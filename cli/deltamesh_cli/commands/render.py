@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -12,12 +11,11 @@ from deltamesh_cli.comparing import compare_meshes
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import attempt, process_all_and_exit
 from deltamesh_cli.meshes import LoadedMesh, load_mesh
-from deltamesh_cli.output import display_name, print_json
+from deltamesh_cli.output import display_name
 from deltamesh_cli.pictures import Look, picture
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.signals import interruptible
 from deltamesh_cli.value_types import FILE
-from deltamesh_formats.remote import is_url
 
 if TYPE_CHECKING:
     from deltamesh._progress import Progress
@@ -102,7 +100,7 @@ def command(
 
     PyVista draws the picture, without a display: pip install "deltamesh[view]".
     """
-    target = output or f"{os.path.basename(source) if is_url(source) else source}.png"
+    target = output or files.named_after(source, ".png")
     for name, vector in (("--from", direction), ("--up", up)):
         if not any(vector):
             raise click.UsageError(f"{name} 0 0 0 is no direction.")
@@ -120,10 +118,7 @@ def command(
             with attempt(name, "cannot render"):
                 data = picture(mesh.mesh, Look(*size, direction, up), errors)
             files.write_output(target, data, force=force)
-        if as_json:
-            print_json({"file": name, "picture": target, "bytes": len(data)})
-        elif not quiet and target != files.STDIO:
-            click.echo(f"{display_name(target)}: {len(data)} bytes")
+        files.print_written("picture", name, target, len(data), as_json=as_json, quiet=quiet)
 
     process_all_and_exit([source], render, as_json=as_json)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import webbrowser
 from functools import partial
 from pathlib import Path
@@ -16,7 +15,7 @@ from deltamesh_cli.comparing import compare_meshes
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import attempt, process_all_and_exit
 from deltamesh_cli.meshes import LoadedMesh, load_mesh
-from deltamesh_cli.output import display_name, print_json
+from deltamesh_cli.output import display_name
 from deltamesh_cli.pages import page_of_comparison, page_of_mesh
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.signals import interruptible
@@ -74,7 +73,7 @@ def command(
     If the vertices of both correspond, the page holds the positions of ORIGINAL rounded to a
     millionth of its size; the numbers beside them are of ORIGINAL itself.
     """
-    target = output or f"{os.path.basename(source) if is_url(source) else source}.html"
+    target = output or files.named_after(source, ".html")
     if files.STDIO in (source, original):
         raise click.UsageError("FILE and ORIGINAL are names of files.")
 
@@ -90,10 +89,7 @@ def command(
                 page = interruptible(lambda: make(mesh, progress))
             data = page.encode()
             files.write_output(target, data, force=force)
-        if as_json:
-            print_json({"file": name, "page": target, "bytes": len(data)})
-        elif not quiet and target != files.STDIO:
-            click.echo(f"{display_name(target)}: {len(data)} bytes")
+        files.print_written("page", name, target, len(data), as_json=as_json, quiet=quiet)
         if opened and target != files.STDIO:
             _open(target, quiet)
 

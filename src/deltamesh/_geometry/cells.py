@@ -7,12 +7,12 @@ to the deltas of its vertices, makes up for what quantization has taken from the
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from deltamesh._kernels.mesh import distance
 from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.caching import cached_property
 
 
 @dataclass(frozen=True)

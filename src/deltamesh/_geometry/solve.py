@@ -18,7 +18,7 @@ import contextlib
 import functools
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, TypeVar, cast
 
 import numpy as np
 
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 
 Factor = Callable[[Ints], "LeastSquares"]
 Graph = tuple[Ints, Ints]
+T = TypeVar("T")
 
 # A row of L with d entries puts d^2 entries into L^T L: one vertex with 50 000 neighbours would ask
 # for 20 GB. Longer rows become unknowns of their own, see `_quasidefinite`.
@@ -164,18 +165,17 @@ class LeastSquares:
 def factorization(
     graph: Graph, solver: str = "auto", threads: int | None = None, memory: float = math.inf
 ) -> Factor:
-    """Return a function of the anchors that makes a `LeastSquares`.
+    """Return a function of the anchors that makes a `LeastSquares`, and remembers the last one."""
+    return remembered(lambda anchors: LeastSquares(graph, anchors, solver, threads, memory))
 
-    It remembers the last one: a search asks for the same again and again, and factoring is what
-    costs most.
+
+def remembered(make: Callable[[Ints], T]) -> Callable[[Ints], T]:
+    """Return a function of the anchors that remembers its last result.
+
+    A search asks for the same again and again, and factoring is what costs most.
     """
-
-    @functools.lru_cache(maxsize=1)
-    def remembered(anchors: bytes) -> LeastSquares:
-        system = np.frombuffer(anchors, dtype=np.int64), solver, threads, memory
-        return LeastSquares(graph, *system)
-
-    return lambda anchors: remembered(anchors.tobytes())
+    last = functools.lru_cache(maxsize=1)(lambda data: make(np.frombuffer(data, dtype=np.int64)))
+    return lambda anchors: last(anchors.tobytes())
 
 
 def _components(graph: Graph, anchors: Ints) -> tuple[int, Ints]:

@@ -4,20 +4,13 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable
-from functools import lru_cache
-from typing import TypeVar
-
-import numpy as np
 
 from deltamesh._geometry.cells import Cells
 from deltamesh._geometry.fit import Fit
 from deltamesh._geometry.interpolation import Interpolation
-from deltamesh._geometry.solve import LeastSquares, factorization
+from deltamesh._geometry.solve import LeastSquares, factorization, remembered
 from deltamesh._shape.surface import Surface
 from deltamesh_formats.array_types import Ints
-
-T = TypeVar("T")
 
 
 class Systems:
@@ -30,9 +23,14 @@ class Systems:
     surface : Surface
     solver, threads, memory
         Of the least-squares problems, see `LeastSquares`.
+
+    Attributes
+    ----------
     precision : float
-        Factor of the tolerances of interpolated anchors.
+        Factor of the tolerances of interpolated anchors; 1 unless `to_precision` says else.
     """
+
+    precision = 1.0
 
     def __init__(
         self,
@@ -40,14 +38,12 @@ class Systems:
         solver: str = "auto",
         threads: int | None = None,
         memory: float = math.inf,
-        precision: float = 1.0,
     ) -> None:
-        self.precision = precision
         graph, labels = surface.graph, surface.labels
         self._least_squares = factorization(graph, solver, threads, memory)
-        self._cells = _remembered(lambda anchors: Cells(graph, labels, anchors))
-        self._interpolation = _remembered(lambda anchors: Interpolation(self._cells(anchors)))
-        self._fit = _remembered(lambda anchors: Fit(self._cells(anchors)))
+        self._cells = remembered(lambda anchors: Cells(graph, labels, anchors))
+        self._interpolation = remembered(lambda anchors: Interpolation(self._cells(anchors)))
+        self._fit = remembered(lambda anchors: Fit(self._cells(anchors)))
 
     def to_precision(self, precision: float) -> Systems:
         """Return the same systems, with another factor of the tolerances."""
@@ -70,9 +66,3 @@ class Systems:
     def fit(self, anchors: Ints) -> Fit:
         """Return the encoder's fit of what the cells have lost."""
         return self._fit(anchors)
-
-
-def _remembered(make: Callable[[Ints], T]) -> Callable[[Ints], T]:
-    """Return a function of anchors that remembers its last result."""
-    last = lru_cache(maxsize=1)(lambda data: make(np.frombuffer(data, dtype=np.int64)))
-    return lambda anchors: last(anchors.tobytes())
