@@ -337,9 +337,9 @@ DM_API int dm_smooth(const int64_t *indptr, int64_t n, const int64_t *indices, i
 DM_API int dm_normal_bounds(const int64_t *indptr, int64_t n, const int64_t *indices,
                             int64_t entries, int64_t *bounds, int64_t *seen);
 DM_API int dm_normal_matrix(const int64_t *indptr, int64_t n, const int64_t *indices,
-                            int64_t entries, const int64_t *anchors, int64_t anchor_count,
-                            const int64_t *bounds, int64_t *columns, double *values,
-                            int64_t filled, int64_t *place);
+                            int64_t entries, const int64_t *anchors, const double *weights,
+                            int64_t anchor_count, const int64_t *bounds, int64_t *columns,
+                            double *values, int64_t filled, int64_t *place);
 
 /* multigrid.c */
 DM_API int dm_aggregate(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
@@ -389,6 +389,15 @@ DM_API int dm_gather_neighbours(const int64_t *a, const int64_t *b, int64_t coun
                                 int32_t *rows, int64_t *place);
 DM_API int dm_label_components(const int64_t *indptr, int64_t n, const int64_t *indices,
                                int64_t entries, int64_t *label, int64_t *queue, int64_t *count);
+
+/* motions.c */
+DM_API int dm_span(const int64_t *a, const int64_t *b, int64_t count, int64_t n, uint8_t *kept,
+                   int64_t *root);
+DM_API int dm_walk_forest(const int64_t *indptr, int64_t n, const int64_t *indices,
+                          int64_t entries, int64_t *order, int64_t *parent);
+DM_API int dm_carry_motions(const int64_t *order, const int64_t *parent, int64_t n,
+                            const double *rest, double step, double unit, int64_t measuring,
+                            int64_t *numbers, double *positions, double *quaternions);
 
 /* normals.c */
 DM_API int dm_vertex_normals(const double *points, int64_t n, const int64_t *faces, int64_t m,

@@ -257,6 +257,7 @@ def _mesh_of(mesh: PolyMesh | ArrayLike, faces: Faces | None) -> PolyMesh:
 def decode(
     data: Bytes | Container,
     *,
+    pose: str | None = None,
     solver: str = "auto",
     threads: int | None = None,
     max_vertices: int = DEFAULT_MAX_VERTICES,
@@ -269,6 +270,8 @@ def decode(
     ----------
     data : bytes-like, or what `deltamesh.info` returned
         The whole file; a bytearray, mmap or array of bytes is not copied.
+    pose : str, optional
+        The name of a pose, of those that `deltamesh.edit` has added. Default: the mesh at rest.
     solver : {"auto", "core", "rslab", "pardiso", "scipy"}
         Default: the compiled core for small meshes, else rslab or, where it is missing, scipy.
     threads : int, optional
@@ -294,6 +297,8 @@ def decode(
         Before anything above the limits is allocated: by the counts of the file or, for methods
         that solve, by the entries of the factorization.
     SolveError
+    OptionError
+        If there is no such pose.
     TypeError
         For anything but bytes.
 
@@ -303,6 +308,7 @@ def decode(
     """
     return decode_mesh(
         data if isinstance(data, Container) else read_container(bytes_of(data)),
+        pose=pose,
         solver=solver,
         threads=threads,
         max_vertices=max_vertices,

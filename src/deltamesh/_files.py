@@ -78,6 +78,7 @@ def verify(
 def load(
     source: PathOrFile,
     *,
+    pose: str | None = None,
     solver: str = "auto",
     threads: int | None = None,
     max_vertices: int = DEFAULT_MAX_VERTICES,
@@ -94,12 +95,12 @@ def load(
         URLs take the extra `remote`. A file object is read from where it is to its end, and need
         not be seekable. Around the file there may be gzip or zstandard; what it decompresses to is
         within `memory`, too.
-    solver, threads, max_vertices, memory, progress
+    pose, solver, threads, max_vertices, memory, progress
         As in `deltamesh.decode`, which does the same with bytes.
 
     Raises
     ------
-    FormatError, LimitError, SolveError, OSError
+    FormatError, LimitError, SolveError, OptionError, OSError
     TypeError
         For anything but a path or a file that is open in binary mode.
     """
@@ -107,6 +108,7 @@ def load(
 
     return decode(
         read_file(source, memory),
+        pose=pose,
         solver=solver,
         threads=threads,
         max_vertices=max_vertices,

@@ -17,17 +17,18 @@ from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.interpolation import FINER
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.systems import Systems
-from deltamesh._limits import check_limits, filling, memory_to_solve
+from deltamesh._limits import check_limits, check_pose, filling, memory_to_solve
 from deltamesh._measures.metrics import diagonal
 from deltamesh._methods import LOSSLESS
 from deltamesh._options import Options
+from deltamesh._posing import check_name, in_pose, pose_named, posed_points, posing_system
 from deltamesh._progress import Progress, silent
 from deltamesh._sections.draft import Draft, begin
 from deltamesh._sections.geometry import has_scale
 from deltamesh._sections.table import SECTIONS
 from deltamesh._shape.announced import announced
 from deltamesh._version import __version__
-from deltamesh_formats.array_types import Ints
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.caching import cached_property
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Meta
@@ -127,10 +128,10 @@ def _encoded(mesh: PolyMesh, options: Options, progress: Progress) -> Encoded:
         container = build({**payloads, FILLING: bytes(lacking)})
     data = write_container(container)
     progress("proof")
-    return Encoded(data, _proven(data), draft)
+    return Encoded(data, proven(data), draft)
 
 
-def _proven(data: bytes) -> Container:
+def proven(data: bytes) -> Container:
     """Return the container of a file, once a decoder, given any memory, has read all but positions.
 
     Raises
@@ -171,6 +172,7 @@ def _meta(draft: Draft) -> Meta:
 def decode_mesh(
     container: Container,
     *,
+    pose: str | None = None,
     solver: str,
     threads: int | None,
     max_vertices: int,
@@ -178,17 +180,37 @@ def decode_mesh(
     progress: Progress = silent,
 ) -> PolyMesh:
     """Decompress a container; see `deltamesh.decode`."""
+    if pose is not None:
+        check_name(container, pose)
+        to_solve = check_pose(container, memory)
     content = proven_content(container, max_vertices, memory, progress)
     progress("positions")
+    points = points_at_rest(container, content, solver, threads, memory)
+    margin = 0.0 if container.meta is None else container.meta.room
+    mesh = content.mesh(points, container.parameters.single, margin)
+    if pose is None:
+        return mesh
+    progress("pose")
+    system = posing_system(content, solver, threads, to_solve)
+    moved, turns = posed_points(content, points, system, pose_named(content, pose))
+    return in_pose(mesh, content, moved, turns)
+
+
+def points_at_rest(
+    container: Container, content: Content, solver: str, threads: int | None, memory: int
+) -> Floats:
+    """Return the positions of a file, float64 (p, 3).
+
+    Raises
+    ------
+    LimitError, SolveError
+    """
     parameters, surface = container.parameters, content.structure.surface
-    to_solve = memory_to_solve(container, memory)
-    systems = Systems(surface, solver, threads, to_solve)
+    systems = Systems(surface, solver, threads, memory_to_solve(container, memory))
     if ATTRIBUTES in container.sections:
         systems = systems.to_precision(FINER)
     coder = geometry_codec(parameters.method)
-    points = coder.reconstruct(surface, parameters, content.integers, systems)
-    margin = 0.0 if container.meta is None else container.meta.room
-    return content.mesh(points, parameters.single, margin)
+    return coder.reconstruct(surface, parameters, content.integers, systems)
 
 
 def proven_content(

@@ -27,7 +27,8 @@ export function normalEquations(core, graph, anchors) {
   const columns = new Int32Array(filled);
   const values = new Float64Array(filled);
   const rows = [indptr, out(columns), out(values), filled, room(size)];
-  core.call("dm_normal_matrix", ...given(graph), anchors, anchors.length, ...rows);
+  const weights = new Float64Array(anchors.length).fill(1);
+  core.call("dm_normal_matrix", ...given(graph), anchors, weights, anchors.length, ...rows);
   return { size, indptr, columns, values };
 }
 
