@@ -187,7 +187,7 @@ def two_systems(
 ) -> tuple[Floats, Floats]:
     """Return positions and rotations, as `posed` does, for those of the anchors of a system."""
     spread = system.solve(np.zeros((len(vertices), 4)), quaternions)
-    turns = rotations.nearest(rotations.of_quaternions(spread))
+    turns = rotations.of_quaternions(spread)
     deltas = rotations.turned_deltas(graph, vertices, turns)
     return system.solve(deltas, positions), turns
 

@@ -6,12 +6,17 @@ meshes", SIGGRAPH 2005; O. Sorkine, M. Alexa, "As-rigid-as-possible surface mode
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from deltamesh._kernels.mesh import rotations as kernels
 from deltamesh_formats.array_types import Floats, Ints
 
 Graph = tuple[Ints, Ints]
+
+# The square of a quaternion's length that stands for no rotation; a unit one does not notice.
+NONE: Final = 2.0**-40
 
 
 def fit(graph: Graph, before: Floats, after: Floats, rings: int = 0) -> Floats:
@@ -56,7 +61,7 @@ def nearest(matrices: Floats) -> Floats:
 
 
 def of_quaternions(quaternions: Floats) -> Floats:
-    """Return the rotations of quaternions, each times the square of its length.
+    """Return the rotations of quaternions of any length, the identity of no length.
 
     Parameters
     ----------
@@ -69,12 +74,12 @@ def of_quaternions(quaternions: Floats) -> Floats:
     """
     w, x, y, z = np.ascontiguousarray(quaternions, dtype=np.float64).T
     rows = (
-        *(w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)),
-        *(2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)),
-        *(2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z),
+        *(w * w + x * x - y * y - z * z + NONE, 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        *(2 * (x * y + w * z), w * w - x * x + y * y - z * z + NONE, 2 * (y * z - w * x)),
+        *(2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z + NONE),
     )
-    matrices: Floats = np.stack(rows, axis=1).reshape(-1, 3, 3)
-    return matrices
+    matrices: Floats = np.stack(rows, axis=1) / (w * w + x * x + y * y + z * z + NONE)[:, None]
+    return matrices.reshape(-1, 3, 3)
 
 
 def to_quaternions(matrices: Floats) -> Floats:
