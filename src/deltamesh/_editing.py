@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from deltamesh._content import Content
@@ -142,7 +142,32 @@ def edit(
     Y. Lipman, O. Sorkine, D. Levin, D. Cohen-Or, "Linear rotation-invariant coordinates for
     meshes", SIGGRAPH 2005.
     """
-    container = source if isinstance(source, Container) else read_container(read_source(source))
+    return edit_chosen(
+        source if isinstance(source, Container) else read_container(read_source(source, memory)),
+        lambda mesh: (moves, fix),
+        name=name,
+        step=step,
+        solver=solver,
+        threads=threads,
+        max_vertices=max_vertices,
+        memory=memory,
+        progress=progress,
+    )
+
+
+def edit_chosen(
+    container: Container,
+    choose: Callable[[PolyMesh], tuple[Sequence[Move], Sequence[Vertices]]],
+    *,
+    name: str,
+    step: float | None = None,
+    solver: str = "auto",
+    threads: int | None = None,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Progress | None = None,
+) -> Edited:
+    """Do as `edit` does, with moves and fixed vertices that are chosen of the mesh at rest."""
     progress = progress or silent
     _check(container, name, step)
     to_solve = check_pose(container, memory)
@@ -153,7 +178,7 @@ def edit(
     mesh = content.mesh(points, container.parameters.single, margin)
     surface, anchors = content.structure.surface, content.integers.anchors
     rest, size = points[: surface.vertex_count], diagonal(points) or 1.0
-    places, is_moved = held(mesh, content, rest, moves, fix)
+    places, is_moved = held(mesh, content, rest, *choose(mesh))
     progress("edit")
     exact, turns = deformed(surface.graph, rest, places, solver, threads, to_solve)
     pose = measured(

@@ -141,9 +141,9 @@ def solved(near, anchors, right, held):
 def posed(pose, rest, near, anchors):
     """Positions and matrices of all vertices of faces."""
     p, q = carried(pose, rest, near, anchors)
-    Q = solved(near, anchors, np.zeros((len(near), 4)), q)
+    spread = solved(near, anchors, np.zeros((len(near), 4)), q)
     small = 2.0**-40
-    R = [(rotation(one) + small * np.eye(3)) / (one @ one + small) for one in Q]
+    R = [(rotation(one) + small * np.eye(3)) / (one @ one + small) for one in spread]
     d = np.zeros_like(rest)
     for i, neighbours in enumerate(near):
         for j in neighbours:
