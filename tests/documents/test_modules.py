@@ -92,6 +92,7 @@ TWINS: Mapping[str, tuple[str, ...] | str] = {
     "mesh.factor": ("oracle.solve_by_elimination", "oracle.factor_entries"),
     "mesh.halfedges": ("polygon_oracle.after", "polygon_oracle.before"),
     "mesh.laplacian": ("oracle.laplacian", "poisson_oracle.smoothed"),
+    "mesh.motions": ("motions_oracle.span", "motions_oracle.walk", "motions_oracle.carry"),
     "mesh.multigrid": (
         "poisson_oracle.aggregates",
         "poisson_oracle.coarsened",
