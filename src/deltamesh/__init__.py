@@ -1,8 +1,8 @@
 """deltamesh: compression of meshes by quantized differential coordinates.
 
 `encode` and `decode` take and return arrays and bytes; `save` and `load` are the same on files;
-`info` describes a file without decoding it; `verify` decodes it and checks that it is whole; `stages`
-decodes a stream as its bytes come; `view` shows a mesh in the browser, or in a notebook.
+`info` describes a file without decoding it; `verify` decodes it and checks that it is whole;
+`stages` decodes a stream as its bytes come; `view` shows a mesh in the browser, or in a notebook.
 `from_arrays` makes a whole mesh, a `PolyMesh`, of polygons and attributes; `read_mesh` and
 `write_mesh` are for the files of other programs, `deltamesh.plugins` for other libraries. A name is
 imported when it is first used, and numpy and scipy with it if they are needed.

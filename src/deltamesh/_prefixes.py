@@ -112,7 +112,7 @@ def stages(
     Parameters
     ----------
     stream : binary file object
-        Such as an HTTP response, or `sys.stdin.buffer`; read to its end, as far as bytes are there
+        Such as an HTTP response, or standard input; read to its end, as far as bytes are there
         at once where it has `read1`.
     solver, threads, max_vertices, memory
         As in `deltamesh.decode`.

@@ -117,19 +117,21 @@ def progress_of(data: Buffer, position: int) -> tuple[int, bool]:
     Returns
     -------
     int, bool
-        0 and False before the header is whole.
+        0 and False before a section is whole.
 
     Raises
     ------
     FormatError
     """
+    at = position
     if not position:
         if len(data) < _HEADER_MOST:  # as many bytes as any file has
             return 0, False
-        position = _read_header(memoryview(bytes(data[:_HEADER_MOST])))[1]
-    while (end := _end_of_section(data, position)) is not None:
-        position = end
-    return position, len(data) >= position + layout.ID_SIZE
+        at = _read_header(memoryview(bytes(data[:_HEADER_MOST])))[1]
+    name = ""
+    while name != layout.CHECK and (end := _end_of_section(data, at)) is not None:
+        name, position, at = _id_at(data, at), end, end
+    return position, position > 0 and len(data) >= position + layout.ID_SIZE
 
 
 def read_counts(data: Buffer) -> tuple[int, int]:

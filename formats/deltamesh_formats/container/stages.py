@@ -39,6 +39,7 @@ POSITIONS: Final = "positions"
 WHOLE: Final = "whole"
 # The stage that each section of solved positions reaches.
 _REACHED: Final = {ANCHORS: "anchors", DELTAS: "deltas", NORMALS: "refinements"}
+STAGES: Final = (*_REACHED.values(), POSITIONS, WHOLE)
 # What people miss where a section has not come.
 _WORDS: Final = {
     DELTAS: "deltas",
