@@ -143,9 +143,7 @@ class LeastSquares:
                 x += correction
                 if (self._largest(correction) <= REFINED * self._largest(x) + TINY).all():
                     return x + centres[self._labels]
-        raise SolveError(
-            "the least-squares system has no solution in double precision: more anchors help"
-        )
+        raise SolveError("the least-squares system has no solution in double precision")
 
     def _transposed(self, rows: Floats, anchored: Floats) -> Floats:
         """Return [L; W S]^T [b; W c], for b and c; L is symmetric."""
