@@ -172,10 +172,8 @@ def edit_chosen(
     _check(container, name, step)
     to_solve = check_pose(container, memory)
     content = proven_content(container, max_vertices, memory, progress)
-    progress("positions")
-    points = points_at_rest(container, content, solver, threads, memory)
-    margin = 0.0 if container.meta is None else container.meta.room
-    mesh = content.mesh(points, container.parameters.single, margin)
+    points = points_at_rest(container, content, solver, threads, memory, progress)
+    mesh = content.mesh(points, container.parameters.single, container.margin)
     surface, anchors = content.structure.surface, content.integers.anchors
     rest, size = points[: surface.vertex_count], diagonal(points) or 1.0
     places, is_moved = held(mesh, content, rest, *choose(mesh))

@@ -184,10 +184,8 @@ def decode_mesh(
         check_name(container, pose)
         to_solve = check_pose(container, memory)
     content = proven_content(container, max_vertices, memory, progress)
-    progress("positions")
-    points = points_at_rest(container, content, solver, threads, memory)
-    margin = 0.0 if container.meta is None else container.meta.room
-    mesh = content.mesh(points, container.parameters.single, margin)
+    points = points_at_rest(container, content, solver, threads, memory, progress)
+    mesh = content.mesh(points, container.parameters.single, container.margin)
     if pose is None:
         return mesh
     progress("pose")
@@ -196,8 +194,31 @@ def decode_mesh(
     return in_pose(mesh, content, moved, turns)
 
 
+def positioned(
+    container: Container,
+    content: Content,
+    solver: str,
+    threads: int | None,
+    memory: int,
+    progress: Progress,
+) -> PolyMesh:
+    """Return the mesh of a content, once its positions are solved for.
+
+    Raises
+    ------
+    LimitError, SolveError
+    """
+    points = points_at_rest(container, content, solver, threads, memory, progress)
+    return content.mesh(points, container.parameters.single, container.margin)
+
+
 def points_at_rest(
-    container: Container, content: Content, solver: str, threads: int | None, memory: int
+    container: Container,
+    content: Content,
+    solver: str,
+    threads: int | None,
+    memory: int,
+    progress: Progress,
 ) -> Floats:
     """Return the positions of a file, float64 (p, 3).
 
@@ -205,6 +226,7 @@ def points_at_rest(
     ------
     LimitError, SolveError
     """
+    progress("positions")
     parameters, surface = container.parameters, content.structure.surface
     systems = Systems(surface, solver, threads, memory_to_solve(container, memory))
     if ATTRIBUTES in container.sections:
@@ -222,18 +244,20 @@ def proven_content(
     ------
     FormatError, LimitError
     """
+    if not container.is_whole:
+        raise FormatError(f"truncated: section {CHECK} is missing", container.size)
     content = read_content(container, max_vertices, memory, progress)
     if content.digest() != container.digest:
         offset = container.sections[CHECK].offset
         raise FormatError("the checksum of the decoded integers is wrong", offset)
-    _check_scale(container, content.integers)
+    check_scale(container, content.integers)
     return content
 
 
 def read_content(
     container: Container, max_vertices: int, memory: int, progress: Progress = silent
 ) -> Content:
-    """Return the content of a file; its digest is not checked yet.
+    """Return the content of a file, or of a prefix; its digest is not checked yet.
 
     Raises
     ------
@@ -248,7 +272,7 @@ def read_content(
     return content
 
 
-def _check_scale(container: Container, integers: Integers) -> None:
+def check_scale(container: Container, integers: Integers) -> None:
     """Refuse steps and origins that no mesh has."""
     if not has_scale(container.parameters, integers):
         raise FormatError("positions that are too large", container.sections[PARAMETERS].offset)

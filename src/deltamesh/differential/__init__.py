@@ -1,11 +1,11 @@
 """Differential coordinates of meshes, for research: what the codec is made of, on arrays.
 
 Laplacians and deltas; the least-squares system with soft and hard anchors, and Poisson's problem;
-choice of anchors, their basis functions, and positions fitted to them; spectra; quantization; and
-the metrics. Each is a function of arrays, or a system that is factored once, and is what `encode`
-and `decode` use, too. The paper behind them is D. Cohen-Or, O. Sorkine, "Encoding Meshes in
-Differential Coordinates", SCCG 2006. `docs/research.md` is a guide; `docs/paper.md` has the paper's
-statements, measured. A name is imported when it is first used.
+choice of anchors, their basis functions, and positions fitted to them; rotations; spectra;
+quantization; and the metrics. Each is a function of arrays, or a system that is factored once, and
+is what `encode` and `decode` use, too. The paper behind them is D. Cohen-Or, O. Sorkine, "Encoding
+Meshes in Differential Coordinates", SCCG 2006. `docs/research.md` is a guide; `docs/paper.md` has
+the paper's statements, measured. A name is imported when it is first used.
 """
 
 from __future__ import annotations
@@ -45,6 +45,11 @@ if TYPE_CHECKING:
         basis_functions as basis_functions,
         fitted_positions as fitted_positions,
     )
+    from deltamesh.differential._turning import (
+        fitted_rotations as fitted_rotations,
+        nearest_rotations as nearest_rotations,
+        turned_deltas as turned_deltas,
+    )
 else:
     from deltamesh._lazy import lazy_names
 
@@ -70,6 +75,11 @@ else:
                 "Poisson",
                 "basis_functions",
                 "fitted_positions",
+            ),
+            "deltamesh.differential._turning": (
+                "fitted_rotations",
+                "nearest_rotations",
+                "turned_deltas",
             ),
         },
     )

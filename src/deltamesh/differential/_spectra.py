@@ -78,17 +78,15 @@ def energies(vectors: Floats, x: ArrayLike) -> Floats:
     return np.asarray(((vectors.T @ rows) ** 2).sum(axis=1))
 
 
-def spectral_slope(values: Floats, energy: Floats, bins: int = 20) -> float:
-    """Return the exponent p of energy ~ values^p, a line through logarithms of means.
+def spectral_slope(values: Floats, energy: Floats) -> float:
+    """Return the exponent p of energy ~ values^p: the slope of a line through all logarithms.
+
+    Of noise that is white before a filter, each logarithm is off by the same in the mean, and the
+    slope is that of the filter.
 
     Parameters
     ----------
     values, energy : float array (k,)
-        Eigenvalues, and energies at them. The first, at 0, is left out.
-    bins : int
-        Groups of as many eigenvalues; the line goes through their means.
+        Eigenvalues, and energies at them, positive but for the first, which is left out.
     """
-    groups = np.array_split(np.arange(1, len(values)), bins)
-    x = [math.log(float(values[group].mean())) for group in groups]
-    y = [math.log(float(energy[group].mean())) for group in groups]
-    return float(np.polyfit(x, y, 1)[0])
+    return float(np.polyfit(np.log(values[1:]), np.log(energy[1:]), 1)[0])
