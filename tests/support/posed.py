@@ -17,6 +17,7 @@ from deltamesh._pipeline import read_content
 from deltamesh_formats.container.pose_table import entries_of, write_poses
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.polymesh.arrays import from_arrays
 from deltamesh_formats.polymesh.mesh import from_triangles
 
 NAMES = ("gebückt", "dragged")
@@ -41,6 +42,16 @@ def with_poses(data, names=NAMES):
     matrix = turned(mesh.vertices[moved])
     data = edit(data, [(moved, matrix)], [fixed], name=names[0]).data
     return edit(data, [([int(x.argmax())], [0.3, 0, 0.2])], [fixed], name=names[1]).data
+
+
+def with_normals(domain):
+    """A torus with unit normals."""
+    V, F = meshes.torus(9, 5)
+    spokes = V * [1, 1, 0]
+    normals = V - 2 * spokes / np.linalg.norm(spokes, axis=1, keepdims=True)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    rows = {"vertex": normals, "corner": normals[F].reshape(-1, 3), "face": normals[F[:, 0]]}
+    return from_arrays(V, F, **{domain: {"normal": rows[domain].astype(np.float32)}})
 
 
 def golden():
