@@ -185,7 +185,7 @@ def target_of(motion: Motion, positions: Floats) -> Floats:
     axis = np.array(motion.axis) / math.hypot(*motion.axis)
     cross = np.cross(np.eye(3), axis)
     angle = math.radians(motion.degrees)
-    turn = np.eye(3) - math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
+    turn = np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
     centre = positions.mean(axis=0) if motion.about is None else np.array(motion.about)
     matrix = np.eye(4)
     matrix[:3, :3] = turn

@@ -24,13 +24,10 @@ if TYPE_CHECKING:
     from deltamesh_formats.container.container import Container
 
 _EXAMPLES = """\
-deltamesh edit bar.dmesh bent.dmesh --name bent --fix 'z<5%' \\
-    --move 'z>95%' 'turn=y,120 shift=3,0,-2.5'
-deltamesh edit bent.dmesh two.dmesh --name dragged --fix 'z<5%' \\
-    --move vertices:17 shift=1,0,0
-deltamesh edit man.dmesh waving.dmesh --name waving --fix part:body \\
-    --move part:hand 'turn=0,1,1,40 about=0.2,1.4,0'
-deltamesh decode two.dmesh bent.obj --pose bent
+deltamesh edit a.dmesh b.dmesh --name up --move 'z>9' turn=y,90 --fix 'z<1'
+deltamesh edit a.dmesh b.dmesh --name out --move vertices:7 shift=1,0,0
+deltamesh edit a.dmesh b.dmesh --name in --move part:arm turn=0,1,1,40
+deltamesh decode b.dmesh up.obj --pose up
 """
 
 _REGIONS = """\
@@ -54,7 +51,7 @@ _RMS, _NORMAL = 0.0015, 1.0
 
 @click.command(epilog=epilog(_EXAMPLES, _REGIONS, _MOTIONS))
 @click.argument("source", type=FILE, metavar="IN")
-@options.output("none: it has to be given")
+@options.output("none; it is needed")
 @click.option("--name", required=True, help="Name of the pose.")
 @click.option(
     "--move",
