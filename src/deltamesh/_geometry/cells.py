@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from deltamesh._graph.adjacency import Graph
 from deltamesh._kernels.mesh import distance
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.caching import cached_property
@@ -21,13 +22,13 @@ class Cells:
 
     Attributes
     ----------
-    graph : pair of int64 arrays (n + 1,), (2 e,)
+    graph : pair of int32 arrays (n + 1,), (2 e,)
     labels : int64 (n,)
         The component of each vertex.
     anchors : int64 (k,)
     """
 
-    graph: tuple[Ints, Ints]
+    graph: Graph
     labels: Ints
     anchors: Ints
 
