@@ -397,11 +397,11 @@ DM_API int dm_vertex_normals(const double *points, int64_t n, const int64_t *fac
                              double *normals, double *areas);
 
 /* rotations.c */
-DM_API int dm_fit_rotations(const int64_t *indptr, int64_t n, const int64_t *indices,
+DM_API int dm_fit_rotations(const int32_t *indptr, int64_t n, const int32_t *indices,
                             int64_t entries, const double *from, const double *to, int64_t rings,
                             double *turns, double *moments, double *wider);
 DM_API int dm_nearest_rotations(const double *matrices, int64_t n, double *turns);
-DM_API int dm_turned_deltas(const int64_t *indptr, int64_t n, const int64_t *indices,
+DM_API int dm_turned_deltas(const int32_t *indptr, int64_t n, const int32_t *indices,
                             int64_t entries, const double *points, const double *turns,
                             double *out);
 
