@@ -300,9 +300,9 @@ DM_API int dm_face_changes(const double *normals, const double *areas,
                            const double *other_normals, const double *other_areas, int64_t m,
                            double least, double most, double *angles, uint8_t *lost,
                            uint8_t *turned);
-DM_API int dm_dihedral_angles(const double *points, int64_t n, const double *normals, int64_t m,
-                              const int64_t *edges, const int64_t *left, const int64_t *right,
-                              const uint8_t *same, int64_t count, double *angles);
+DM_API int dm_dihedral_angles(const double *points, int64_t n, const double *normals,
+                              const int64_t *faces, int64_t m, const int32_t *pairs,
+                              int64_t count, double *angles);
 
 /* distance.c */
 DM_API int dm_farthest_points(const int32_t *indptr, int64_t n, const int32_t *indices,
@@ -413,5 +413,8 @@ DM_API int dm_walk_outlines(const int64_t *merged, int64_t faces, int64_t *corne
 /* halfedges.c */
 DM_API int64_t dm_halfedge_after(int64_t h);
 DM_API int64_t dm_halfedge_before(int64_t h);
+DM_API int dm_group_by_edge(const int64_t *start, const int64_t *end, int64_t count, int64_t n,
+                            int64_t *order, int64_t *bounds, int64_t *edges, int32_t *by_higher,
+                            int64_t *place);
 
 #endif

@@ -186,7 +186,10 @@ def decode_mesh(
     if ATTRIBUTES in container.sections:
         systems = systems.to_precision(FINER)
     coder = geometry_codec(parameters.method)
-    points = coder.reconstruct(surface, parameters, content.integers, systems)
+    # Nobody else keeps the integers: what is no longer needed of them is freed on the way.
+    handed_over = [content.integers]
+    content = replace(content, integers=NOTHING.integers)
+    points = coder.reconstruct(surface, parameters, handed_over.pop(), systems)
     margin = 0.0 if container.meta is None else container.meta.room
     return content.mesh(points, parameters.single, margin)
 

@@ -92,12 +92,12 @@ class Cells:
         """Return x, float64 (n, c), less its mean over each component."""
         return x - self._means(x)
 
-    def completed(self, delta: Floats, y: Floats) -> Floats:
+    def completed(self, delta: Floats, y: Floats, out: Floats | None = None) -> Floats:
         """Return the deltas, float64 (n, c), with y (k, c) added over the cells.
 
-        They are centred, as the Laplacian of anything is.
+        They are centred, as the Laplacian of anything is; `out`, maybe the deltas, takes them.
         """
-        result = delta + (y if len(y) == 1 else y[self.of])
+        result = np.add(delta, y if len(y) == 1 else y[self.of], out=out)
         result -= self._means(result)
         return result
 
