@@ -178,8 +178,15 @@ def decode_mesh(
     progress: Progress = silent,
 ) -> PolyMesh:
     """Decompress a container; see `deltamesh.decode`."""
-    content = proven_content(container, max_vertices, memory, progress)
-    return positioned(container, content, solver, threads, memory, progress)
+    # The content is handed over, too: nothing here keeps what is no longer needed.
+    return positioned(
+        container,
+        proven_content(container, max_vertices, memory, progress),
+        solver,
+        threads,
+        memory,
+        progress,
+    )
 
 
 def positioned(

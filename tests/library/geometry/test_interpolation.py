@@ -101,7 +101,7 @@ def test_steps_below_what_doubles_tell_apart() -> None:
     n, anchors = len(V), np.array([3])
     delta = oracle.laplacian(F, n) @ V
     for step in (1e-9, 1e-12, 1e-15):
-        x = system_of(F, n, anchors).solve(delta, V[anchors], np.full((n, 1), step))
+        x = system_of(F, n, anchors).solve(delta.copy(), V[anchors], np.full((n, 1), step))
         np.testing.assert_allclose(x, V, rtol=0, atol=1e-9 * 8)
 
 
@@ -114,7 +114,7 @@ def test_what_overflows_is_refused(wrong: float) -> None:
     for array in (delta, p):
         array[1, 2] = wrong
         with pytest.raises(SolveError, match="no solution in double precision"):
-            system.solve(delta, p, steps)
+            system.solve(delta.copy(), p, steps)
         array[1, 2] = 0
 
 
