@@ -33,7 +33,7 @@ int dm_span(const int64_t *a, const int64_t *b, int64_t count, int64_t n, uint8_
 
 /* Walk through trees, each from its lowest node, breadth first: set `order` (n,) to the nodes as
    they are met, and `parent` (n,) to the node from which each was, -1 for the first of a tree. */
-int dm_walk_forest(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+int dm_walk_forest(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                    int64_t *order, int64_t *parent)
 {
     if (!dm_is_graph(indptr, n, indices, entries))

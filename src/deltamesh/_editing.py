@@ -172,9 +172,10 @@ def edit_chosen(
     _check(container, name, step)
     to_solve = check_pose(container, memory)
     content = proven_content(container, max_vertices, memory, progress)
-    points = points_at_rest(container, content, solver, threads, memory, progress)
+    surface, solving = content.structure.surface, (solver, threads, memory, progress)
+    points = points_at_rest(container, surface, [content.integers], *solving)
     mesh = content.mesh(points, container.parameters.single, container.margin)
-    surface, anchors = content.structure.surface, content.integers.anchors
+    anchors = content.integers.anchors
     rest, size = points[: surface.vertex_count], diagonal(points) or 1.0
     places, is_moved = held(mesh, content, rest, *choose(mesh))
     progress("edit")

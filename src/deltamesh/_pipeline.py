@@ -27,6 +27,7 @@ from deltamesh._sections.draft import Draft, begin
 from deltamesh._sections.geometry import has_scale
 from deltamesh._sections.table import SECTIONS
 from deltamesh._shape.announced import announced
+from deltamesh._shape.surface import Surface
 from deltamesh._version import __version__
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.caching import cached_property
@@ -180,14 +181,22 @@ def decode_mesh(
     progress: Progress = silent,
 ) -> PolyMesh:
     """Decompress a container; see `deltamesh.decode`."""
-    if pose is not None:
-        check_name(container, pose)
-        to_solve = check_pose(container, memory)
-    content = proven_content(container, max_vertices, memory, progress)
-    points = points_at_rest(container, content, solver, threads, memory, progress)
-    mesh = content.mesh(points, container.parameters.single, container.margin)
     if pose is None:
-        return mesh
+        # The content is handed over, too: nothing here keeps what is no longer needed.
+        return positioned(
+            container,
+            proven_content(container, max_vertices, memory, progress),
+            solver,
+            threads,
+            memory,
+            progress,
+        )
+    check_name(container, pose)
+    to_solve = check_pose(container, memory)
+    content = proven_content(container, max_vertices, memory, progress)
+    surface, solving = content.structure.surface, (solver, threads, memory, progress)
+    points = points_at_rest(container, surface, [content.integers], *solving)
+    mesh = content.mesh(points, container.parameters.single, container.margin)
     progress("pose")
     system = posing_system(content, solver, threads, to_solve)
     moved, turns = posed_points(content, points, system, pose_named(content, pose))
@@ -208,31 +217,36 @@ def positioned(
     ------
     LimitError, SolveError
     """
-    points = points_at_rest(container, content, solver, threads, memory, progress)
+    # Nobody else keeps the integers: what is no longer needed of them is freed on the way.
+    handed_over = [content.integers]
+    content = replace(content, integers=NOTHING.integers)
+    surface, solving = content.structure.surface, (solver, threads, memory, progress)
+    points = points_at_rest(container, surface, handed_over, *solving)
     return content.mesh(points, container.parameters.single, container.margin)
 
 
 def points_at_rest(
     container: Container,
-    content: Content,
+    surface: Surface,
+    integers: list[Integers],
     solver: str,
     threads: int | None,
     memory: int,
     progress: Progress,
 ) -> Floats:
-    """Return the positions of a file, float64 (p, 3).
+    """Return the positions of a file, float64 (p, 3); its integers are taken out of a list.
 
     Raises
     ------
     LimitError, SolveError
     """
     progress("positions")
-    parameters, surface = container.parameters, content.structure.surface
+    parameters = container.parameters
     systems = Systems(surface, solver, threads, memory_to_solve(container, memory))
     if ATTRIBUTES in container.sections:
         systems = systems.to_precision(FINER)
     coder = geometry_codec(parameters.method)
-    return coder.reconstruct(surface, parameters, content.integers, systems)
+    return coder.reconstruct(surface, parameters, integers.pop(), systems)
 
 
 def proven_content(

@@ -61,12 +61,10 @@ void decode_poses(bytes payload, graph near, const int64_t *anchors, int64_t k)
 {
     int64_t *const cell = take_numbers(near.n);
     int64_t *const order = take_numbers(k), *const parent = take_numbers(k);
-    check(dm_nearest(near.indptr, near.n, near.indices, near.entries, anchors, k, cell,
-                     take_numbers(near.n)), "dm_nearest");
+    check(dm_nearest(ROWS_OF(near), anchors, k, cell, take_numbers(near.n)), "dm_nearest");
     const borders b = borders_of(near, cell, k);
     const graph forest = forest_of(b, k);
-    check(dm_walk_forest(forest.indptr, k, forest.indices, forest.entries, order, parent),
-          "dm_walk_forest");
+    check(dm_walk_forest(ROWS_OF(forest), order, parent), "dm_walk_forest");
     const graph motions = motions_of(b, order, k);
     double *const rest = take_bytes((size_t)(3 * k) * sizeof(double));
     for (int64_t i = 0; i < 3 * k; i++)

@@ -14,7 +14,8 @@ import numpy as np
 
 from deltamesh._geometry import rotations
 from deltamesh._geometry.poses import two_systems
-from deltamesh._geometry.solve import Graph, LeastSquares
+from deltamesh._geometry.solve import LeastSquares
+from deltamesh._graph.adjacency import Graph
 from deltamesh._kernels.mesh import laplacian
 from deltamesh_formats.array_types import Bools, Floats, Ints
 
@@ -60,7 +61,7 @@ def deformed(
 
     Parameters
     ----------
-    graph : pair of int64 arrays (n + 1,), (2 e,)
+    graph : pair of int32 arrays (n + 1,), (2 e,)
     vertices : float64 (n, 3)
         At rest.
     held : Held

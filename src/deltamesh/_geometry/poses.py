@@ -19,8 +19,8 @@ import numpy as np
 
 from deltamesh._geometry import rotations
 from deltamesh._geometry.cells import Cells
-from deltamesh._geometry.solve import Graph, LeastSquares
-from deltamesh._graph.adjacency import adjacency_between
+from deltamesh._geometry.solve import LeastSquares
+from deltamesh._graph.adjacency import Graph, adjacency_between
 from deltamesh._kernels.mesh import motions
 from deltamesh._streams.vectors import decode_vectors, encode_vectors
 from deltamesh_formats.array_types import Floats, Ints
@@ -77,7 +77,7 @@ class Tree:
         The anchors as they are coded, parents first.
     parent : int64 (k,)
         Of each anchor, -1 for the first of a component.
-    graph : pair of int64 arrays (2 k + 1,), (e,)
+    graph : pair of int32 arrays (2 k + 1,), (e,)
         What predicts how large the numbers of a motion are: displacements, in the order of the
         anchors, and then rotations, have those of neighbouring cells, and each other, for
         neighbours.
@@ -157,7 +157,7 @@ def posed(
 
     Parameters
     ----------
-    graph : pair of int64 arrays (n + 1,), (2 e,)
+    graph : pair of int32 arrays (n + 1,), (2 e,)
     vertices : float64 (n, 3)
         At rest.
     system : LeastSquares

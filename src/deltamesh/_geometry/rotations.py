@@ -10,10 +10,9 @@ from typing import Final
 
 import numpy as np
 
+from deltamesh._graph.adjacency import Graph
 from deltamesh._kernels.mesh import rotations as kernels
-from deltamesh_formats.array_types import Floats, Ints
-
-Graph = tuple[Ints, Ints]
+from deltamesh_formats.array_types import Floats
 
 # The square of a quaternion's length that stands for no rotation; a unit one does not notice.
 NONE: Final = 2.0**-40
@@ -24,7 +23,7 @@ def fit(graph: Graph, before: Floats, after: Floats, rings: int = 0) -> Floats:
 
     Parameters
     ----------
-    graph : pair of int64 arrays (n + 1,), (2 e,)
+    graph : pair of int32 arrays (n + 1,), (2 e,)
         Neighbour lists, from `adjacency.adjacency`.
     before, after : float64 (n, 3)
         Vertices of both surfaces, finite.
@@ -113,7 +112,7 @@ def turned_deltas(graph: Graph, vertices: Floats, matrices: Floats) -> Floats:
 
     Parameters
     ----------
-    graph : pair of int64 arrays (n + 1,), (2 e,)
+    graph : pair of int32 arrays (n + 1,), (2 e,)
     vertices : float64 (n, 3)
     matrices : float64 (n, 3, 3)
         Of `fit` or `nearest`, say.

@@ -32,7 +32,7 @@ def test_a_forest_is_that_of_sets(n: int) -> None:
 @pytest.mark.parametrize("n", [0, 1, 2, 3, 50])
 def test_trees_are_walked_breadth_first(n: int) -> None:
     if n < 2:
-        graph = np.zeros(n + 1, dtype=np.int64), np.zeros(0, dtype=np.int64)
+        graph = np.zeros(n + 1, dtype=np.int32), np.zeros(0, dtype=np.int32)
     else:
         graph = random_tree(n)
     order, parent = motions.walk(*graph)
@@ -98,5 +98,6 @@ def test_nodes_that_there_are_not_are_refused(bad: int) -> None:
         motions.span(wrong, nodes, 5)
     with pytest.raises(ValueError, match="contradict"):
         motions.span(nodes, wrong, 5)
+    indptr = np.array([0, 1, 1, 1, 1, 1], dtype=np.int32)
     with pytest.raises(ValueError, match="contradict"):
-        motions.walk(np.array([0, 1, 1, 1, 1, 1]), np.array([bad]))
+        motions.walk(indptr, np.array([min(bad, 1 << 30)], dtype=np.int32))

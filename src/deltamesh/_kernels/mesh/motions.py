@@ -4,8 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from deltamesh._kernels.core import bools_out, call, floats, floats_out, ints, ints_out, scratch
-from deltamesh_formats.array_types import Bools, Floats, Ints
+from deltamesh._kernels.core import (
+    bools_out,
+    call,
+    floats,
+    floats_out,
+    graph,
+    ints,
+    ints_out,
+    scratch,
+)
+from deltamesh_formats.array_types import Bools, Floats, Ints, Shorts
 
 
 def span(a: Ints, b: Ints, n: int) -> Bools:
@@ -17,15 +26,15 @@ def span(a: Ints, b: Ints, n: int) -> Bools:
     return kept
 
 
-def walk(indptr: Ints, indices: Ints) -> tuple[Ints, Ints]:
+def walk(indptr: Shorts, indices: Shorts) -> tuple[Ints, Ints]:
     """Return the nodes of trees, each from its lowest node on, breadth first, and their parents.
 
     The parent of the first node of a tree is -1.
     """
-    n, entries = len(indptr) - 1, len(indices)
+    n = len(indptr) - 1
     order, parent = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
-    graph = ints(indptr, n + 1), n, ints(indices, entries), entries
-    call("dm_walk_forest", *graph, ints_out(order, n), ints_out(parent, n))
+    forest = graph(indptr, indices, n)
+    call("dm_walk_forest", *forest, ints_out(order, n), ints_out(parent, n))
     return order, parent
 
 
