@@ -169,7 +169,7 @@ def _in_term(mesh: PolyMesh, term: Term) -> Bools:
             end = column.min() + end / 100 * np.ptp(column)
         return np.asarray(column < end if term.name[1] == "<" else column > end)
     if term.kind == "box":
-        low, high = np.array(term.numbers).reshape(2, 3)
+        low, high = np.sort(np.array(term.numbers).reshape(2, 3), axis=0)
         return np.asarray((np.clip(V, low, high) == V).all(axis=1))
     *centre, radius = term.numbers
     return np.asarray(((V - centre) ** 2).sum(axis=1) <= radius * radius)

@@ -47,6 +47,7 @@ UNTESTED: Mapping[str, str] = {
     "deltamesh_cli.__main__": "tested in processes: cli/test_process.py",
     "deltamesh_cli.commands.compare": COMMAND,
     "deltamesh_cli.commands.completion": "tested by cli/test_completion.py",
+    "deltamesh_cli.commands.edit": "tested by cli/test_edit.py",
     "deltamesh_cli.commands.info": COMMAND,
     "deltamesh_cli.commands.render": "tested by cli/test_render.py",
     "deltamesh_cli.commands.test": COMMAND,
