@@ -53,7 +53,7 @@ def test_a_pose_is_added_listed_and_decoded(bar: Path, capsys: pytest.CaptureFix
     np.testing.assert_allclose(
         found[top] - found[top].mean(axis=0), wanted @ bars.EDITS["bend"][0].T, atol=0.02
     )
-    middle = rest[top].mean(axis=0) + [3.2, 0, -2.46]
+    middle = rest[top].mean(axis=0) + np.array([3.2, 0, -2.46])
     np.testing.assert_allclose(found[top].mean(axis=0), middle, atol=0.05)
     np.testing.assert_allclose(found[rest[:, 2] < 0.3], rest[rest[:, 2] < 0.3], atol=0.02)
 
