@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import base64
-import importlib.util
 import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import browser as browsers
@@ -13,11 +11,10 @@ import numpy as np
 import pytest
 from browser import Browser
 from graphs import tolerances_of
-from places import GOLDEN, ROOT
-from web_builds import build
+from places import GOLDEN
 
 import deltamesh
-from deltamesh._page.filling import PAGE, PageFile, page_of
+from deltamesh._page.filling import PAGE, REPORT, PageFile, page_of
 from deltamesh_cli.program import run
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 
@@ -35,24 +32,6 @@ return new Promise((resolve) => requestAnimationFrame(() => requestAnimationFram
   resolve([...seen].sort((a, b) => b[1] - a[1]));
 })));
 """
-
-
-@pytest.fixture(scope="module", autouse=True)
-def page() -> None:
-    """The page: that of the installation or, in a checkout, one of the sources as they are."""
-    if PAGE.is_relative_to(ROOT) and (importlib.util.find_spec("ziglang") or not PAGE.exists()):
-        build("--page")
-    elif not PAGE.exists():
-        pytest.skip("an installation without the page")
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    """A browser that draws."""
-    if browsers.chromium() is None:
-        pytest.skip("no chromium with chromedriver")
-    with browsers.started(tmp_path_factory.mktemp("profile") / "p", *browsers.DRAWING) as one:
-        yield one
 
 
 def scene() -> PolyMesh:
@@ -78,7 +57,7 @@ def scene() -> PolyMesh:
 
 
 @pytest.fixture(scope="module")
-def compared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def compared(pages: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page of a file and its original, by the command line."""
     folder = tmp_path_factory.mktemp("compared")
     original, file, made = (folder / name for name in ("scene.obj", "scene.dmesh", "view.html"))
@@ -92,8 +71,9 @@ def colours(browser: Browser) -> list[tuple[str, int]]:
     return [(colour, count) for colour, count in browser.run(PIXELS)]
 
 
-def test_the_page_is_small_enough_to_mail() -> None:
+def test_pages_are_small_enough_to_mail(pages: None) -> None:
     assert len(PAGE.read_bytes()) <= 150_000
+    assert len(REPORT.read_bytes()) <= 160_000
 
 
 def test_it_shows_both_meshes(browser: Browser, compared: Path, tmp_path: Path) -> None:

@@ -37,6 +37,11 @@ export class Controls {
     this.hint = this.say(text);
   }
 
+  /** Set the tables of differences, which stand above the numbers of the files. */
+  setCompared(tables) {
+    this.facts = { compared: tables };
+  }
+
   /** Write what is under the pointer. */
   point(text) {
     find("#pointer").textContent = text;
@@ -202,6 +207,7 @@ export class Controls {
 
   #key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || find("#keys").open) return;
+    if (document.body.matches(".reporting")) return;
     if (/^(SELECT|INPUT)$/.test(event.target.tagName) && event.key !== "Escape") return;
     const { viewer } = this;
     const { camera } = viewer;

@@ -49,6 +49,11 @@ export class Panel {
     ];
   }
 
+  /** Return how it is coloured by itself: by the colours of the mesh, if it has any. */
+  ownColouring() {
+    return this.colourings().find(([key]) => key.startsWith("colour:"))?.[0] ?? "plain";
+  }
+
   /** Colour it by a key; `original` is what errors are measured against, `most` their largest. */
   paint(renderer, key, original, most) {
     const [kind, name] = [key.split(":")[0], key.slice(key.indexOf(":") + 1)];
