@@ -61,12 +61,14 @@ def decoding_functions() -> list[str]:
 
 def make_pages(core: bytes, folder: Path = PAGES) -> list[Path]:
     """Make the pages, with the compiled core in them; return their paths."""
-    join, text = _module(WEB / "join.py"), _module(PAGES / "text_of_bytes.py")
+    join, minify = _module(WEB / "join.py"), _module(WEB / "minify.py")
+    as_text = _module(PAGES / "text_of_bytes.py").as_text
     made = []
     for name in join.PAGES:
         page = folder / f"{name}.html"
         unfinished = page.with_name(f"{page.name}.{os.getpid()}")
-        unfinished.write_text(join.page(name, core, text.as_text), encoding="utf-8", newline="\n")
+        text = join.page(name, core, as_text, minify.minified)
+        unfinished.write_text(text, encoding="utf-8", newline="\n")
         made.append(unfinished.replace(page))
     return made
 
