@@ -15,7 +15,7 @@ import { decodePolygons } from "./polygons.mjs";
 import { decodeStitches } from "./stitches.mjs";
 import { complexOf, manifoldOf, plainStructure, trivialStitches } from "./structure.mjs";
 import { readTexts } from "./texts.mjs";
-import { fansOf } from "./triangles.mjs";
+import { trianglesOf } from "./triangles.mjs";
 
 // Sections whose decoders walk from half-edge to half-edge.
 const NEED_MANIFOLD = ["STCH", "COPY", "POLY", "ATTR"];
@@ -120,7 +120,7 @@ function meshOf(container, content, points) {
     precision: container.parameters.single ? "float32" : "float64",
   };
   if (order) reorder(mesh, order);
-  return Object.assign(mesh, fansOf(mesh.corners, mesh.offsets));
+  return Object.assign(mesh, trianglesOf(mesh.positions, mesh.corners, mesh.offsets));
 }
 
 /** Return the first vertex at each point that is an anchor. */
