@@ -2,6 +2,7 @@
 import { colourBytes, partColour, SCALES } from "./colours.mjs";
 import { FIELDS, fieldOf } from "./fields.mjs";
 import { boxOf, cornerValues, modelOf, shownCorners } from "./model.mjs";
+import { nameOf, titleOfKind } from "./parts.mjs";
 import { MODES } from "./renderer.mjs";
 
 const PLAIN = [196, 202, 208];
@@ -45,7 +46,7 @@ export class Panel {
     return [
       ...of("colour").map(({ name }) => [`colour:${name}`, `colours: ${name}`]),
       ...of("uv").map(({ name }) => [`uv:${name}`, `checker: ${name}`]),
-      ...parts.map(({ kind }) => [`part:${kind}`, `${kind}s`]),
+      ...parts.map(({ kind }) => [`part:${kind}`, titleOfKind(kind)]),
     ];
   }
 
@@ -104,6 +105,3 @@ export class Panel {
     return this.fields.get(key);
   }
 }
-
-/** Return the name of a part, as the list of parts has it. */
-export const nameOf = (names, part) => (part < 0 ? "(none)" : names[part] || "(no name)");
