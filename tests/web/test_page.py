@@ -327,3 +327,49 @@ def test_without_webgl_there_is_a_message_and_numbers(compared: Path, tmp_path: 
         one.open(compared)
         assert "no WebGL2" in one.run(browsers.MESSAGES)
         assert "Hausdorff" in one.run("return document.querySelector('#numbers').textContent")
+
+
+def test_two_fingers_zoom_and_move(browser: Browser, compared: Path) -> None:
+    browser.open(compared)
+    x, y = place_on_canvas(browser, 0.25, 0.5)
+
+    def finger(number: int, dx: int) -> dict[str, object]:
+        actions = [
+            {"type": "pointerMove", "x": x + dx, "y": y},
+            {"type": "pointerDown", "button": 0},
+            {"type": "pointerMove", "x": x + 2 * dx, "y": y + 20, "duration": 50},
+            {"type": "pointerUp", "button": 0},
+        ]
+        touch = {"type": "pointer", "id": f"finger {number}", "actions": actions}
+        return {**touch, "parameters": {"pointerType": "touch"}}
+
+    browser.of_session("POST", "/actions", actions=[finger(1, -40), finger(2, 40)])
+    distance, target, back = browser.run(
+        "const { distance, target, back } = deltameshViewer.camera; return [distance, target, back]"
+    )
+    assert distance == pytest.approx(1.05, rel=0.1)
+    assert np.linalg.norm(target) > 0.01
+    browser.press("r")
+    assert browser.run("return deltameshViewer.camera.back") == back
+
+
+def test_screens_of_high_density_get_all_their_pixels(compared: Path, tmp_path: Path) -> None:
+    if browsers.chromium() is None:
+        pytest.skip("no chromium with chromedriver")
+    flags = (*browsers.DRAWING, "--force-device-scale-factor=2", "--window-size=520,900")
+    with browsers.started(tmp_path / "p", *flags) as one:
+        one.open(compared)
+        one.wait("return document.querySelector('canvas').width > 300")
+        sizes = "const c = document.querySelector('canvas'); return [c.width, c.clientWidth]"
+        width, shown = one.run(sizes)
+        assert width == 2 * shown
+        # Narrow: the numbers are below the picture.
+        below = "document.querySelector('aside').getBoundingClientRect().top"
+        assert one.run(f"return {below}") >= one.run(
+            "return document.querySelector('canvas').getBoundingClientRect().bottom"
+        )
+        assert one.run("return document.documentElement.scrollWidth <= innerWidth")
+        one.press("1")
+        x, y = place_on_canvas(one, 0.5, 0.5)
+        one.pointer({"type": "pointerMove", "x": x, "y": y})
+        assert "vertex" in one.wait("return document.querySelector('#pointer').textContent")
