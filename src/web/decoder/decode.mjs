@@ -7,7 +7,7 @@ import { decodeCopies } from "./copies.mjs";
 import { digested, digestOf } from "./digest.mjs";
 import { FormatError } from "./errors.mjs";
 import { checkScale, decodeGeometry, reconstructed } from "./geometry.mjs";
-import { inverse } from "./integers.mjs";
+import { inverse, largest } from "./integers.mjs";
 import { announced, checkLimits, MAX_VERTICES, MEMORY } from "./limits.mjs";
 import { decodeOrder, permutedCorners } from "./order.mjs";
 import { decodeParts } from "./parts.mjs";
@@ -125,11 +125,9 @@ function meshOf(container, content, points) {
 
 /** Return the first vertex at each point that is an anchor. */
 function anchorsOf(anchors, pointOf) {
-  const first = new Map();
-  pointOf.forEach((point, v) => {
-    if (!first.has(point)) first.set(point, v);
-  });
-  return anchors.map((point) => first.get(point));
+  const first = new Int32Array(largest(pointOf) + 1);
+  for (let v = pointOf.length - 1; v >= 0; v--) first[pointOf[v]] = v;
+  return anchors.map((point) => first[point]);
 }
 
 /** Bring a mesh into the order of its source. */

@@ -204,7 +204,7 @@ function solved(core, parameters, integers, surface, ratios) {
     for (const end = i + 3; i < end; i++) delta[i] *= unit;
   }
   const solver = solverOf(core, surface.graph, surface.labels, anchors, interpolated);
-  const steps = Float64Array.from({ length: surface.count }, (_, v) => step * ratios[v]);
+  const steps = ratios.slice(0, surface.count).map((ratio) => step * ratio);
   const solve = (stage, isLast, start) => {
     const lost = interpolated ? lostOf(parameters, integers, solver.cells, ratios, stage) : null;
     return solver.solve(delta, fixed, { steps, lost, start, isLast });
