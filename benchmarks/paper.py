@@ -33,7 +33,7 @@ _MODULES = (
 TABLES: Mapping[str, Table] = {one.name: one for module in _MODULES for one in module.TABLES}
 
 PAGE = Path(__file__).parents[1] / "docs" / "paper.md"
-_PLACE = r"^<!-- table: {} -->\n((?:\|.*\n)*)"
+_PLACE = r"^<!-- table: {} -->\n\n((?:\|.*\n)*)"
 
 _EXAMPLES = """\
 python benchmarks/paper.py
@@ -76,7 +76,7 @@ def shown(page: str, name: str) -> str:
 def replaced(page: str, name: str, text: str) -> str:
     """Return a page with another table of that name."""
     return re.sub(
-        _PLACE.format(name), f"<!-- table: {name} -->\n{text}\n", page, flags=re.MULTILINE
+        _PLACE.format(name), f"<!-- table: {name} -->\n\n{text}\n", page, flags=re.MULTILINE
     )
 
 

@@ -47,7 +47,7 @@ def _recovery(m: Model) -> Iterator[Row]:
     last = len(labels) - 1 - np.unique(labels[::-1], return_index=True)[1]
     for name, anchors in (("first", first), ("last", last)):
         x = dc.LeastSquares(m.L, anchors).solve(m.delta, m.V[anchors])
-        yield name, small(m.errors(x).max)
+        yield f"{len(labels):,}", name, small(m.errors(x).max)
 
 
 def _predictions(m: Model) -> Iterator[Row]:
@@ -103,7 +103,7 @@ TABLES = (
     ),
     Table(
         "recovery",
-        ("mesh", "anchors of the components", "largest error"),
+        ("mesh", "vertices", "anchors of the components", "largest error"),
         _recovery,
         ("ball", "two balls", "torus"),
         ("horse",),

@@ -142,7 +142,7 @@ def _selection(m: Model) -> Iterator[Row]:
     k = round(len(m.V) / SPACING)
     for name, (_, x) in selected(m, k).items():
         found = m.errors(x)
-        yield f"{k:,}", name, small(found.rms), small(found.max)
+        yield f"{len(m.V):,}", f"{k:,}", name, small(found.rms), small(found.max)
 
 
 def _detail(m: Model) -> Iterator[Row]:
@@ -193,7 +193,7 @@ TABLES = (
     ),
     Table(
         "selection",
-        ("mesh", "anchors", "chosen", "RMS", "max"),
+        ("mesh", "vertices", "anchors", "chosen", "RMS", "max"),
         _selection,
         ("torus",),
         ("screwdriver x 4",),
