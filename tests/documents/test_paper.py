@@ -10,6 +10,7 @@ import re
 import shlex
 import sys
 from itertools import zip_longest
+from pathlib import Path
 
 import pytest
 from places import BENCHMARKS, ROOT
@@ -124,11 +125,7 @@ def test_sections_have_tables_figures_and_commands_that_are_there() -> None:
         if program == "deltamesh":
             command = cli.get_command(None, name)
         else:
-            (command,) = (
-                module.command
-                for module in (paper, renderings)
-                if name.endswith(f"{module.__name__}.py")
-            )
+            command = importlib.import_module(Path(name).stem).command
         command.make_context(name, arguments)
 
 
