@@ -119,6 +119,10 @@ def test_sections_have_tables_figures_and_commands_that_are_there() -> None:
     assert {*renderings.PAPER} <= {*files}
     for file in files:
         assert (ROOT / "docs" / "figures" / f"{file}.png").is_file()
+    for file in renderings.PAPER:
+        assert (ROOT / "docs" / "figures" / f"{file}.png").stat().st_size < 60_000
+    for link in re.findall(r"\]\(([^)#]+)[^)]*\)", PAGE):
+        assert (ROOT / "docs" / link).exists(), link
     lines = "\n".join(re.findall(r"^```sh\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE))
     for line in filter(None, lines.splitlines()):
         program, name, *arguments = shlex.split(line)
