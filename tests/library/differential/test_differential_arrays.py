@@ -38,6 +38,9 @@ def test_the_laplacian_is_that_of_the_edges() -> None:
     ]
     assert L.diagonal().tolist() == [2, 3, 2, 2, 3, 2, 0]
     assert components(L).tolist() == [0] * 6 + [1]
+    mixed = laplacian([[0, 1, 4, 3], [1, 2, 5], [1, 5, 4]], 7)
+    assert abs(mixed - laplacian([[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]], 7)).sum() == 4
+    assert laplacian([], 2).nnz == 0
     V, F = meshes.icosphere(1)
     np.testing.assert_array_equal(
         laplacian(F.tolist(), len(V)).toarray(), oracle.laplacian(F, len(V))
@@ -69,9 +72,12 @@ def test_other_matrices_are_refused(fault: str) -> None:
 
 
 def test_faces_are_checked() -> None:
-    with pytest.raises(ValueError, match="outside of 0 to 2"):
-        laplacian([[0, 1, 3]], 3)
-    with pytest.raises(ValueError, match=r"shape \(2,\)"):
+    for faces in ([[0, 1, 3]], np.array([[0, -1, 2]])):
+        with pytest.raises(ValueError, match="outside of 0 to 2"):
+            laplacian(faces, 3)
+    with pytest.raises(ValueError, match="face 1 has no three corners"):
+        laplacian([[0, 1, 2], [0, 1]], 3)
+    with pytest.raises(ValueError, match="face 0 has no three corners"):
         laplacian([0, 1], 3)
 
 
