@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Collection
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from deltamesh._progress import Progress
 from deltamesh_cli import files, options
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     from deltamesh._measures.report import Report
     from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
-
-# Mean deviation of the face normals, in degrees, from which on nothing of a shape is left.
-COLLAPSED: Final = 45.0
 
 
 @dataclass(frozen=True)
@@ -111,16 +108,6 @@ def note_faces(name: str, report: Report | None, *, quiet: bool) -> None:
     told = [f"that {fate}: {len(of)}, the first in face {of[0]}" for of, fate in fates if len(of)]
     if told:
         message(f"note: {display_name(name)}: triangles {', '.join(told)}")
-
-
-def note_collapse(name: str, container: Container, *, quiet: bool) -> None:
-    """Note on standard error that connectivity and anchors alone do not make the shape."""
-    parameters, meta = container.parameters, container.meta
-    has_deltas = parameters.step or not parameters.anchor_count
-    if quiet or has_deltas or meta is None or meta.normal < COLLAPSED:
-        return
-    few = f"{parameters.anchor_count} anchors are too few for the shape without deltas"
-    message(f"note: {display_name(name)}: {few}: --anchors takes more of them")
 
 
 def memory_notes(name: str, container: Container) -> list[str]:

@@ -50,18 +50,6 @@ def test_a_table_of_every_method_with_every_rate(folder, capsys):
     assert sorted(path.name for path in folder.iterdir()) == ["torus.dmesh", "torus.ply", "x.dmesh"]
 
 
-def test_anchors_may_be_lists(folder, capsys):
-    lists = "--anchors 0.01,9 --anchor-method greedy --anchor-method farthest,random"
-    assert cli(f"bench torus.ply --csv --method highpass --bits 0,4 {lists}") == 0
-    rows = list(csv.DictReader(capsys.readouterr().out.splitlines()))
-    assert [row["codec"] for row in rows] == [
-        " ".join(("highpass", f"bits={bits}", f"anchors={k}", *chosen))
-        for k in ("0.01", "9")
-        for chosen in (["anchor_method=greedy"], [], ["anchor_method=random"])
-        for bits in (0, 4)
-    ]
-
-
 def test_every_option_of_encoding_is_an_option_here():
     names = {one.name for one in command.params}
     # Meshes are measured without attributes.

@@ -57,22 +57,6 @@ def test_the_options_reach_the_file(folder: Path, capsys: pytest.CaptureFixture[
     assert made["bytes"] == made["header"]["bytes"] + sum(s["bytes"] for s in made["sections"])
 
 
-def test_too_few_anchors_without_deltas_are_noted(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def noted(options: str) -> list[str]:
-        assert cli(f"encode -f torus.ply {options}") == 0
-        lines = capsys.readouterr().err.splitlines()
-        return [line for line in lines if "too few" in line]
-
-    few = "note: torus.ply: 5 anchors are too few for the shape without deltas: --anchors takes"
-    assert noted("--method highpass --bits 0 --anchors 5") == [f"{few} more of them"]
-    assert noted("--method highpass --bits 0 --anchors 26") == []
-    assert noted("--method highpass --bits 3 --anchors 1") == []
-    assert noted("--method highpass --bits 0 --anchors 5 --quiet") == []
-    assert noted("--lossless") == []
-
-
 def test_cartesian(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli("encode torus.ply a.dmesh --method cartesian -b 12") == 0
     assert cli("info a.dmesh") == 0

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
     from deltamesh.bench import Measurement, Row
 
 # The encode options that may be lists here, and those that have another meaning here or none.
-_SWEPT: Final = ("method", "anchors", "anchor_method")
-_LISTS: Final = (*_SWEPT, *RATES, *BOUNDS)
+_LISTS: Final = ("method", *RATES, *BOUNDS)
 _NOT_SHARED: Final = ("solver", "threads", "source_format", "drop_isolated", *ATTRIBUTE_BOUNDS)
 
 _COLUMNS: Final = """\
@@ -42,7 +41,6 @@ Columns:
 _EXAMPLES: Final = """\
 deltamesh bench bunny.ply
 deltamesh bench bunny.ply --method highpass,cartesian --step 0.001,0.002
-deltamesh bench bunny.ply --bits 0 --method highpass --anchors 0.01,0.1
 deltamesh bench scans -r --normal-error 1 --peers draco,meshopt,zstd
 deltamesh bench scans -r --csv > all.csv
 deltamesh bench scans -r --save rates.csv
@@ -155,10 +153,9 @@ def command(
 
     Each mesh is encoded, decoded and compared, all in memory. A FILE is {formats}, and may be
     compressed, as scan.ply.zst; a FOLDER stands for the mesh files in it. The options that say how
-    to encode are those of deltamesh encode. The method, the number and the choice of anchors, the
-    rates and the bounds may be lists or be repeated: every method is measured with all anchors, and
-    each of these with every rate and bound. A file that fails is reported, and the others are
-    measured.
+    to encode are those of deltamesh encode. The method, the rates and the bounds may be lists or be
+    repeated, and every method is measured with every rate and bound. A file that fails is reported,
+    and the others are measured.
 
     --save stores the measurements as rows of a table, and --check compares new measurements with
     such a table. The exit code is 4 if sizes or errors have grown by more than the tolerances, if a
@@ -228,11 +225,11 @@ def command(
 
 
 def _labels(parameters: dict[str, Any]) -> list[str]:
-    """Return the label of each method with each number and choice of anchors and each rate."""
+    """Return the label of each method with each rate."""
     from deltamesh.bench import label
 
     lists = {name: _flat(parameters.pop(name, ())) for name in _LISTS}
-    swept = [[{name: value} for value in lists.pop(name)] or [{}] for name in _SWEPT]
+    methods = [{"method": method} for method in lists.pop("method")] or [{}]
     rates = [{name: value} for name, values in lists.items() for value in values] or [{}]
     common = options.specified(parameters)
     try:
@@ -240,8 +237,7 @@ def _labels(parameters: dict[str, Any]) -> list[str]:
             settle_shares(rate)
             refuse_units(rate)
         return [
-            label(Options(**common, **{name: one[name] for one in each for name in one}))
-            for each in product(*swept, rates)
+            label(Options(**method, **rate, **common)) for method, rate in product(methods, rates)
         ]
     except OptionError as error:
         raise click.UsageError(f"{error}.") from error
