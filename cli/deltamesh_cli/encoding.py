@@ -98,7 +98,10 @@ def encode_file(
 
 def _encode(mesh: PolyMesh, progress: Progress, parameters: dict[str, Any]) -> Encoded:
     from deltamesh._codec import encode_checked
+    from deltamesh._machine import return_freed_memory
     from deltamesh._options import Options
+
+    return_freed_memory()
 
     given = options.specified(parameters)
     drop = tuple(given.pop("drop", ()))
