@@ -82,6 +82,9 @@ def encode_file(
     Failure
         If the input cannot be read or encoded, or the output cannot be written.
     """
+    from deltamesh._machine import return_freed_memory
+
+    return_freed_memory()
     raw = files.read_raw(source)
     original = files.unwrapped_input(source, raw)
     mesh = parse_mesh(source, original, input_format, progress)
@@ -98,10 +101,7 @@ def encode_file(
 
 def _encode(mesh: PolyMesh, progress: Progress, parameters: dict[str, Any]) -> Encoded:
     from deltamesh._codec import encode_checked
-    from deltamesh._machine import return_freed_memory
     from deltamesh._options import Options
-
-    return_freed_memory()
 
     given = options.specified(parameters)
     drop = tuple(given.pop("drop", ()))
