@@ -414,6 +414,15 @@ DM_API int dm_turned_deltas(const int32_t *indptr, int64_t n, const int32_t *ind
                             int64_t entries, const double *points, const double *turns,
                             double *out);
 
+/* parallelograms.c */
+DM_API int dm_count_parallelograms(const int64_t *faces, int64_t m, int64_t n,
+                                   const int64_t *opposite, const int64_t *quads,
+                                   int64_t quad_count, int32_t *first, int32_t *within);
+DM_API int dm_list_parallelograms(const int64_t *faces, int64_t m, int64_t n,
+                                  const int64_t *opposite, const int64_t *quads,
+                                  int64_t quad_count, const int32_t *first, int64_t count,
+                                  int32_t *corners, int32_t *place);
+
 /* outlines.c */
 DM_API int dm_walk_outlines(const int64_t *merged, int64_t faces, int64_t *corners,
                             int64_t corner_count, int64_t *offsets, int64_t polygons,

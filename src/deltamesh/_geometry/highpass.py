@@ -175,6 +175,8 @@ def _choose(
         k = choice.count_anchors(settings.anchors, surface.vertex_count, components)
     except ValueError as error:
         raise OptionError(str(error)) from None
+    if settings.anchor_method == "farthest":
+        return systems.farthest(k)
     if settings.anchor_method != "greedy":
         return _computed(surface, settings.anchor_method, k, settings.seed)
     delta, fixed = deltas(parameters, integers), grid_points(vertices, parameters, integers)
