@@ -32,19 +32,21 @@ def diffuse(
     normals: Floats,
     steps: Floats,
     zone: float,
+    pull: float,
+    weight: float,
     tangential: float,
     normal: float,
     out: Ints,
 ) -> None:
     """Round delta / step into `out` (n, 3), or its component along `normals` into `out` (n, 1).
 
-    Each vertex has its own of the `steps` (n,). Numbers within 0.5 + `zone` steps of 0 become 0.
-    The error is passed on, in equal parts, to the neighbours that are still to come, into `delta`
+    Each vertex has its own of the `steps` (n,). See `quantize.Rounding` for the other numbers. The
+    error is passed on, in equal parts, to the neighbours that are still to come, into `delta`
     (n, 3), which is used up: the share `normal` of its component along the normal, the share
     `tangential` of the rest.
     """
     n, entries, columns = len(out), len(indices), out.shape[1]
     graph = ints(indptr, n + 1), n, ints(indices, entries), entries
     vectors = floats_out(delta, n, 3), floats(normals, n, 3), floats(steps, n)
-    shares = float(zone), float(tangential), float(normal)
-    call("dm_diffuse", *graph, *vectors, *shares, columns, ints_out(out, n, columns))
+    rule = float(zone), float(pull), float(weight), float(tangential), float(normal)
+    call("dm_diffuse", *graph, *vectors, *rule, columns, ints_out(out, n, columns))
