@@ -34,15 +34,15 @@ from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.layout import NORMALS
 from deltamesh_formats.container.reader import payload_of
 
-# Rounding of the coarse deltas, and of the refinements. Sizes at equal normals of 0.25 to 4 degrees,
-# and at both angles of Draco's files of 10 to 12 bits, means over six meshes: the nearest integers,
-# with a dead zone of 0.05 alone, are 8 % larger. An error of the coarse stage along the normal costs
-# bits in the fine one, and bends what that goes along: weights of 1, 1.8, 2.5 and 8 cost 4, 1.5, 0.5
-# and 3 % more than 3.2. Pulls of 0.15 and 0.5 in the coarse stage cost 1 %, as one of 0.1 in the
-# fine stage does.
+# Rounding of the coarse deltas, and of the refinements. Sizes at equal normals of 1 and 4 degrees,
+# and at both angles of Draco's files of 10 and 12 bits, are means over six meshes: nearest
+# integers, with a dead zone of 0.05 alone, make them 8 % larger. An error of the coarse stage along
+# the normal costs bits in the fine one, and bends what that goes along: weights of 1, 1.8, 2.5 and
+# 8 cost 4, 1.5, 0.5 and 3 % more than 3.2. Pulls of 0.15 and 0.5 in the coarse stage cost 1 %, and
+# so does one of 0.1 in the fine stage.
 # The coarse stage hands on a part of what the fine one corrects: 0.2 costs 4 % at coarse steps, 1
-# bends surfaces. The fine stage hands on what it cannot correct, for a neighbour whose normal points
-# elsewhere; all of it would pile up where none does, and costs 3 %.
+# bends surfaces. The fine stage hands on what it cannot correct, for a neighbour whose normal
+# points elsewhere; all of it would pile up where none does, and costs 3 %.
 COARSE = Rounding(zone=0.05, pull=0.25, weight=3.2, tangential=1.0, normal=0.65)
 FINE = Rounding(pull=0.2, tangential=0.9, normal=0.8)
 # The tolerance of normals that only steer what is rounded, in steps.
