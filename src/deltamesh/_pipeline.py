@@ -178,7 +178,31 @@ def decode_mesh(
     progress: Progress = silent,
 ) -> PolyMesh:
     """Decompress a container; see `deltamesh.decode`."""
-    content = proven_content(container, max_vertices, memory, progress)
+    # The content is handed over, too: nothing here keeps what is no longer needed.
+    return positioned(
+        container,
+        proven_content(container, max_vertices, memory, progress),
+        solver,
+        threads,
+        memory,
+        progress,
+    )
+
+
+def positioned(
+    container: Container,
+    content: Content,
+    solver: str,
+    threads: int | None,
+    memory: int,
+    progress: Progress,
+) -> PolyMesh:
+    """Return the mesh of a content, once its positions are solved for.
+
+    Raises
+    ------
+    LimitError, SolveError
+    """
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
     to_solve = memory_to_solve(container, memory)
@@ -186,7 +210,10 @@ def decode_mesh(
     if ATTRIBUTES in container.sections:
         systems = systems.to_precision(FINER)
     coder = geometry_codec(parameters.method)
-    points = coder.reconstruct(surface, parameters, content.integers, systems)
+    # Nobody else keeps the integers: what is no longer needed of them is freed on the way.
+    handed_over = [content.integers]
+    content = replace(content, integers=NOTHING.integers)
+    points = coder.reconstruct(surface, parameters, handed_over.pop(), systems)
     margin = 0.0 if container.meta is None else container.meta.room
     return content.mesh(points, parameters.single, margin)
 
@@ -200,18 +227,20 @@ def proven_content(
     ------
     FormatError, LimitError
     """
+    if not container.is_whole:
+        raise FormatError(f"truncated: section {CHECK} is missing", container.size)
     content = read_content(container, max_vertices, memory, progress)
     if content.digest() != container.digest:
         offset = container.sections[CHECK].offset
         raise FormatError("the checksum of the decoded integers is wrong", offset)
-    _check_scale(container, content.integers)
+    check_scale(container, content.integers)
     return content
 
 
 def read_content(
     container: Container, max_vertices: int, memory: int, progress: Progress = silent
 ) -> Content:
-    """Return the content of a file; its digest is not checked yet.
+    """Return the content of a file, or of a prefix; its digest is not checked yet.
 
     Raises
     ------
@@ -226,7 +255,7 @@ def read_content(
     return content
 
 
-def _check_scale(container: Container, integers: Integers) -> None:
+def check_scale(container: Container, integers: Integers) -> None:
     """Refuse steps and origins that no mesh has."""
     if not has_scale(container.parameters, integers):
         raise FormatError("positions that are too large", container.sections[PARAMETERS].offset)
