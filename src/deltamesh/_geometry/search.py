@@ -36,8 +36,8 @@ from deltamesh_formats.errors import MeshError, TargetError
 # How coarse the deltas may be, by effort, the likeliest first.
 COARSE: Final = {1: (4.5,), 2: (4.5, 3.0, 7.0, 12.0), 3: (4.5, 3.0, 7.0, 12.0, 2.0)}
 # Of effort 2, those that may pay: finer deltas where they take few bytes beside the refinements,
-# coarser ones, rarely, where they take many, and far coarser ones where they take next to none: both
-# are tried where a trial takes no second.
+# coarser ones, rarely, where they take many, and far coarser ones where they take next to none.
+# Coarser ones are tried where a trial takes no second.
 FEW, MANY, NONE = 1.2, 2.9, 0.9
 CHEAP: Final = 60_000
 # Where a distance, not an angle, would bound the step, twice the anchors divide distances by that,
