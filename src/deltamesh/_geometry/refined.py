@@ -29,7 +29,7 @@ from deltamesh._kernels.mesh import laplacian
 from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
 from deltamesh._streams.entropy import decode_with, encode_with
-from deltamesh_formats.array_types import Floats
+from deltamesh_formats.array_types import Floats, Shorts
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.layout import NORMALS
 from deltamesh_formats.container.reader import payload_of
@@ -40,16 +40,16 @@ from deltamesh_formats.container.reader import payload_of
 # the normal costs bits in the fine one, and bends what that goes along: weights of 1, 1.8, 2.5 and
 # 8 cost 4, 1.5, 0.5 and 3 % more than 3.2. Pulls of 0.15 and 0.5 in the coarse stage cost 1 %, and
 # so does one of 0.1 in the fine stage.
-# The coarse stage hands on a part of what the fine one corrects: 0.2 costs 4 % at coarse steps, 1
-# bends surfaces. The fine stage hands on what it cannot correct, for a neighbour whose normal
-# points elsewhere; all of it would pile up where none does, and costs 3 %.
-COARSE = Rounding(zone=0.05, pull=0.25, weight=3.2, tangential=1.0, normal=0.65)
-# Deltas so coarse that nearly all are 0 leave the shape to the refinements. On a sphere of exact
-# vertices, what is handed on across the surface, and weight, would be noise among equal numbers:
-# without them it is a quarter smaller.
-FLAT = 10.0
-COARSEST = Rounding(zone=0.05, pull=0.25, weight=1.8, tangential=1.0, normal=0.1)
+# The coarse stage hands on a part of what the fine one corrects: where most numbers are 0, handing
+# on none costs 10 to 20 %, since the surface would bend until normals mislead; where they are large
+# it is the best, and 0.65 costs 1 to 2 %. So the share is `normal` over 1 + m, where m is the mean
+# magnitude of the numbers. The fine stage hands on what it cannot correct, for a neighbour whose
+# normal points elsewhere; all of it would pile up where none does, and costs 3 %.
+COARSE = Rounding(zone=0.05, pull=0.25, weight=3.2, tangential=1.0, normal=0.9)
 FINE = Rounding(pull=0.2, tangential=0.9, normal=0.8)
+# Both are less where what deltas have across the surface varies from neighbour to neighbour by less
+# than that share: of equal numbers they make noise, and a sphere a quarter larger.
+VARIED = 0.1
 # The tolerance of normals that only steer what is rounded, in steps.
 ROUGHLY = 0.03
 
@@ -69,11 +69,12 @@ def quantize(
     integers = replace(integers, exponents=steps.exponents_of(settings, surface, step))
     each = step * steps.ratios(integers)
     N = vertex_normals(vertices, surface.faces, each)
+    coarse_step = settings.coarse * each
     roundings = [
         one if settings.diffusion else replace(one, tangential=0.0, normal=0.0)
-        for one in (COARSE if settings.coarse < FLAT else COARSEST, FINE)
+        for one in (_coarse_rounding(delta, graph, coarse_step, N), FINE)
     ]
-    values = quantize_delta(delta, graph, settings.coarse * each, roundings[0], normals=N)
+    values = quantize_delta(delta, graph, coarse_step, roundings[0], normals=N)
     integers = replace(integers, values=values)
     parameters, integers = highpass.anchored(
         surface, vertices, isolated, integers, step, settings, systems
@@ -95,6 +96,21 @@ def quantize(
     coarse += (each * fine) * N
     W = solved(coarse, parameters, integers, systems, start=W)
     return highpass.corrected(W, vertices, parameters, integers, settings)
+
+
+def _coarse_rounding(
+    delta: Floats, graph: tuple[Shorts, Shorts], step: Floats, normals: Floats
+) -> Rounding:
+    """Return the rounding of deltas, float64 (n, 3), by steps (n, 1)."""
+    if not len(delta):
+        return COARSE
+    across = (delta * normals).sum(axis=1, keepdims=True)
+    change = laplacian.apply(*graph, across) / np.diff(graph[0])[:, None]
+    size = float(np.abs(across).mean())
+    share = min(float(np.abs(change).mean()) / (VARIED * size), 1.0) if size else 1.0
+    weight = 1 + share * (COARSE.weight - 1)
+    normal = share * COARSE.normal / (1 + float(np.abs(delta / step).mean()))
+    return replace(COARSE, weight=weight, normal=normal)
 
 
 def reconstruct(

@@ -23,7 +23,6 @@ from deltamesh._geometry.part_search import (
     steps_near,
     with_fewer_levels,
 )
-from deltamesh._geometry.refined import FLAT
 from deltamesh._geometry.step_search import fit_step
 from deltamesh._geometry.trial import Attempt, ScaleError, Trial
 from deltamesh._measures.measure import Measured
@@ -34,11 +33,11 @@ from deltamesh_formats.container.layout import DELTAS, NORMALS
 from deltamesh_formats.errors import MeshError, TargetError
 
 # How coarse the deltas may be, by effort, the likeliest first.
-COARSE: Final = {1: (4.5,), 2: (4.5, 3.0, 7.0, 12.0), 3: (4.5, 3.0, 7.0, 12.0, 2.0)}
-# Of effort 2, those that may pay: finer deltas where they take few bytes beside the refinements,
-# coarser ones, rarely, where they take many, and far coarser ones where they take next to none.
-# Coarser ones are tried where a trial takes no second.
-FEW, MANY, NONE = 1.2, 2.9, 0.9
+COARSE: Final = {1: (4.5,), 2: (4.5, 3.0, 7.0), 3: (4.5, 3.0, 7.0, 2.0)}
+# Of effort 2, one other: finer deltas pay where they take few bytes beside the refinements, and
+# coarser ones, rarely, where they take many or next to none: that is tried where a trial takes no
+# second.
+FEW, MANY, NONE = 1.2, 2.9, 0.5
 CHEAP: Final = 60_000
 # Where a distance, not an angle, would bound the step, twice the anchors divide distances by that,
 # for 0.08 bits a vertex and more; but not more of them than that share of the vertices.
@@ -232,8 +231,8 @@ def _may_pay(settings: Settings, best: Trial, effort: int) -> bool:
     deltas, normals = (len(best.payloads.get(name, b"")) for name in (DELTAS, NORMALS))
     if settings.coarse < best.settings.coarse:
         return deltas < FEW * normals
-    is_likely = deltas < NONE * normals if settings.coarse >= FLAT else deltas > MANY * normals
-    return is_likely and len(best.vertices) <= CHEAP
+    is_extreme = deltas > MANY * normals or deltas < NONE * normals
+    return is_extreme and len(best.vertices) <= CHEAP
 
 
 def _anchored(
