@@ -110,7 +110,8 @@ DM_API int dm_code_refinements(dm_coder *c, const int32_t *indptr, int64_t n,
                                int64_t *values);
 DM_API int dm_diffuse(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                       double *delta, const double *normals, const double *steps, double zone,
-                      double tangential, double normal, int64_t columns, int64_t *out);
+                      double pull, double weight, double tangential, double normal,
+                      int64_t columns, int64_t *out);
 
 /* points.c */
 DM_API int dm_code_gaps(dm_coder *c, int64_t *indices, int64_t count, int64_t n);

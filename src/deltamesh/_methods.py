@@ -79,7 +79,7 @@ REFINED: Final = Method(
     memory=None,
     options=(*RATES, *BOUNDS, *ANCHORING, "coarse"),
     solution=layout.INTERPOLATED,
-    first_step=0.117,
+    first_step=0.11,
 )
 HIGHPASS: Final = Method(
     layout.METHODS["highpass"],
