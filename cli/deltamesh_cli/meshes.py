@@ -149,7 +149,9 @@ def decode_container(
     """
     with attempt(name, "cannot decode"):
         import deltamesh
+        from deltamesh._machine import return_freed_memory
 
+        return_freed_memory()
         keywords = options.specified(parameters) | {"progress": progress}
         mesh: PolyMesh
         if partial:

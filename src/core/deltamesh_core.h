@@ -110,7 +110,8 @@ DM_API int dm_code_refinements(dm_coder *c, const int32_t *indptr, int64_t n,
                                int64_t *values);
 DM_API int dm_diffuse(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                       double *delta, const double *normals, const double *steps, double zone,
-                      double tangential, double normal, int64_t columns, int64_t *out);
+                      double pull, double weight, double tangential, double normal,
+                      int64_t columns, int64_t *out);
 
 /* points.c */
 DM_API int dm_code_gaps(dm_coder *c, int64_t *indices, int64_t count, int64_t n);
@@ -413,6 +414,15 @@ DM_API int dm_nearest_rotations(const double *matrices, int64_t n, double *turns
 DM_API int dm_turned_deltas(const int32_t *indptr, int64_t n, const int32_t *indices,
                             int64_t entries, const double *points, const double *turns,
                             double *out);
+
+/* parallelograms.c */
+DM_API int dm_count_parallelograms(const int64_t *faces, int64_t m, int64_t n,
+                                   const int64_t *opposite, const int64_t *quads,
+                                   int64_t quad_count, int32_t *first, int32_t *within);
+DM_API int dm_list_parallelograms(const int64_t *faces, int64_t m, int64_t n,
+                                  const int64_t *opposite, const int64_t *quads,
+                                  int64_t quad_count, const int32_t *first, int64_t count,
+                                  int32_t *corners, int32_t *place);
 
 /* outlines.c */
 DM_API int dm_walk_outlines(const int64_t *merged, int64_t faces, int64_t *corners,

@@ -26,7 +26,7 @@ DEFAULT_MAX_VERTICES = 1 << 32
 DEFAULT_MEMORY = DEFAULT_LIMIT
 
 # Bytes beside those of the method, measured as these are: half-edges and fronts.
-PER_FACE = 320
+PER_FACE = 120
 PER_TEXT_BYTE = 24
 PER_TRANSFORM = 400
 PER_GLUED_FACE = 240  # more, where polygons are made of triangles

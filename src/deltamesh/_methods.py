@@ -39,7 +39,7 @@ class Memory:
 
 # Of interpolated anchors, multigrid and the two surfaces of the refined method; of least squares,
 # factorization and its solves.
-INTERPOLATED: Final = Memory(192 << 20, 400)
+INTERPOLATED: Final = Memory(64 << 20, 400)
 LEAST_SQUARES: Final = Memory(256 << 20, 4000)
 
 
@@ -79,7 +79,7 @@ REFINED: Final = Method(
     memory=None,
     options=(*RATES, *BOUNDS, *ANCHORING, "coarse"),
     solution=layout.INTERPOLATED,
-    first_step=0.117,
+    first_step=0.11,
 )
 HIGHPASS: Final = Method(
     layout.METHODS["highpass"],
@@ -90,13 +90,13 @@ HIGHPASS: Final = Method(
 )
 CARTESIAN: Final = Method(
     layout.METHODS["cartesian"],
-    memory=Memory(192 << 20, 400),
+    memory=Memory(64 << 20, 300),
     options=(*RATES, *BOUNDS),
     first_step=0.03,
 )
 LOSSLESS: Final = Method(
     layout.METHODS["lossless"],
-    memory=Memory(256 << 20, 600),
+    memory=Memory(64 << 20, 400),
 )
 
 # In the order in which they are offered.

@@ -16,7 +16,7 @@ from deltamesh_formats.errors import OptionError
 CHOICES = (AUTO, *METHODS)
 ANCHOR_METHODS = tuple(sorted(filter(None, layout.ANCHOR_METHODS)))
 # The step of the deltas that get refined along the normals, in steps of these refinements.
-DEFAULT_COARSE = 5.0
+DEFAULT_COARSE = 4.5
 SOLUTIONS = (INTERPOLATED, LEAST_SQUARES) = (layout.INTERPOLATED, layout.LEAST_SQUARES)
 MAX_COARSE = 64.0
 SOLVERS = ("auto", "core", "rslab", "pardiso", "scipy")

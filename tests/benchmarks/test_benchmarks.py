@@ -39,6 +39,7 @@ SCRIPTS = (
     "memory",
     "make_folder",
     "batch",
+    "paper",
     "renderings",
     "bounds",
     "parts",

@@ -103,6 +103,7 @@ TWINS: Mapping[str, tuple[str, ...] | str] = {
     "mesh.neighbours": ("oracle.neighbours", "oracle.component_labels"),
     "mesh.normals": ("oracle.normals",),
     "mesh.outlines": ("polygon_oracle.outlines",),
+    "mesh.parallelograms": ("oracle.parallelograms",),
     "mesh.rotations": (
         "rotations_oracle.fit",
         "rotations_oracle.nearest",

@@ -24,7 +24,7 @@ from deltamesh._geometry.positions import (
     placed,
     solved,
 )
-from deltamesh._geometry.quantize import delta_step, quantize_delta, to_delta, to_grid
+from deltamesh._geometry.quantize import Rounding, delta_step, quantize_delta, to_delta, to_grid
 from deltamesh._geometry.systems import Systems
 from deltamesh._graph.adjacency import Graph
 from deltamesh._kernels.coding import points
@@ -62,8 +62,11 @@ def quantize(
     values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
     integers = Integers(values, exponents=steps.exponents_of(settings, surface, step))
     if step:
-        share, each = float(settings.diffusion), step * steps.ratios(integers)
-        values = quantize_delta(delta, surface.graph, each, (share, share))
+        rounding, each = (
+            Rounding(tangential=float(settings.diffusion)),
+            step * steps.ratios(integers),
+        )
+        values = quantize_delta(delta, surface.graph, each, rounding)
         integers = replace(integers, values=values)
     parameters, integers = anchored(surface, vertices, isolated, integers, step, settings, systems)
     rounded, start = deltas(parameters, integers), vertices
@@ -175,6 +178,8 @@ def _choose(
         k = choice.count_anchors(settings.anchors, surface.vertex_count, components)
     except ValueError as error:
         raise OptionError(str(error)) from None
+    if settings.anchor_method == "farthest":
+        return systems.farthest(k)
     if settings.anchor_method != "greedy":
         return _computed(surface, settings.anchor_method, k, settings.seed)
     delta, fixed = deltas(parameters, integers), grid_points(vertices, parameters, integers)

@@ -33,7 +33,7 @@ from deltamesh_formats.container.layout import DELTAS, NORMALS
 from deltamesh_formats.errors import MeshError, TargetError
 
 # How coarse the deltas may be, by effort, the likeliest first.
-COARSE: Final = {1: (5.0,), 2: (5.0, 3.0, 8.0), 3: (5.0, 3.0, 8.0, 2.0)}
+COARSE: Final = {1: (4.5,), 2: (4.5, 3.0, 7.0), 3: (4.5, 3.0, 7.0, 2.0)}
 # Of effort 2, one other: finer deltas pay where they take few bytes beside the refinements, and
 # coarser ones, rarely, where they take many or next to none: that is tried where a trial takes no
 # second.

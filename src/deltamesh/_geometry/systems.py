@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import copy
 import math
+from functools import lru_cache
 
+from deltamesh._geometry import anchors as choice
 from deltamesh._geometry.cells import Cells
 from deltamesh._geometry.fit import Fit
 from deltamesh._geometry.interpolation import Interpolation
@@ -45,12 +47,17 @@ class Systems:
         cells = self._cells = remembered(lambda anchors: Cells(graph, labels, anchors))
         self._interpolation = remembered(lambda anchors: Interpolation(cells(anchors)))
         self._fit = remembered(lambda anchors: Fit(cells(anchors)))
+        self._farthest = lru_cache(maxsize=1)(lambda k: choice.farthest(*graph, labels, k))
 
     def to_precision(self, precision: float) -> Systems:
         """Return the same systems, with another factor of the tolerances."""
         other = copy.copy(self)
         other.precision = precision
         return other
+
+    def farthest(self, k: int) -> Ints:
+        """Return so many anchors by farthest-point sampling, int64 (k,); see `anchors.farthest`."""
+        return self._farthest(k)
 
     def least_squares(self, anchors: Ints) -> LeastSquares:
         """Return the system [L; S], factored."""

@@ -33,8 +33,8 @@ export const METHODS = [
     name: "cartesian",
     title: "Cartesian",
     geometry: ["CART"],
-    memory: 192 * 2 ** 20,
-    memoryPerVertex: 400,
+    memory: 2 ** 26,
+    memoryPerVertex: 300,
   },
   {
     name: "refined",
@@ -49,12 +49,12 @@ export const METHODS = [
     title: "lossless",
     geometry: ["EXAC"],
     exact: true,
-    memory: 2 ** 28,
-    memoryPerVertex: 600,
+    memory: 2 ** 26,
+    memoryPerVertex: 400,
   },
 ];
 // Memory of decoding, by what positions make of deltas and anchors.
-export const INTERPOLATED = { memory: 192 * 2 ** 20, memoryPerVertex: 400 };
+export const INTERPOLATED = { memory: 2 ** 26, memoryPerVertex: 400 };
 export const LEAST_SQUARES = { memory: 2 ** 28, memoryPerVertex: 4000 };
 export const KNOWN = new Set([
   "PARM",

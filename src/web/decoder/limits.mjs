@@ -7,7 +7,7 @@ import { posesOf } from "./poses.mjs";
 import { movedParts, textSize } from "./texts.mjs";
 
 // Bytes of memory that decoding takes at most, as the Python library estimates them.
-export const PER_FACE = 320;
+export const PER_FACE = 120;
 export const PER_TEXT_BYTE = 24;
 export const PER_TRANSFORM = 400;
 export const PER_GLUED_FACE = 240;
