@@ -44,8 +44,9 @@ from deltamesh_formats.polymesh.permutations import distinct
 # The grid of the anchors is that much finer than the step of the deltas: with diffusion, the
 # error of the surface between anchors is about a fifth of that step, and theirs should not show.
 ANCHOR_REFINEMENT = 8
-# ... and at least as fine as that fraction of the longest side, which alone counts for 0 bits.
-ANCHOR_GRID_BITS = 16
+# ... and at least as fine as that fraction of the longest side; or as another one of 0 bits, where
+# the surface errs by far more.
+ANCHOR_GRID_BITS, BARE_GRID_BITS = 16, 14
 
 
 def quantize(
@@ -65,11 +66,10 @@ def quantize(
         values = quantize_delta(delta, surface.graph, each, (share, share))
         integers = replace(integers, values=values)
     parameters, integers = anchored(surface, vertices, isolated, integers, step, settings, systems)
-    rounded, start = deltas(parameters, integers), vertices
-    if settings.interpolated:
-        parameters, integers, start = fitted(
-            delta - rounded, vertices, isolated, parameters, integers, systems
-        )
+    rounded = deltas(parameters, integers)
+    parameters, integers, start = fitted(
+        delta - rounded, vertices, isolated, parameters, integers, systems
+    )
     W = solved(rounded, parameters, integers, systems, start=start)
     return corrected(W, vertices, parameters, integers, settings)
 
@@ -155,9 +155,11 @@ def step_of(vertices: Floats, delta: Floats, settings: Settings) -> float:
 def _anchor_step(vertices: Floats, step: float) -> float:
     """Return the step of the grid of the anchors."""
     extent = float(sides(vertices).max())
+    if not step:
+        return extent / 2.0**BARE_GRID_BITS or 1.0
     coarsest = extent / 2.0**ANCHOR_GRID_BITS or 1.0
     finest = extent / 2.0 ** (layout.MAX_GRID_BITS - 1)
-    return max(min(coarsest, step / ANCHOR_REFINEMENT if step else coarsest), finest)
+    return max(min(coarsest, step / ANCHOR_REFINEMENT), finest)
 
 
 def _choose(
