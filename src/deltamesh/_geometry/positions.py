@@ -110,8 +110,11 @@ def placed(
         Of the anchors.
     vertices, isolated : float64 (n, 3), (i, 3)
     """
-    origin = np.concatenate([vertices, isolated, positions]).min(axis=0)
     grid, extra = parameters.anchor_step, steps.extra_bits(integers.exponents, len(vertices))
+    origin = np.concatenate([vertices, isolated]).min(axis=0)
+    # Anchors may be outside of the box. By whole steps, its corner is no result of a solver.
+    if len(positions):
+        origin = origin - grid * np.ceil(np.maximum(origin - positions.min(axis=0), 0.0) / grid)
     each = grid * steps.anchor_ratios(integers)
     anchors = to_grid(positions, origin, each, extra[integers.anchors, None])
     integers = replace(integers, positions=anchors, isolated=to_grid(isolated, origin, grid))

@@ -20,8 +20,8 @@ from deltamesh._geometry.cells import Cells
 from deltamesh._geometry.solve import LeastSquares
 from deltamesh_formats.array_types import Floats
 
-# The last step is one that takes less than that share of the squared error, or the sixteenth. Mostly
-# it is the third to the seventh; with more, RMS is 1 or 2 % less.
+# The last step is one that takes less than that share of the squared error, or the sixteenth; it is
+# the third to the seventh on most meshes. With more, RMS is 1 or 2 % less.
 SHARE: Final = 0.02
 STEPS: Final = 16
 # Below this, a product of the gradients is rounding.
