@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 from click.core import ParameterSource
 
-from deltamesh._methods import BOUNDS, RATES
+from deltamesh._methods import AUTO, BOUNDS, METHOD_OPTIONS, METHODS, RATES
 from deltamesh._options import ATTRIBUTE_BOUNDS, Options
 from deltamesh.bench import PEER_NAMES
 from deltamesh_cli import files, measuring, options, rate_tables
@@ -26,8 +26,11 @@ from deltamesh_formats.errors import OptionError
 if TYPE_CHECKING:
     from deltamesh.bench import Measurement, Row
 
-# The encode options that may be lists here, and those that have another meaning here or none.
-_LISTS: Final = ("method", *RATES, *BOUNDS)
+# The encode options that may be lists here: rates and bounds, one at a time, and the others, each
+# with each; and those that have another meaning here or none.
+_RATES: Final = (*RATES, *BOUNDS)
+_CROSSED: Final = ("method", "anchors", "anchor_method")
+_LISTS: Final = (*_CROSSED, *_RATES)
 _NOT_SHARED: Final = ("solver", "threads", "source_format", "drop_isolated", *ATTRIBUTE_BOUNDS)
 
 _COLUMNS: Final = """\
@@ -41,6 +44,7 @@ Columns:
 _EXAMPLES: Final = """\
 deltamesh bench bunny.ply
 deltamesh bench bunny.ply --method highpass,cartesian --step 0.001,0.002
+deltamesh bench bunny.ply --bits 0 --anchors 0.01,0.05 --anchor-method farthest,greedy
 deltamesh bench scans -r --normal-error 1 --peers draco,meshopt,zstd
 deltamesh bench scans -r --csv > all.csv
 deltamesh bench scans -r --save rates.csv
@@ -153,9 +157,10 @@ def command(
 
     Each mesh is encoded, decoded and compared, all in memory. A FILE is {formats}, and may be
     compressed, as scan.ply.zst; a FOLDER stands for the mesh files in it. The options that say how
-    to encode are those of deltamesh encode. The method, the rates and the bounds may be lists or be
-    repeated, and every method is measured with every rate and bound. A file that fails is reported,
-    and the others are measured.
+    to encode are those of deltamesh encode. The method, the anchors and their choice, the rates and
+    the bounds may be lists or be repeated; every method is measured with every number and choice of
+    anchors and with every rate and bound. A file that fails is reported, and the others are
+    measured.
 
     --save stores the measurements as rows of a table, and --check compares new measurements with
     such a table. The exit code is 4 if sizes or errors have grown by more than the tolerances, if a
@@ -225,22 +230,31 @@ def command(
 
 
 def _labels(parameters: dict[str, Any]) -> list[str]:
-    """Return the label of each method with each rate."""
+    """Return the label of each method with each choice of anchors and each rate."""
     from deltamesh.bench import label
 
     lists = {name: _flat(parameters.pop(name, ())) for name in _LISTS}
-    methods = [{"method": method} for method in lists.pop("method")] or [{}]
-    rates = [{name: value} for name, values in lists.items() for value in values] or [{}]
+    given = [[{name: value} for value in lists[name]] or [{}] for name in _CROSSED]
+    rates = [{name: value} for name in _RATES for value in lists[name]] or [{}]
     common = options.specified(parameters)
     try:
         for rate in rates:
             settle_shares(rate)
             refuse_units(rate)
-        return [
-            label(Options(**method, **rate, **common)) for method, rate in product(methods, rates)
+        labels = [
+            label(Options(**_meant({**method, **anchors, **choice}), **rate, **common))
+            for method, anchors, choice, rate in product(*given, rates)
         ]
+        return list(dict.fromkeys(labels))
     except OptionError as error:
         raise click.UsageError(f"{error}.") from error
+
+
+def _meant(crossed: dict[str, Any]) -> dict[str, Any]:
+    """Return what means something to the method: the Cartesian one, for one, has no anchors."""
+    method = crossed.get("method", AUTO)
+    known = METHOD_OPTIONS if method == AUTO else METHODS[method].options
+    return {name: value for name, value in crossed.items() if name in ("method", *known)}
 
 
 def _flat(lists: tuple[tuple[Any, ...], ...]) -> list[Any]:

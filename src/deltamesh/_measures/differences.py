@@ -36,6 +36,8 @@ class Differences:
     lost, turned : bool (m,)
         Which faces had an area of which less than a thousandth is left; which of the others had one
         and are turned over.
+    area : float
+        Of all faces, over what it was; 1 if there was none.
     """
 
     distance: Floats
@@ -43,6 +45,7 @@ class Differences:
     change: Floats
     lost: Bools
     turned: Bools
+    area: float
 
 
 @dataclass(frozen=True)
@@ -99,7 +102,9 @@ class Reference:
         angle, lost, turned = kernels.face_changes(self._normals_and_areas, after, LOST, TURNED)
         change = np.abs(kernels.dihedral_angles(W, after[0], *self.edges) - self._dihedral)
         np.minimum(change, 360 - change, out=change)
-        return Differences(kernels.distances(V, W, self.unit), angle, change, lost, turned)
+        before, now = float(self.areas.sum()), float(after[1].sum())
+        area = now / before if before else 1.0
+        return Differences(kernels.distances(V, W, self.unit), angle, change, lost, turned, area)
 
 
 def _interior_edges(F: Ints) -> tuple[Ints, Ints, Ints, Bools]:
