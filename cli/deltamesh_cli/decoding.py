@@ -53,6 +53,7 @@ def decode_to_file(
     progress: Progress,
     parameters: dict[str, Any],
     *,
+    partial: bool = False,
     force: bool,
 ) -> tuple[PolyMesh, tuple[str, ...]]:
     """Decode a `.dmesh` file and write its mesh.
@@ -69,6 +70,8 @@ def decode_to_file(
     parameters : dict
         Keywords of `deltamesh.decode`, None for those that the user did not give, and "digits",
         the decimal places of positions in a text.
+    partial : bool
+        Whether the file may be cut.
     force : bool
         Whether an existing mesh file is overwritten.
 
@@ -84,7 +87,7 @@ def decode_to_file(
         If the file cannot be decoded, or the mesh file cannot be written.
     """
     keywords = {name: value for name, value in parameters.items() if name != "digits"}
-    mesh = decode_container(source, container, progress, **keywords)
+    mesh = decode_container(source, container, progress, partial=partial, **keywords)
     progress("writing")
     digits = parameters.get("digits")
     return mesh, write_mesh_file(target, mesh, file_format, digits, force=force)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import TypeAlias, Unpack, overload
+from typing import Literal, TypeAlias, Unpack, overload
 
 from numpy.typing import ArrayLike
 
@@ -18,10 +18,11 @@ from deltamesh._options import (
     Options,
 )
 from deltamesh._pipeline import Encoded, decode_mesh, encode_mesh
+from deltamesh._prefixes import Partial, decode_prefix
 from deltamesh._progress import Progress, silent
 from deltamesh._sources import Bytes, bytes_of
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.container.reader import read_container, read_prefix
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.arrays import unchecked
 from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -257,21 +258,51 @@ def _mesh_of(mesh: PolyMesh | ArrayLike, faces: Faces | None) -> PolyMesh:
     return replace(unchecked(mesh, faces), precision="float64")
 
 
+@overload
 def decode(
     data: Bytes | Container,
     *,
+    partial: Literal[False] = False,
     solver: str = "auto",
     threads: int | None = None,
     max_vertices: int = DEFAULT_MAX_VERTICES,
     memory: int = DEFAULT_MEMORY,
     progress: Progress | None = None,
-) -> PolyMesh:
+) -> PolyMesh: ...
+
+
+@overload
+def decode(
+    data: Bytes | Container,
+    *,
+    partial: Literal[True],
+    solver: str = "auto",
+    threads: int | None = None,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Progress | None = None,
+) -> Partial: ...
+
+
+def decode(
+    data: Bytes | Container,
+    *,
+    partial: bool = False,
+    solver: str = "auto",
+    threads: int | None = None,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Progress | None = None,
+) -> PolyMesh | Partial:
     """Decompress the bytes of a `.dmesh` file; `load` reads one from a path or a file.
 
     Parameters
     ----------
     data : bytes-like, or what `deltamesh.info` returned
         The whole file; a bytearray, mmap or array of bytes is not copied.
+    partial : bool
+        Whether the file may be cut: its beginning is decoded, as far as it reaches. The checksums
+        of whole sections are verified, that of the content only of a whole file.
     solver : {"auto", "core", "rslab", "pardiso", "scipy"}
         Default: the compiled core for small meshes, else rslab or, where it is missing, scipy.
     threads : int, optional
@@ -288,11 +319,14 @@ def decode(
         what of the source is not kept; in the order of the source only with `keep_order`. Faces and
         stored integers are exact; positions to within 1e-9 of the bounding box diagonal,
         whatever the machine and the solver, of a lossless file bit for bit.
+    Partial
+        The same in its `mesh`, if `partial`, with the stage that is reached.
 
     Raises
     ------
     FormatError
-        If the bytes are damaged or no encoder has written them; it has an offset.
+        If the bytes are damaged or no encoder has written them; it has an offset. If `partial`,
+        also where no vertex has a position yet.
     LimitError
         Before anything above the limits is allocated: by the counts of the file or, for methods
         that solve, by the entries of the factorization.
@@ -304,8 +338,9 @@ def decode(
     -----
     D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
     """
-    return decode_mesh(
-        data if isinstance(data, Container) else read_container(bytes_of(data)),
+    read, run = (read_prefix, decode_prefix) if partial else (read_container, decode_mesh)
+    return run(
+        data if isinstance(data, Container) else read(bytes_of(data)),
         solver=solver,
         threads=threads,
         max_vertices=max_vertices,

@@ -179,6 +179,23 @@ def decode_mesh(
 ) -> PolyMesh:
     """Decompress a container; see `deltamesh.decode`."""
     content = proven_content(container, max_vertices, memory, progress)
+    return positioned(container, content, solver, threads, memory, progress)
+
+
+def positioned(
+    container: Container,
+    content: Content,
+    solver: str,
+    threads: int | None,
+    memory: int,
+    progress: Progress,
+) -> PolyMesh:
+    """Return the mesh of a content, once its positions are solved for.
+
+    Raises
+    ------
+    LimitError, SolveError
+    """
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
     to_solve = memory_to_solve(container, memory)
@@ -200,18 +217,20 @@ def proven_content(
     ------
     FormatError, LimitError
     """
+    if not container.is_whole:
+        raise FormatError(f"truncated: section {CHECK} is missing", container.size)
     content = read_content(container, max_vertices, memory, progress)
     if content.digest() != container.digest:
         offset = container.sections[CHECK].offset
         raise FormatError("the checksum of the decoded integers is wrong", offset)
-    _check_scale(container, content.integers)
+    check_scale(container, content.integers)
     return content
 
 
 def read_content(
     container: Container, max_vertices: int, memory: int, progress: Progress = silent
 ) -> Content:
-    """Return the content of a file; its digest is not checked yet.
+    """Return the content of a file, or of a prefix; its digest is not checked yet.
 
     Raises
     ------
@@ -226,7 +245,7 @@ def read_content(
     return content
 
 
-def _check_scale(container: Container, integers: Integers) -> None:
+def check_scale(container: Container, integers: Integers) -> None:
     """Refuse steps and origins that no mesh has."""
     if not has_scale(container.parameters, integers):
         raise FormatError("positions that are too large", container.sections[PARAMETERS].offset)

@@ -222,13 +222,13 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
     extra = steps.extra_bits(exponents, surface.vertex_count)
     with payload_of(sections[layout.ANCHORS]) as payload:
         anchors, positions, isolated = _decode_anchors(surface, parameters, payload, extra)
-    with payload_of(sections[layout.DELTAS]) as payload:
-        if parameters.step:
-            values = decode_vectors(*surface.graph, payload)
-        elif len(payload):
-            raise FormatError("deltas in a file of 0 bits", 0)
-        else:
-            values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
+    values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
+    if layout.DELTAS in sections:  # which a prefix may lack
+        with payload_of(sections[layout.DELTAS]) as payload:
+            if parameters.step:
+                values = decode_vectors(*surface.graph, payload)
+            elif len(payload):
+                raise FormatError("deltas in a file of 0 bits", 0)
     integers = Integers(values, anchors, positions, isolated, exponents=exponents)
     if layout.CELLS in sections:
         units, cells = _decode_cells(surface, parameters, anchors, sections[layout.CELLS])
