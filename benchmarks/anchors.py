@@ -28,8 +28,9 @@ from deltamesh._geometry.cells import Cells
 from deltamesh._geometry.integers import NO_CELLS, NONE, Integers
 from deltamesh._geometry.interpolation import Interpolation
 from deltamesh._geometry.methods import geometry_codec
-from deltamesh._geometry.solve import Factor, Graph
+from deltamesh._geometry.solve import Factor
 from deltamesh._geometry.systems import Systems
+from deltamesh._graph.adjacency import Graph
 from deltamesh._graph.laplacian import laplacian as sparse_laplacian
 from deltamesh._kernels.mesh import distance, laplacian
 from deltamesh._measures.metrics import diagonal, vertex_errors
