@@ -4,7 +4,7 @@ Three tables, in Markdown. `choices`: bytes and errors of files whose anchors we
 or another, at one bound. `fit`: the RMS distance with anchors at the vertices' own positions and
 with fitted ones, of the same bytes. `spikes`: of every mesh file of a folder, how much more the
 deltas and the normals err at anchors than elsewhere, and how far positions are from a direct
-solution in double precision. `--picture` draws the errors of the deltas around anchors.
+solution in double precision. `--picture` draws a surface without the fit and with it.
 """
 
 from __future__ import annotations
@@ -133,7 +133,7 @@ def chosen_by(how: str, mesh: TriangleMesh, options: dict[str, Any]) -> File:
 
 
 def choices(names: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
-    """Yield a row for each mesh, setting and choice: of the farthest, and what others are of that.
+    """Yield a row for each mesh and setting: of the farthest, and what others are of that.
 
     The step is that of the farthest at the bound on normals; with others it gives the same normals,
     nearly, which a search of their own would meet less closely.
@@ -143,26 +143,30 @@ def choices(names: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
         "refined, 1 %": {"method": "refined", "anchors": 0.01},
         "highpass, 0.1 %": {"method": "highpass", "anchors": 0.001},
     }
-    yield ("mesh", "file", "anchors", "bytes", "RMS", "max", "normals", "dihedral", "CPU s")
+    yield ("mesh", "file", "farthest", *CHOICES[1:])
     for name in names:
         mesh = corpus.bare(name)
         for label, options in settings.items():
             bound = Options(normal_error=NORMALS, only=True, anchor_method=CHOICES[0], **options)
             step = coded(mesh, bound).parameters.step
-            first: list[float] = []
-            for how in CHOICES:
-                start = time.process_time()
-                one = chosen_by(how, mesh, {"step": step, **options})
-                seconds = time.process_time() - start
-                errors = vertex_errors(one.V, one.decoded, one.surface.faces)
-                unit = diagonal(one.V)
-                found = [one.size, errors.rms / unit, errors.max / unit]
-                first = first or found
-                over = (f"{a / b:.3f}" for a, b in zip(found, first, strict=True))
-                shown = (str(found[0]), f"{found[1]:.2e}", f"{found[2]:.2e}")
-                angles = (f"{errors.normal_deviation:.3f}", f"{errors.dihedral:.3f}")
-                numbers = shown if how == CHOICES[0] else tuple(over)
-                yield (name, label, how, *numbers, *angles, f"{seconds:.1f}")
+            first, *others = (measured(how, mesh, {"step": step, **options}) for how in CHOICES)
+            size, rms, largest, normals, dihedral, seconds = first
+            shown = f"{size:.0f}, {rms:.1e}, {largest:.1e}, {normals:.2f}, {dihedral:.2f}"
+            ratios = (
+                ", ".join(f"{a / b:.{3 if i == 0 else 2}f}" for i, (a, b) in enumerate(pairs))
+                for pairs in (zip(other, first, strict=True) for other in others)
+            )
+            yield (name, label, f"{shown}, {seconds:.1f}", *ratios)
+
+
+def measured(how: str, mesh: TriangleMesh, options: dict[str, Any]) -> tuple[float, ...]:
+    """Return bytes, RMS and largest distance over the diagonal, angles, and CPU seconds."""
+    start = time.process_time()
+    one = chosen_by(how, mesh, options)
+    seconds = time.process_time() - start
+    errors, unit = vertex_errors(one.V, one.decoded, one.surface.faces), diagonal(one.V)
+    angles = errors.normal_deviation, errors.dihedral
+    return (one.size, errors.rms / unit, errors.max / unit, *angles, seconds)
 
 
 def fits(names: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
@@ -290,20 +294,20 @@ def spikes(files: list[Path], most: int) -> Iterator[tuple[str, ...]]:
         )
 
 
-def draw_errors(path: Path) -> None:
-    """Draw the errors of the deltas of the bunny, without the fit and with it."""
-    from scenes import Look, Panel, Scale, draw, save
+def draw_anchors(path: Path) -> None:
+    """Draw the camel head with interpolated anchors, without the fit and with it."""
+    from scenes import Look, Panel, draw, save
 
-    mesh = corpus.bare("bunny")
-    one = coded(mesh, Options(method="refined", quality=3))
-    frame = TriangleMesh(one.V, one.surface.faces)
-    look = Look((-0.3, 0.2, 1), focus=(0.42, 0.5, 0.6), height=0.6)
-    step, row = one.parameters.step, []
-    for text, file in (("without a fit", one.copied), ("fitted", one)):
-        W = file.decoded
-        shape = TriangleMesh(W, one.surface.faces)
-        row.append(Panel(shape, frame, look, text, errors_of_deltas(file, W) / step))
-    save(draw([row], (1080, 480), Scale("error of delta, steps", 0.1, 100)), path)
+    options = Options(method="refined", normal_error=4.0, only=True, anchors=0.005)
+    one = coded(corpus.bare("camelhead"), options)
+    F = one.surface.faces
+    look = Look((1.0, 0.3, 0.6), focus=(0.5, 0.55, 0.5), height=0.66)
+    files = {"without a fit": one.copied, "fitted": one}
+    row = [
+        Panel(TriangleMesh(file.decoded, F), TriangleMesh(one.V, F), look, text)
+        for text, file in files.items()
+    ]
+    save(draw([row], (880, 420), None), path)
 
 
 def print_table(rows: Iterator[tuple[str, ...]]) -> None:
@@ -319,14 +323,14 @@ def print_table(rows: Iterator[tuple[str, ...]]) -> None:
 @corpus.selection
 @click.option("--most", default=50_000, show_default=True, help="Vertices of meshes of `spikes`.")
 @click.option(
-    "--picture", type=click.Path(dir_okay=False, path_type=Path), help="Draw errors, no table."
+    "--picture", type=click.Path(dir_okay=False, path_type=Path), help="Draw, and print no table."
 )
 def command(
     what: str, names: tuple[str, ...], quick: bool, most: int, picture: Path | None
 ) -> None:
     """Print how anchors are chosen, what their fit wins, or what the surface does around them."""
     if picture is not None:
-        draw_errors(picture)
+        draw_anchors(picture)
     elif what == "spikes":
         given = (
             [corpus.path(name) for name in corpus.chosen(names, quick)] if names or quick else []
