@@ -44,7 +44,7 @@ Columns:
 _EXAMPLES: Final = """\
 deltamesh bench bunny.ply
 deltamesh bench bunny.ply --method highpass,cartesian --step 0.001,0.002
-deltamesh bench bunny.ply --bits 0 --anchors 0.01,0.05 --anchor-method farthest,greedy
+deltamesh bench bunny.ply -b 0 --anchors 9,99 --anchor-method greedy,random
 deltamesh bench scans -r --normal-error 1 --peers draco,meshopt,zstd
 deltamesh bench scans -r --csv > all.csv
 deltamesh bench scans -r --save rates.csv

@@ -44,6 +44,8 @@ CHEAP: Final = 60_000
 # begins there and goes on from file to file: corrections of a few vertices are often cheaper.
 MORE_ANCHORS, LESS_DISTANCE = 2, 1.35
 MOST_ANCHORS: Final = 0.016
+# Fewer anchors err more, by as much as bounds allow: they have to save more than half a percent.
+FEWER_PAY: Final = 0.995
 # ... and no component asks for more than so many times two.
 MOST_TIMES: Final = 10
 # A distance bounds the step if it is so many times nearer to its bound than an angle.
@@ -215,12 +217,14 @@ def _with_other_anchors(
     pay, more are tried where a distance bounds the trial.
     """
 
-    def walk(found: tuple[Trial, Steps], next_count: Callable[[Trial], int]) -> tuple[Trial, Steps]:
+    def walk(
+        found: tuple[Trial, Steps], next_count: Callable[[Trial], int], share: float
+    ) -> tuple[Trial, Steps]:
         while count := next_count(found[0]):
             trial, steps = found
             settings = replace(trial.settings, anchors=count)
             other = _fit(settings, bounds, steps, components, options, attempt, trial, [])
-            if other is None or other[0].size >= trial.size:
+            if other is None or other[0].size >= share * trial.size:
                 break
             found = other
         return found
@@ -235,8 +239,8 @@ def _with_other_anchors(
         fits = count <= MOST_ANCHORS * len(trial.vertices)
         return count if fits and distance >= BINDING * angle else 0
 
-    least = walk(found, fewer)
-    return walk(found, more) if least is found else least
+    least = walk(found, fewer, FEWER_PAY)
+    return walk(found, more, 1.0) if least is found else least
 
 
 def _may_pay(settings: Settings, best: Trial, effort: int) -> bool:
