@@ -59,7 +59,7 @@ def encode(
     effort: int = DEFAULT_EFFORT,
     diffusion: bool = True,
     anchors: int | float | None = None,
-    anchor_method: str = "farthest",
+    anchor_method: str | None = None,
     seed: int = 0,
     coarse: float | None = None,
     solution: str | None = None,
@@ -130,7 +130,10 @@ def encode(
     anchors : int or float, optional
         How many vertices are stored with their positions, or which fraction. Default: 0.001. At
         least one a component.
-    anchor_method : {"farthest", "greedy", "random"}
+    anchor_method : {"farthest", "greedy", "random"}, optional
+        How anchors are chosen: spread over the surface, where the error is largest, or at random.
+        Default: "greedy" with "highpass" and with 0 bits, unless vertices times anchors are more
+        than 50 million or anchors are interpolated; else "farthest".
     seed : int
         Of the random anchors.
     coarse : float, optional

@@ -29,6 +29,7 @@ corpus, curves, equal, headline, large, processes, run, shapes = map(
 )
 SCRIPTS = (
     "run",
+    "anchors",
     "headline",
     "curves",
     "speed",

@@ -201,17 +201,19 @@ PARAMETER_FIELDS: Final = (
 )
 # Where the anchors are random.
 SEED_FIELDS: Final = (Field("seed", "u64"),)
-RANDOM: Final = "random"
 FLAG_DIFFUSION: Final = 1
 FLAG_SINGLE: Final = 2
 FLAG_INTERPOLATED: Final = 4
 # What positions make of deltas and anchors: they go through the anchors, or come near to both.
 INTERPOLATED: Final = "interpolated"
 LEAST_SQUARES: Final = "least-squares"
+FARTHEST: Final = "farthest"
+RANDOM: Final = "random"
+GREEDY: Final = "greedy"
 ANCHOR_METHODS: Final[Mapping[str | None, int]] = {
-    "farthest": 0,
+    FARTHEST: 0,
     RANDOM: 1,
-    "greedy": 2,
+    GREEDY: 2,
     None: 255,
 }
 # Dead zones are stored in hundredths of a step.

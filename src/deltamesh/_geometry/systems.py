@@ -43,6 +43,7 @@ class Systems:
     ) -> None:
         graph, labels = surface.graph, surface.labels
         self._least_squares = factorization(graph, solver, threads, memory)
+        self._of_choice = factorization(graph, solver, threads, memory)
         # Not of `self`: a cycle would keep all of it in memory until it is looked for.
         cells = self._cells = remembered(lambda anchors: Cells(graph, labels, anchors))
         self._interpolation = remembered(lambda anchors: Interpolation(cells(anchors)))
@@ -62,6 +63,10 @@ class Systems:
     def least_squares(self, anchors: Ints) -> LeastSquares:
         """Return the system [L; S], factored."""
         return self._least_squares(anchors)
+
+    def of_choice(self, anchors: Ints) -> LeastSquares:
+        """Return the system [L; S] of the anchors that a greedy choice begins with, factored."""
+        return self._of_choice(anchors)
 
     def cells(self, anchors: Ints) -> Cells:
         """Return the cells of the anchors."""

@@ -36,6 +36,8 @@ class Differences:
     lost, turned : bool (m,)
         Which faces had an area of which less than a thousandth is left; which of the others had one
         and are turned over.
+    area : float
+        Of all faces, over what it was; 1 if there was none.
     """
 
     distance: Floats
@@ -43,6 +45,7 @@ class Differences:
     change: Floats
     lost: Bools
     turned: Bools
+    area: float
 
 
 @dataclass(frozen=True)
@@ -96,12 +99,14 @@ class Reference:
         # Normals are found again: to keep those of the reference takes 96 bytes a vertex.
         before, after = self._normals_and_areas(V), self._normals_and_areas(W)
         angle, lost, turned = kernels.face_changes(before, after, LOST, TURNED)
+        areas = float(before[1].sum()), float(after[1].sum())
+        area = areas[1] / areas[0] if areas[0] else 1.0
         change = self._dihedral_angles(W, after[0])
         del before, after
         change -= dihedral
         np.abs(change, out=change)
         np.minimum(change, 360 - change, out=change)
-        return Differences(kernels.distances(V, W, self.unit), angle, change, lost, turned)
+        return Differences(kernels.distances(V, W, self.unit), angle, change, lost, turned, area)
 
 
 def _interior_edges(F: Ints) -> Shorts:
