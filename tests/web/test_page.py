@@ -16,6 +16,7 @@ from places import GOLDEN
 import deltamesh
 from deltamesh._page.filling import PAGE, REPORT, PageFile, page_of
 from deltamesh_cli.program import run
+from deltamesh_formats.container.pose_table import entries_of
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 
 SELECT = "const s = document.querySelector('#colouring'); s.value = arguments[0];"
@@ -409,22 +410,20 @@ def test_screens_of_high_density_get_all_their_pixels(compared: Path, tmp_path: 
 
 
 def test_poses_are_chosen_from_a_list(browser: Browser, tmp_path: Path) -> None:
-    path = GOLDEN / "refined-poses.dmesh"
-    if not path.exists():
-        pytest.skip("a format without poses")
-    data = path.read_bytes()
+    data = (GOLDEN / "refined-poses.dmesh").read_bytes()
     page = tmp_path / "poses.html"
     page.write_text(page_of([PageFile("a.dmesh", data, "", len(data))], "poses"), encoding="utf-8")
     browser.open(page)
     rest = colours(browser)
     names = browser.run("return [...document.querySelector('#pose').options].map((o) => o.value)")
-    assert names[0] == ""
+    assert names == ["", *(one.name for one in entries_of(deltamesh.info(data)))]
     for name in (*names[1:], ""):
         browser.press("p")
         browser.wait(f"return deltameshViewer.panels[0].pose === {json.dumps(name)}")
-        sum_of = "const { positions } = deltameshViewer.panels[0].mesh; return positions.reduce((a, b) => a + b)"  # noqa: E501
-        options = {"pose": name} if name else {}
-        mesh = deltamesh.decode(data, **options)  # type: ignore[arg-type]
-        assert browser.run(sum_of) == pytest.approx(mesh.vertices.sum(), rel=1e-6, abs=1e-4)
+        mesh = deltamesh.decode(data, pose=name or None)
+        total = browser.run(
+            "return deltameshViewer.panels[0].mesh.positions.reduce((a, b) => a + b)"
+        )
+        assert total == pytest.approx(mesh.vertices.sum(), rel=1e-6, abs=1e-4)
         assert (colours(browser) == rest) == (name == "")
     assert browser.run(browsers.MESSAGES) == ""
