@@ -50,7 +50,7 @@ class EncodeOptions(TypedDict, total=False):
     effort: int
     diffusion: bool
     anchors: int | float | None
-    anchor_method: str
+    anchor_method: str | None
     seed: int
     coarse: float | None
     solution: str | None
@@ -93,7 +93,7 @@ class Options:
     effort: int = DEFAULT_EFFORT
     diffusion: bool = True
     anchors: int | float | None = None
-    anchor_method: str = "farthest"
+    anchor_method: str | None = None
     seed: int = 0
     solver: str = "auto"
     threads: int | None = None
@@ -112,7 +112,8 @@ class Options:
 
     def __post_init__(self) -> None:
         _require_one_of("method", self.method, CHOICES)
-        _require_one_of("anchor_method", self.anchor_method, ANCHOR_METHODS)
+        if self.anchor_method is not None:
+            _require_one_of("anchor_method", self.anchor_method, ANCHOR_METHODS)
         if self.solution is not None:
             _require_one_of("solution", self.solution, SOLUTIONS)
             bare = self.solution == INTERPOLATED and self.bits == 0
@@ -244,7 +245,7 @@ class Settings:
     coarse: float = DEFAULT_COARSE
     diffusion: bool = True
     anchors: int | float | None = None
-    anchor_method: str = "farthest"
+    anchor_method: str | None = None
     seed: int = 0
     interpolated: bool = False
     largest: float = math.inf

@@ -87,12 +87,11 @@ def quantize(
     W, N = _bent(surface, systems, parameters, integers, vertices.copy(), ROUGHLY)
     fine = quantize_delta(left, graph, each, roundings[1], normals=N, along=True)
     integers = replace(integers, refinements=fine)
-    if parameters.interpolated:
-        left -= (each * fine) * N
-        parameters, integers, near = fitted(left, vertices, isolated, parameters, integers, systems)
-        # The anchors have moved a little, and the normals with them.
-        _, N = _bent(surface, systems, parameters, integers, W)
-        W = near
+    left -= (each * fine) * N
+    parameters, integers, near = fitted(left, vertices, isolated, parameters, integers, systems)
+    # The anchors have moved a little, and the normals with them.
+    _, N = _bent(surface, systems, parameters, integers, W)
+    W = near
     coarse += (each * fine) * N
     W = solved(coarse, parameters, integers, systems, start=W)
     return highpass.corrected(W, vertices, parameters, integers, settings)
