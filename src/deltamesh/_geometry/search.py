@@ -49,7 +49,7 @@ FEWER_PAY: Final = 0.995
 # ... and no component asks for more than so many times two.
 MOST_TIMES: Final = 10
 # A distance bounds the step if it is so many times nearer to its bound than an angle.
-BINDING: Final = 1.1
+BINDING: Final = 1.04
 # With corrections, steps change by this as long as the files shrink.
 GROWTH: Final = 1.6
 
