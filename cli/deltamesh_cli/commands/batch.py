@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from math import inf
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from deltamesh.batch import available_cores, physical_memory, record_key, share
+from deltamesh.batch import available_cores, physical_memory, share
 from deltamesh_cli import options
 from deltamesh_cli.batch.arguments import SLURM, job_of, rank_of, refuse_two_of
 from deltamesh_cli.batch.engines import here, in_processes, on_dask
@@ -21,15 +19,12 @@ from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import Failure, report_failure
 from deltamesh_cli.inputs import Choice, chosen_files
 from deltamesh_cli.output import message
-from deltamesh_cli.signals import Stopped, stopping_cleanly
+from deltamesh_cli.signals import stopping_cleanly
 from deltamesh_cli.value_types import FILE, FOLDER, positive, size, whole
 from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
-    from deltamesh.batch import Record
     from deltamesh_cli.batch.engines import Engine
-    from deltamesh_cli.batch.plan import PlannedFile
-    from deltamesh_cli.batch.run import Report
 
 _EXAMPLES = """\
 deltamesh batch *.ply                         writes beside the inputs
@@ -221,40 +216,16 @@ def command(
             message("deltamesh: there is nothing to do")
         if dry:
             context.exit(dry_run(planned, job, existing, verbosity))
-        with stopping_cleanly(), _reported(page, planned, existing, decode) as listen:
-            code = run_batch(planned, job, engine, existing, verbosity, listen)
+        with stopping_cleanly():
+            if page is None:
+                context.exit(run_batch(planned, job, engine, existing, verbosity))
+            from deltamesh_cli.reports.files import reported
+
+            with reported(page, planned, existing, decode) as listen:
+                code = run_batch(planned, job, engine, existing, verbosity, listen)
         context.exit(code)
     except OptionError as error:
         raise click.UsageError(str(error)) from error
     except Failure as failure:
         report_failure(failure)
         context.exit(failure.code)
-
-
-@contextmanager
-def _reported(
-    page: str | None, planned: list[PlannedFile], existing: ExistingFiles, decode: bool
-) -> Iterator[Report]:
-    """Yield a function that takes each record; write the report of all, also of part of a run."""
-    if page is None:
-        yield lambda record, before: None
-        return
-    from deltamesh_cli.reports.files import page_of_batch
-    from deltamesh_cli.reports.writing import check_report, write_report
-
-    force = existing.force or existing.resume or existing.skip_existing
-    check_report(page, force=force)
-    records: dict[tuple[str, str], tuple[Record, bool]] = {}
-
-    def listen(record: Record, before: bool) -> None:
-        records[record_key(record)] = record, before
-
-    def write() -> None:
-        write_report(page, lambda: page_of_batch(planned, records, decode), force=force)
-
-    try:
-        yield listen
-    except (KeyboardInterrupt, Stopped):
-        write()
-        raise
-    write()

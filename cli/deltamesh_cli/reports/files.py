@@ -5,15 +5,21 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, Final
 
 from deltamesh._page.filling import PageFile
 from deltamesh._page.reports import MOST_OF_ONE, Column, ReportRow, Travelling, report_page
 from deltamesh.batch import DONE, FAILED, SKIPPED, Record, Task, record_key
 from deltamesh_cli import files
+from deltamesh_cli.batch.plan import PlannedFile
 from deltamesh_cli.batch.report import BEFORE
+from deltamesh_cli.batch.run import Report
+from deltamesh_cli.batch.settings import ExistingFiles
 from deltamesh_cli.failures import Failure
 from deltamesh_cli.output import display_name
+from deltamesh_cli.reports.writing import check_report, write_report
+from deltamesh_cli.signals import Stopped
 
 NOT_YET: Final = "not done yet"
 _STATES: Final = (DONE, BEFORE, SKIPPED, FAILED, NOT_YET)
@@ -34,6 +40,44 @@ _COLUMNS: Final = (
     Column("seconds"),
     Column("notes", "text"),
 )
+
+
+@contextmanager
+def reported(
+    page: str, planned: list[PlannedFile], existing: ExistingFiles, decode: bool
+) -> Iterator[Report]:
+    """Yield a function that takes each record; write the report of all, also of part of a run.
+
+    Parameters
+    ----------
+    page : str
+        Name of the file.
+    planned : list of Task or Record
+    existing : ExistingFiles
+    decode : bool
+        Whether `.dmesh` files are decoded.
+
+    Raises
+    ------
+    Failure
+        If the page cannot be written, as far as that is known before the run.
+    """
+    force = existing.force or existing.resume or existing.skip_existing
+    check_report(page, force=force)
+    records: dict[tuple[str, str], tuple[Record, bool]] = {}
+
+    def listen(record: Record, before: bool) -> None:
+        records[record_key(record)] = record, before
+
+    def write() -> None:
+        write_report(page, lambda: page_of_batch(planned, records, decode), force=force)
+
+    try:
+        yield listen
+    except (KeyboardInterrupt, Stopped):
+        write()
+        raise
+    write()
 
 
 def page_of_batch(
