@@ -7,6 +7,7 @@ decode: bytes -> container -> limits -> for each section, content -> digest -> p
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -19,11 +20,11 @@ from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.systems import Systems
 from deltamesh._limits import check_limits, filling, memory_to_solve
 from deltamesh._measures.metrics import diagonal
-from deltamesh._methods import LOSSLESS
-from deltamesh._options import Options
+from deltamesh._methods import AUTO, CARTESIAN, LOSSLESS, REFINED
+from deltamesh._options import DEFAULT_QUALITY, Options
 from deltamesh._progress import Progress, silent
-from deltamesh._sections.draft import Draft, begin
-from deltamesh._sections.geometry import has_scale
+from deltamesh._sections.draft import ALONE, Draft, Sequence, begin
+from deltamesh._sections.trials import has_scale
 from deltamesh._sections.table import SECTIONS
 from deltamesh._shape.announced import announced
 from deltamesh._version import __version__
@@ -31,17 +32,26 @@ from deltamesh_formats.array_types import Ints
 from deltamesh_formats.caching import cached_property
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Meta
+from deltamesh_formats.container.frame_table import frames_of
 from deltamesh_formats.container.layout import (
     ATTRIBUTES,
     CHECK,
     FILLING,
+    FRAMES,
     MAX_COUNT,
     PARAMETERS,
     STRING_MAX_BYTES,
 )
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_container
-from deltamesh_formats.errors import FormatError, LimitError, TargetError
+from deltamesh_formats.errors import (
+    FormatError,
+    LimitError,
+    MeshError,
+    OptionError,
+    SolveError,
+    TargetError,
+)
 from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.printing import shortened
 
@@ -93,8 +103,12 @@ class Encoded:
         return corners - self.draft.mesh.offsets[self.face_order]
 
 
-def encode_mesh(mesh: PolyMesh, options: Options, progress: Progress = silent) -> Encoded:
-    """Compress a checked mesh; see `deltamesh.encode`."""
+def encode_mesh(
+    mesh: PolyMesh, options: Options, progress: Progress = silent, sequence: Sequence = ALONE
+) -> Encoded:
+    """Compress a checked mesh, or a sequence that begins with it; see `deltamesh.encode`."""
+    if sequence.positions:
+        return _encoded_sequence(mesh, options, progress, sequence)
     try:
         return _encoded(mesh, options, progress)
     except TargetError:
@@ -103,9 +117,36 @@ def encode_mesh(mesh: PolyMesh, options: Options, progress: Progress = silent) -
     return _encoded(mesh, replace(options, method=LOSSLESS.name, coarse=None), progress)
 
 
-def _encoded(mesh: PolyMesh, options: Options, progress: Progress) -> Encoded:
+def _encoded_sequence(
+    mesh: PolyMesh, options: Options, progress: Progress, sequence: Sequence
+) -> Encoded:
+    """Compress a sequence; "auto" is refined, and Cartesian where that cannot keep the bounds.
+
+    Raises
+    ------
+    OptionError
+        If the method, or 0 bits, cannot have several frames.
+    """
+    if options.exact or options.bits == 0:
+        what = f"method {options.method}" if options.exact else "0 bits"
+        raise OptionError(f"{what} cannot have several frames: encode each for itself")
+    if options.method != AUTO:
+        return _encoded(mesh, options, progress, sequence)
+    asked = replace(options, quality=DEFAULT_QUALITY) if options.asks_nothing else options
+    try:
+        return _encoded(mesh, replace(asked, method=REFINED.name), progress, sequence)
+    except (MeshError, SolveError, TargetError):
+        if not options.asks_nothing and not options.is_bounded:
+            raise
+        other = replace(asked, method=CARTESIAN.name, coarse=None)
+        return _encoded(mesh, other, progress, sequence)
+
+
+def _encoded(
+    mesh: PolyMesh, options: Options, progress: Progress, sequence: Sequence = ALONE
+) -> Encoded:
     """Compress a checked mesh by the methods that the options allow."""
-    draft = begin(mesh, options, progress)
+    draft = begin(mesh, options, progress, sequence)
     payloads: dict[str, bytes] = {}
     for section in SECTIONS:
         if section.applies(draft):
@@ -140,7 +181,12 @@ def _proven(data: bytes) -> Container:
     """
     try:
         container = read_container(data)
-        proven_content(container, max_vertices=MAX_COUNT, memory=sys.maxsize)
+        content = proven_content(container, max_vertices=MAX_COUNT, memory=sys.maxsize)
+        if FRAMES in container.sections:
+            from deltamesh._sections.frames import frame_integers
+
+            for frame in frames_of(container)[1]:
+                frame_integers(container, content, frame)
     except (FormatError, LimitError) as error:
         raise RuntimeError(f"the encoded file cannot be decoded: {error}") from error
     return container
@@ -170,6 +216,7 @@ def _meta(draft: Draft) -> Meta:
 
 def decode_mesh(
     container: Container,
+    frame: int = 0,
     *,
     solver: str,
     threads: int | None,
@@ -178,17 +225,50 @@ def decode_mesh(
     progress: Progress = silent,
 ) -> PolyMesh:
     """Decompress a container; see `deltamesh.decode`."""
+    frames = decode_frames(
+        container,
+        [frame],
+        solver=solver,
+        threads=threads,
+        max_vertices=max_vertices,
+        memory=memory,
+        progress=progress,
+    )
+    return next(frames)
+
+
+def decode_frames(
+    container: Container,
+    wanted: Iterable[int],
+    *,
+    solver: str,
+    threads: int | None,
+    max_vertices: int,
+    memory: int,
+    progress: Progress = silent,
+) -> Iterator[PolyMesh]:
+    """Decompress some frames of a container, one after the other; see `deltamesh.frames`."""
     content = proven_content(container, max_vertices, memory, progress)
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
     to_solve = memory_to_solve(container, memory)
     systems = Systems(surface, solver, threads, to_solve)
-    if ATTRIBUTES in container.sections:
-        systems = systems.to_precision(FINER)
+    own = systems.to_precision(FINER) if ATTRIBUTES in container.sections else systems
     coder = geometry_codec(parameters.method)
-    points = coder.reconstruct(surface, parameters, content.integers, systems)
+    points = coder.reconstruct(surface, parameters, content.integers, own)
     margin = 0.0 if container.meta is None else container.meta.room
-    return content.mesh(points, parameters.single, margin)
+    mesh = content.mesh(points, parameters.single, margin)
+    player = None
+    for index in wanted:
+        if index == 0:
+            yield mesh
+            continue
+        progress(f"frame {index}")
+        if player is None:
+            from deltamesh._sections.frames import Player
+
+            player = Player(container, content, frames_of(container)[1], systems, points)
+        yield content.moved(mesh, player.positions(index))
 
 
 def proven_content(

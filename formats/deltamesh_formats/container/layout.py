@@ -89,13 +89,14 @@ ATTRIBUTES: Final = "ATTR"
 PARTS: Final = "PART"
 ORDER: Final = "ORDR"
 FILLING: Final = "FILL"
+FRAMES: Final = "FRAM"
 EXACT: Final = "EXAC"
 CORRECTIONS: Final = "FIXS"
 META: Final = "meta"
 CHECK: Final = "CHEK"
 # Sections that follow `CONN`, and those that follow the geometry, in this order, where needed.
 AFTER_CONNECTIVITY: Final = (STITCHES, SPLIT_VERTICES, POLYGONS, STEPS)
-AFTER_GEOMETRY: Final = (ATTRIBUTES, PARTS, ORDER, FILLING)
+AFTER_GEOMETRY: Final = (ATTRIBUTES, PARTS, ORDER, FILLING, FRAMES)
 
 
 @dataclass(frozen=True)
@@ -145,12 +146,13 @@ class MethodLayout:
 
     @property
     def further(self) -> tuple[str, ...]:
-        """The sections that may follow these, in this order."""
+        """The sections that may follow these, in this order: an exact method has one frame."""
         cells, corrections = (
             (CELLS,) if self.anchored else (),
             (CORRECTIONS,) if self.corrected else (),
         )
-        return (*cells, *corrections, *AFTER_GEOMETRY)
+        after = tuple(name for name in AFTER_GEOMETRY if name != FRAMES or not self.exact)
+        return (*cells, *corrections, *after)
 
 
 METHODS: Final[Mapping[str, MethodLayout]] = {
@@ -374,6 +376,36 @@ QUARTERS: Final = (1.0, 0.8408964152537145, 0.7071067811865476, 0.59460355750136
 # Octaves of a unit above the step; a byte of 0 stands for the least.
 LEAST_UNIT: Final = -32
 MOST_UNIT: Final = 32
+
+# SPEC.md#521-fram
+
+SEQUENCE_FIELDS: Final = (Field("rate", "f64"), Field("count", "varint"))
+FRAME_FIELDS: Final = (
+    Field("flags", "u8"),
+    Field("finer", "u8"),
+    Field("step", "f64"),
+    Field("coarse", "f32"),
+    Field("rms", "f32"),
+    Field("max", "f32"),
+    Field("normal", "f32"),
+    Field("dihedral", "f32"),
+    Field("digest", "bytes8"),
+    Field("maps", "varint"),
+)
+# Where there are maps.
+MAP_FIELDS: Final = (Field("rounds", "u8"), Field("unit", "u8"))
+# Bits of `flags`: a key frame; vectors of cells; corrections.
+FRAME_KEY: Final = 1
+FRAME_CELLS: Final = 2
+FRAME_CORRECTIONS: Final = 4
+# The stream of the maps, beside those that are named as the sections of frame 0 are.
+MAPS: Final = "MAPS"
+# How often the grid of a frame may halve that of frame 0.
+MAX_FINER: Final = 30
+# The finest unit of the numbers of a map, 2^-unit, and the largest of them, in units of 1.
+MAX_MAP_UNIT: Final = 30
+# Frames in a row that are predicted from the frame before.
+MAX_RUN: Final = 255
 
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:

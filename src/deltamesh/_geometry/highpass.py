@@ -14,7 +14,7 @@ import numpy as np
 from deltamesh._geometry import anchors as choice
 from deltamesh._geometry import steps
 from deltamesh._geometry.cells import Cells
-from deltamesh._geometry.integers import NONE, Integers, Quantized
+from deltamesh._geometry.integers import NO_POINTS, NONE, Integers, Quantized
 from deltamesh._geometry.positions import (
     UNITS,
     all_positions,
@@ -24,6 +24,7 @@ from deltamesh._geometry.positions import (
     placed,
     solved,
 )
+from deltamesh._geometry.prediction import Prediction
 from deltamesh._geometry.quantize import delta_step, quantize_delta, to_delta, to_grid
 from deltamesh._geometry.systems import Systems
 from deltamesh._kernels.coding import points
@@ -54,9 +55,12 @@ def quantize(
     isolated: Floats,
     settings: Settings,
     systems: Systems,
+    predicted: Prediction | None = None,
 ) -> Quantized:
     """Choose steps and anchors, and round deltas and anchors."""
     delta = laplacian.apply(*surface.graph, vertices)
+    expected: Floats | float = 0.0 if predicted is None else predicted.deltas
+    delta -= expected
     step = step_of(vertices, delta, settings)
     values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
     integers = Integers(values, exponents=steps.exponents_of(settings, surface, step))
@@ -64,21 +68,30 @@ def quantize(
         share, each = float(settings.diffusion), step * steps.ratios(integers)
         values = quantize_delta(delta, surface.graph, each, (share, share))
         integers = replace(integers, values=values)
-    parameters, integers = anchored(surface, vertices, isolated, integers, step, settings, systems)
+    parameters, integers = anchored(
+        surface, vertices, isolated, integers, step, settings, systems, predicted
+    )
     rounded, start = deltas(parameters, integers), vertices
     if settings.interpolated:
         parameters, integers, start = fitted(
-            delta - rounded, vertices, isolated, parameters, integers, systems
+            delta - rounded, vertices, isolated, parameters, integers, systems, origin_of(predicted)
         )
-    W = solved(rounded, parameters, integers, systems, start=start)
+    W = solved(rounded + expected, parameters, integers, systems, start=start)
     return corrected(W, vertices, parameters, integers, settings)
 
 
 def reconstruct(
-    surface: Surface, parameters: Parameters, integers: Integers, systems: Systems
+    surface: Surface,
+    parameters: Parameters,
+    integers: Integers,
+    systems: Systems,
+    predicted: Prediction | None = None,
 ) -> Floats:
     """Solve [L; S] x = [delta'; c] in the least-squares sense, and add the corrections."""
-    W = solved(deltas(parameters, integers), parameters, integers, systems)
+    delta, start = deltas(parameters, integers), None
+    if predicted is not None:
+        delta, start = delta + predicted.deltas, predicted.positions.copy()
+    W = solved(delta, parameters, integers, systems, start=start)
     return all_positions(W, parameters, integers)
 
 
@@ -90,8 +103,21 @@ def anchored(
     step: float,
     settings: Settings,
     systems: Systems,
+    predicted: Prediction | None = None,
 ) -> tuple[Parameters, Integers]:
-    """Choose the anchors of quantized deltas, and round their positions."""
+    """Choose the anchors of quantized deltas, and round their positions.
+
+    Those of a predicted frame are the same as in the frame before, on its grid or a finer one.
+    """
+    if predicted is not None:
+        grid = predicted.anchor_step(step / ANCHOR_REFINEMENT)
+        parameters = replace(
+            predicted.first, step=step, coarse=_coarse_of(settings), anchor_step=grid
+        )
+        integers = replace(integers, anchors=predicted.reference.integers.anchors)
+        anchors = vertices[integers.anchors]
+        origin = origin_of(predicted)
+        return placed(anchors, vertices, isolated, parameters, integers, origin)
     parameters = Parameters(
         method=settings.method,
         diffusion=settings.diffusion,
@@ -101,13 +127,18 @@ def anchored(
         anchor_step=_anchor_step(np.concatenate([vertices, isolated]), step),
         seed=settings.seed if settings.anchor_method == layout.RANDOM else 0,
         isolated=surface.isolated_count,
-        coarse=settings.coarse if settings.layout.coarse else 1.0,
+        coarse=_coarse_of(settings),
         interpolated=settings.interpolated,
     )
     anchors = _choose(surface, vertices, parameters, integers, settings, systems)
     integers = replace(integers, anchors=anchors)
     parameters = replace(parameters, anchor_count=len(anchors))
     return placed(vertices[anchors], vertices, isolated, parameters, integers)
+
+
+def origin_of(predicted: Prediction | None) -> Floats | None:
+    """Return the origin of the grids of all frames, float64 (3,), None for the first frame."""
+    return None if predicted is None else np.array(predicted.first.origin)
 
 
 def corrected(
@@ -152,6 +183,10 @@ def step_of(vertices: Floats, delta: Floats, settings: Settings) -> float:
     return settings.step
 
 
+def _coarse_of(settings: Settings) -> float:
+    return settings.coarse if settings.layout.coarse else 1.0
+
+
 def _anchor_step(vertices: Floats, step: float) -> float:
     """Return the step of the grid of the anchors."""
     extent = float(sides(vertices).max())
@@ -194,9 +229,28 @@ def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict
     They are ANCH and DELT; STEP, where steps differ; CELL, where cells have lost anything; FIXS, if
     positions are corrected.
     """
-    payloads = {
+    return {
         **steps.encode(surface, integers.exponents),
         layout.ANCHORS: _encode_anchors(surface, parameters, integers),
+        **_encode_vectors(surface, parameters, integers),
+    }
+
+
+def encode_frame(
+    surface: Surface, parameters: Parameters, integers: Integers
+) -> dict[str, bytes]:
+    """Return the payloads of a further frame, whose positions are relative to another's."""
+    points = np.concatenate([integers.positions, integers.isolated])
+    return {
+        layout.ANCHORS: encode_vectors(*_without_edges(len(points)), points),
+        **_encode_vectors(surface, parameters, integers),
+    }
+
+
+def _encode_vectors(
+    surface: Surface, parameters: Parameters, integers: Integers
+) -> dict[str, bytes]:
+    payloads = {
         layout.DELTAS: encode_vectors(*surface.graph, integers.values) if parameters.step else b"",
     }
     if len(integers.cells):
@@ -214,6 +268,27 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
     extra = steps.extra_bits(exponents, surface.vertex_count)
     with payload_of(sections[layout.ANCHORS]) as payload:
         anchors, positions, isolated = _decode_anchors(surface, parameters, payload, extra)
+    still = Integers(NO_POINTS, anchors, positions, isolated, exponents=exponents)
+    return _decode_vectors(surface, parameters, sections, still)
+
+
+def decode_frame(
+    surface: Surface, parameters: Parameters, sections: Mapping[str, Section], first: Integers
+) -> Integers:
+    """Return the integers of a further frame, with anchors and exponents of the first one."""
+    k = len(first.anchors)
+    with payload_of(sections[layout.ANCHORS]) as payload:
+        points = decode_vectors(*_without_edges(k + len(first.isolated)), payload)
+    still = Integers(
+        NO_POINTS, first.anchors, points[:k], points[k:], exponents=first.exponents
+    )
+    return _decode_vectors(surface, parameters, sections, still)
+
+
+def _decode_vectors(
+    surface: Surface, parameters: Parameters, sections: Mapping[str, Section], still: Integers
+) -> Integers:
+    """Return the integers with deltas, vectors of cells, and corrections."""
     with payload_of(sections[layout.DELTAS]) as payload:
         if parameters.step:
             values = decode_vectors(*surface.graph, payload)
@@ -221,9 +296,9 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
             raise FormatError("deltas in a file of 0 bits", 0)
         else:
             values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
-    integers = Integers(values, anchors, positions, isolated, exponents=exponents)
+    integers = replace(still, values=values)
     if layout.CELLS in sections:
-        units, cells = _decode_cells(surface, parameters, anchors, sections[layout.CELLS])
+        units, cells = _decode_cells(surface, parameters, still.anchors, sections[layout.CELLS])
         integers = replace(integers, units=units, cells=cells)
     if layout.CORRECTIONS not in sections:
         return integers

@@ -100,6 +100,7 @@ def placed(
     isolated: Floats,
     parameters: Parameters,
     integers: Integers,
+    origin: Floats | None = None,
 ) -> tuple[Parameters, Integers]:
     """Return both with the positions of the anchors and of the isolated vertices, on grids.
 
@@ -108,8 +109,11 @@ def placed(
     positions : float64 (k, 3)
         Of the anchors.
     vertices, isolated : float64 (n, 3), (i, 3)
+    origin : float64 (3,), optional
+        Of the grids. Default: the least corner of all.
     """
-    origin = np.concatenate([vertices, isolated, positions]).min(axis=0)
+    if origin is None:
+        origin = np.concatenate([vertices, isolated, positions]).min(axis=0)
     grid, extra = parameters.anchor_step, steps.extra_bits(integers.exponents, len(vertices))
     each = grid * steps.anchor_ratios(integers)
     anchors = to_grid(positions, origin, each, extra[integers.anchors, None])
@@ -125,6 +129,7 @@ def fitted(
     parameters: Parameters,
     integers: Integers,
     systems: Systems,
+    origin: Floats | None = None,
 ) -> tuple[Parameters, Integers, Floats]:
     """Return both with the vectors of the last stage, and the anchors that go with them.
 
@@ -133,6 +138,8 @@ def fitted(
     left : float64 (n, 3)
         What quantization has left of the deltas.
     vertices, isolated : float64 (n, 3), (i, 3)
+    origin : float64 (3,), optional
+        See `placed`.
 
     Returns
     -------
@@ -145,7 +152,8 @@ def fitted(
     y, e = systems.fit(integers.anchors).exact(left / scale)
     integers = with_vectors(y * scale[integers.anchors], parameters, integers, cells, -1)
     near = vertices - e * scale
-    parameters, integers = placed(near[integers.anchors], vertices, isolated, parameters, integers)
+    anchors = near[integers.anchors]
+    parameters, integers = placed(anchors, vertices, isolated, parameters, integers, origin)
     return parameters, integers, near
 
 

@@ -174,6 +174,16 @@ def _decode_order(payload: memoryview, container: Container, content: Content) -
     return replace(content, order=order)
 
 
+def _encode_frames(draft: Draft) -> tuple[bytes, Draft]:
+    from deltamesh._sections import frames
+
+    return frames.encode(draft)
+
+
+def _decode_frames(payload: memoryview, container: Container, content: Content) -> Content:
+    return content  # `frames` decodes those that are asked for
+
+
 # In the order in which they are coded: each may use what those before it have made.
 SECTIONS: Final = (
     _of_shape(layout.CONNECTIVITY, "connectivity", connectivity),
@@ -201,5 +211,12 @@ SECTIONS: Final = (
         lambda draft: draft.options.keep_order,
         _encode_order,
         _decode_order,
+    ),
+    _single(
+        layout.FRAMES,
+        "frames",
+        lambda draft: bool(draft.sequence.positions),
+        _encode_frames,
+        _decode_frames,
     ),
 )

@@ -1,0 +1,286 @@
+"""Section of the frames beyond the first: each predicted from the one before, as it is decoded.
+
+Nothing accumulates, since the encoder predicts from what a decoder has. A key frame is predicted
+from frame 0 alone, so that the frames after it need none of those before it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Final
+
+from deltamesh._content import Content, frame_digest
+from deltamesh._geometry import anchors as choice
+from deltamesh._geometry.bounds import Bounds
+from deltamesh._geometry.frames import absolute, decode_frame, relative
+from deltamesh._geometry.integers import NO_POINTS, Integers
+from deltamesh._geometry.methods import frame_codec
+from deltamesh._geometry.motion import Motion, fitted_motion
+from deltamesh._geometry.prediction import Prediction, Reference, at_step, finer, predicted
+from deltamesh._geometry.step_search import fit_step
+from deltamesh._geometry.systems import Systems
+from deltamesh._geometry.trial import Attempt, Trial
+from deltamesh._measures.metrics import single_above
+from deltamesh._methods import AUTO
+from deltamesh._options import Settings
+from deltamesh._sections.draft import Draft, FrameResult
+from deltamesh._sections.trials import Trials, has_scale
+from deltamesh_formats.array_types import Floats
+from deltamesh_formats.container.container import Container, Parameters, laid_out
+from deltamesh_formats.container.frame_table import Frame, write_frames
+from deltamesh_formats.errors import FormatError, MeshError, SolveError, TargetError
+
+# Shares of the vertices that are cells of maps, and how coarse deltas may be: the likeliest first.
+SHARES: Final = (0.005, 0.01, 0.0025, 0.0)
+COARSE: Final = (8.0, 12.0)
+# How often the grid of a Cartesian frame is halved, before its bounds are given up.
+MOST_HALVED: Final = 8
+
+
+def encode(draft: Draft) -> tuple[bytes, Draft]:
+    """Return the payload of FRAM, and the draft with what became of the frames."""
+    assert draft.systems is not None
+    plan = _Plan(draft)
+    frames: list[Frame] = []
+    results: list[FrameResult] = []
+    margin, last = draft.margin, plan.first
+    for i, vertices in enumerate(draft.sequence.positions, start=1):
+        is_key = _is_key(i, draft.sequence.key_every)
+        trials = Trials(draft, vertices, draft.systems, f"frame {i}")
+        reference = plan.first if is_key else last
+        trial, prediction = plan.encoded(i, trials, reference)
+        frames.append(_frame(i, trial, prediction, is_key, trials.scale))
+        results.append(FrameResult(i, trial.measured, trials.cost(trial)))
+        margin = max(margin, trials.margin(trial)) if margin else 0
+        last = Reference(trial.parameters, trial.integers, trial.vertices, trial.measured.doubt)
+    payload = write_frames(draft.sequence.rate, frames, plan.first.parameters.method)
+    return payload, replace(draft, frames=tuple(results), margin=margin)
+
+
+def _is_key(index: int, key_every: int) -> bool:
+    """Return whether a frame is a key frame; frame 1 has frame 0 before it in any case."""
+    return index > 1 and index % key_every == 0
+
+
+class _Plan:
+    """Settings of the frames, once one that moves has shown which need the fewest bytes.
+
+    Parameters
+    ----------
+    draft : Draft
+    """
+
+    def __init__(self, draft: Draft) -> None:
+        chosen = draft.chosen
+        p, i, doubt = chosen.parameters, chosen.integers, chosen.measured.doubt
+        self._options = draft.options
+        self._settings = replace(chosen.settings, bits=None, step=p.step)
+        self._share = SHARES[0]
+        self._is_settled = draft.options.effort == 1 or not self._settings.layout.anchored
+        self.first = Reference(p, i, chosen.vertices, doubt)
+
+    def encoded(self, index: int, trials: Trials, reference: Reference) -> tuple[Trial, Prediction]:
+        """Return the trial of a frame that is good enough, and what it is predicted from.
+
+        Raises
+        ------
+        MeshError, TargetError
+            If no trial is; they name the frame.
+        """
+        try:
+            best = self._tried(trials, reference, self._settings, self._share)
+            if not self._is_settled and best[1].motion is not None:
+                best = self._settled(trials, reference, best)
+        except (MeshError, SolveError, TargetError) as error:
+            raise type(error)(f"frame {index}: {error}") from error
+        self._settings = replace(self._settings, step=best[0].parameters.step)
+        return best
+
+    def _settled(
+        self, trials: Trials, reference: Reference, best: tuple[Trial, Prediction]
+    ) -> tuple[Trial, Prediction]:
+        """Return the smallest of the trials with other settings, too, and keep these."""
+        self._is_settled = True
+        for share in SHARES[1:]:
+            best = self._smaller(trials, reference, best, self._settings, share)
+        if self._settings.layout.coarse and not self._options.coarse and trials.bounds is not None:
+            for coarse in COARSE:
+                finer = math.sqrt(self._settings.coarse / coarse)
+                step = best[0].parameters.step * finer
+                settings = replace(self._settings, coarse=coarse, step=step)
+                best = self._smaller(trials, reference, best, settings, self._share)
+        return best
+
+    def _smaller(
+        self,
+        trials: Trials,
+        reference: Reference,
+        best: tuple[Trial, Prediction],
+        settings: Settings,
+        share: float,
+    ) -> tuple[Trial, Prediction]:
+        found = self._tried(trials, reference, settings, share)
+        if found[0].size >= best[0].size:
+            return best
+        self._settings, self._share = settings, share
+        return found
+
+    def _tried(
+        self, trials: Trials, reference: Reference, settings: Settings, share: float
+    ) -> tuple[Trial, Prediction]:
+        """Return the trial of the largest step that keeps the bounds."""
+        surface, bounds = trials.surface, trials.bounds
+        motion = _motion(trials, reference, share) if settings.layout.anchored else None
+        prediction = predicted(surface, self.first.parameters, reference, motion)
+
+        def attempt(settings: Settings) -> Trial:
+            return trials.as_decoded(trials.attempt(settings, prediction), prediction)
+
+        if bounds is None:
+            return attempt(settings), prediction
+        if bounds.has_angle or settings.largest < math.inf:
+            settings = replace(settings, largest=bounds.max)
+        missed: list[Trial] = []
+        if settings.layout.anchored:
+            assert settings.step is not None
+            effort = self._options.effort
+            found = fit_step(settings, bounds, settings.step, effort, attempt, None, missed)
+        else:
+            found = _on_coarsest_grid(settings, self.first.parameters.step, bounds, attempt, missed)
+        if found is None and self._options.method != AUTO and not self._options.is_bounded:
+            found = missed[-1] if missed else None
+        if found is None:
+            raise trials.missed(missed)
+        return found, prediction
+
+
+def _motion(trials: Trials, reference: Reference, share: float) -> Motion | None:
+    """Return the motion from the reference to the frame of the trials, of a share of the vertices.
+
+    There is none where nothing turns.
+    """
+    surface, n = trials.surface, trials.used
+    if not share or not n:
+        return None
+    components = int(surface.labels.max(initial=-1)) + 1
+    count = choice.count_anchors(share, n, components)
+    return fitted_motion(surface, reference.vertices[:n], trials.positions[:n], count)
+
+
+def _on_coarsest_grid(
+    settings: Settings, step: float, bounds: Bounds, attempt: Attempt, missed: list[Trial]
+) -> Trial | None:
+    """Return the first trial within the bounds on grids that halve that of frame 0."""
+    for halved in range(MOST_HALVED + 1):
+        trial = attempt(replace(settings, step=math.ldexp(step, -halved)))
+        if bounds.excess(trial.measured) <= 1:
+            return trial
+        missed[:] = [trial]
+    return None
+
+
+def _frame(
+    index: int, trial: Trial, prediction: Prediction, is_key: bool, scale: float
+) -> Frame:
+    """Return a frame as the container has it."""
+    motion, errors = prediction.motion, trial.measured.errors
+    seen = relative(trial.parameters, trial.integers, prediction.reference)
+    return Frame(
+        index=index,
+        is_key=is_key,
+        finer=finer(prediction.first, trial.parameters),
+        step=trial.parameters.step,
+        coarse=trial.parameters.coarse,
+        rms=single_above(errors.rms / scale if scale else 0.0),
+        max=single_above(errors.max / scale if scale else 0.0),
+        normal=errors.normal_deviation,
+        dihedral=errors.dihedral,
+        maps=0 if motion is None else motion.count,
+        rounds=0 if motion is None else motion.rounds,
+        unit=0 if motion is None else motion.unit,
+        digest=frame_digest(NO_POINTS if motion is None else motion.rows, seen),
+        sections=laid_out(trial.payloads, 0),
+        size=0,
+    )
+
+
+def frame_integers(
+    container: Container, content: Content, frame: Frame
+) -> tuple[Motion | None, Integers]:
+    """Return the motion of a frame, and its integers relative to another's.
+
+    Raises
+    ------
+    FormatError
+        If no encoder has written its streams, or the digest is another.
+    """
+    surface = content.structure.surface
+    first, parameters = content.integers, _parameters(container, frame)
+    rows, integers = decode_frame(surface, parameters, frame.sections, first, frame.maps)
+    if frame_digest(rows, integers) != frame.digest:
+        raise FormatError(f"frame {frame.index}: the checksum of the decoded integers is wrong")
+    motion = Motion(rows, frame.rounds, frame.unit) if frame.maps else None
+    return motion, integers
+
+
+class Player:
+    """Decoder of the frames of a file, in any order; the next one after the last costs the least.
+
+    Parameters
+    ----------
+    container : Container
+    content : Content
+    frames : tuple of Frame
+    systems : Systems
+    first : float64 (p, 3)
+        The decoded positions of frame 0.
+    """
+
+    def __init__(
+        self,
+        container: Container,
+        content: Content,
+        frames: tuple[Frame, ...],
+        systems: Systems,
+        first: Floats,
+    ) -> None:
+        self._container, self._content, self._frames = container, content, frames
+        self._systems = systems
+        self._first = self._last = Reference(container.parameters, content.integers, first)
+        self._at = 0
+
+    def positions(self, index: int) -> Floats:
+        """Return the decoded positions of a frame, float64 (p, 3).
+
+        Raises
+        ------
+        FormatError, SolveError
+        """
+        if index < self._at:
+            self._at, self._last = 0, self._first
+        keys = (frame.index for frame in self._frames[:index] if frame.is_key)
+        key = max(keys, default=0)
+        if key > self._at:
+            self._at, self._last = key - 1, self._first
+        while self._at < index:
+            self._last = self._decoded(self._frames[self._at])
+            self._at += 1
+        return self._last.vertices
+
+    def _decoded(self, frame: Frame) -> Reference:
+        reference = self._first if frame.is_key else self._last
+        surface, first = self._content.structure.surface, self._first.parameters
+        motion, seen = frame_integers(self._container, self._content, frame)
+        parameters = _parameters(self._container, frame)
+        integers = absolute(parameters, seen, reference)
+        if not has_scale(parameters, integers):
+            raise FormatError(f"frame {frame.index}: positions that are too large")
+        prediction = predicted(surface, first, reference, motion)
+        coder = frame_codec(first.method)
+        W = coder.reconstruct(surface, parameters, integers, self._systems, prediction)
+        return Reference(parameters, integers, W)
+
+
+def _parameters(container: Container, frame: Frame) -> Parameters:
+    return at_step(container.parameters, frame.step, frame.coarse, frame.finer)
