@@ -18,10 +18,8 @@ from typing import Final
 
 import numpy as np
 
-from deltamesh._geometry import anchors as choice
 from deltamesh._geometry.cells import Cells
 from deltamesh._kernels.mesh import laplacian
-from deltamesh._shape.surface import Surface
 from deltamesh_formats.array_types import Floats, Ints
 
 # Numbers of a map.
@@ -35,7 +33,7 @@ MOST_ROUNDS: Final = 255
 # Rounds of the fit, and how much of a rotation is mixed into it where a cell is flat or straight.
 FITS: Final = 5
 RIGID: Final = 0.01
-# The largest number of a map: none that is larger predicts anything.
+# The largest number of a map, beside the identity: none that is larger predicts anything.
 LARGEST: Final = 64.0
 
 
@@ -63,32 +61,17 @@ class Motion:
         return len(self.rows) // 3
 
 
-def cells_of(surface: Surface, count: int) -> Cells:
-    """Return the cells that the maps are of: those of the `count` vertices farthest apart."""
-    graph, labels = surface.graph, surface.labels
-    return Cells(graph, labels, choice.farthest(*graph, labels, count))
-
-
-def rounds_for(surface: Surface, count: int) -> int:
-    """Return the rounds of smoothing that suit so many cells."""
-    radius = surface.vertex_count / (np.pi * max(count, 1))
-    return int(min(max(round(ROUNDS * radius), 0), MOST_ROUNDS))
-
-
-def carried(surface: Surface, positions: Floats, motion: Motion | None) -> Floats:
+def carried(positions: Floats, motion: Motion, cells: Cells) -> Floats:
     """Return the deltas that a motion makes of positions, float64 (n, 3).
 
     Parameters
     ----------
-    surface : Surface
     positions : float64 (n, 3)
-    motion : Motion or None
-        Without one, nothing turns.
+    motion : Motion
+    cells : Cells
+        Those of its maps.
     """
-    if motion is None:
-        return laplacian.apply(*surface.graph, positions)
     maps = IDENTITY + np.ldexp(motion.rows.reshape(-1, NINE).astype(np.float64), -motion.unit)
-    cells = cells_of(surface, motion.count)
     return _turned(cells, positions, _spread(cells, maps, motion.rounds))
 
 
@@ -115,20 +98,21 @@ def _times(maps: Floats, v: Floats) -> Floats:
     return np.stack(columns, axis=1)
 
 
-def fitted_motion(surface: Surface, before: Floats, after: Floats, count: int) -> Motion | None:
-    """Return the motion of `count` cells that carries positions best; None if nothing turns.
+def fitted_motion(before: Floats, after: Floats, cells: Cells) -> Motion | None:
+    """Return the motion that carries positions best; None if nothing turns.
 
     Parameters
     ----------
-    surface : Surface
     before, after : float64 (n, 3)
         The decoded positions of a frame, and the input's of the next.
-    count : int
-        At least one a component.
+    cells : Cells
+        Each gets a map.
     """
-    cells, rounds = cells_of(surface, count), rounds_for(surface, count)
-    fit = _EdgeFit(cells, before, after)
-    maps = np.tile(IDENTITY, (count, 1))
+    count = len(cells.anchors)
+    # A cell is a disc of so many edges in radius, squared.
+    radius = len(before) / (np.pi * max(count, 1))
+    rounds = min(round(ROUNDS * radius), MOST_ROUNDS)
+    fit, maps = _EdgeFit(cells, before, after), np.tile(IDENTITY, (count, 1))
     for i in range(FITS):
         maps = maps + fit.step(_spread(cells, maps, rounds), rigid=i == 0)
     rows = np.rint(np.clip(maps - IDENTITY, -LARGEST, LARGEST) * 2.0**UNIT).astype(np.int64)

@@ -8,6 +8,8 @@ from typing import Final
 
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.motion import Motion, carried
+from deltamesh._geometry.systems import Systems
+from deltamesh._kernels.mesh import laplacian
 from deltamesh._shape.surface import Surface
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.container.container import Parameters
@@ -67,12 +69,20 @@ class Prediction:
 
 
 def predicted(
-    surface: Surface, first: Parameters, reference: Reference, motion: Motion | None
+    surface: Surface,
+    first: Parameters,
+    reference: Reference,
+    motion: Motion | None,
+    systems: Systems,
 ) -> Prediction:
     """Return what a decoded frame, and a motion since, tell of another one."""
     positions = reference.vertices[: surface.vertex_count]
-    anchored = METHODS[first.method].anchored
-    deltas = carried(surface, positions, motion) if anchored else positions
+    if motion is not None:
+        deltas = carried(positions, motion, systems.cells_apart(motion.count))
+    elif METHODS[first.method].anchored:
+        deltas = laplacian.apply(*surface.graph, positions)
+    else:
+        deltas = positions
     return Prediction(first, reference, motion, positions, deltas)
 
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import copy
+import functools
 import math
 
+from deltamesh._geometry import anchors as choice
 from deltamesh._geometry.cells import Cells
 from deltamesh._geometry.fit import Fit
 from deltamesh._geometry.interpolation import Interpolation
@@ -43,6 +45,9 @@ class Systems:
         self._least_squares = factorization(graph, solver, threads, memory)
         self._cells = remembered(lambda anchors: Cells(graph, labels, anchors))
         self._interpolation = remembered(lambda anchors: Interpolation(self._cells(anchors)))
+        self._cells_apart = functools.lru_cache(maxsize=2)(
+            lambda count: Cells(graph, labels, choice.farthest(*graph, labels, count))
+        )
         self._fit = remembered(lambda anchors: Fit(self._cells(anchors)))
 
     def to_precision(self, precision: float) -> Systems:
@@ -58,6 +63,10 @@ class Systems:
     def cells(self, anchors: Ints) -> Cells:
         """Return the cells of the anchors."""
         return self._cells(anchors)
+
+    def cells_apart(self, count: int) -> Cells:
+        """Return the cells of so many vertices that are the farthest apart."""
+        return self._cells_apart(count)
 
     def interpolation(self, anchors: Ints) -> Interpolation:
         """Return the system that goes through the anchors."""

@@ -32,7 +32,7 @@ from deltamesh_formats.container.frame_table import Frame, write_frames
 from deltamesh_formats.errors import FormatError, MeshError, SolveError, TargetError
 
 # Shares of the vertices that are cells of maps, and how coarse deltas may be: the likeliest first.
-SHARES: Final = (0.005, 0.01, 0.0025, 0.0)
+SHARES: Final = (0.01, 0.02, 0.005, 0.0)
 COARSE: Final = (8.0, 12.0)
 # How often the grid of a Cartesian frame is halved, before its bounds are given up.
 MOST_HALVED: Final = 8
@@ -132,7 +132,7 @@ class _Plan:
         """Return the trial of the largest step that keeps the bounds."""
         surface, bounds = trials.surface, trials.bounds
         motion = _motion(trials, reference, share) if settings.layout.anchored else None
-        prediction = predicted(surface, self.first.parameters, reference, motion)
+        prediction = predicted(surface, self.first.parameters, reference, motion, trials.systems)
 
         def attempt(settings: Settings) -> Trial:
             return trials.as_decoded(trials.attempt(settings, prediction), prediction)
@@ -165,7 +165,8 @@ def _motion(trials: Trials, reference: Reference, share: float) -> Motion | None
         return None
     components = int(surface.labels.max(initial=-1)) + 1
     count = choice.count_anchors(share, n, components)
-    return fitted_motion(surface, reference.vertices[:n], trials.positions[:n], count)
+    cells = trials.systems.cells_apart(count)
+    return fitted_motion(reference.vertices[:n], trials.positions[:n], cells)
 
 
 def _on_coarsest_grid(
@@ -276,7 +277,7 @@ class Player:
         integers = absolute(parameters, seen, reference)
         if not has_scale(parameters, integers):
             raise FormatError(f"frame {frame.index}: positions that are too large")
-        prediction = predicted(surface, first, reference, motion)
+        prediction = predicted(surface, first, reference, motion, self._systems)
         coder = frame_codec(first.method)
         W = coder.reconstruct(surface, parameters, integers, self._systems, prediction)
         return Reference(parameters, integers, W)

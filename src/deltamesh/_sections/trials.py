@@ -48,7 +48,7 @@ class Trials:
 
     def __init__(self, draft: Draft, vertices: Floats, systems: Systems, label: str) -> None:
         structure = draft.shape.structure
-        self._draft, self._systems, self._label = draft, systems, label
+        self._draft, self.systems, self._label = draft, systems, label
         self.surface, self.used = structure.surface, structure.complex.used
         self.positions = draft.of_points(vertices)
         mesh = replace(draft.mesh, vertices=vertices)
@@ -77,7 +77,7 @@ class Trials:
         known = () if predicted is None else (predicted,)
         try:
             parameters, integers, decoded = coder.quantize(
-                self.surface, V[:used], V[used:], settings, self._systems, *known
+                self.surface, V[:used], V[used:], settings, self.systems, *known
             )
         except SolveError as error:
             if self.bounds is None:
@@ -106,7 +106,7 @@ class Trials:
         """
         if not trial.parameters.interpolated:
             return trial
-        systems = self._systems
+        systems = self.systems
         if self._draft.mesh.attributes and predicted is None:
             systems = systems.to_precision(FINER)
         coder, payloads = frame_codec(trial.settings.method), trial.payloads
