@@ -24,8 +24,8 @@ from deltamesh._methods import AUTO, CARTESIAN, LOSSLESS, REFINED
 from deltamesh._options import DEFAULT_QUALITY, Options
 from deltamesh._progress import Progress, silent
 from deltamesh._sections.draft import ALONE, Draft, Sequence, begin
-from deltamesh._sections.trials import has_scale
 from deltamesh._sections.table import SECTIONS
+from deltamesh._sections.trials import has_scale
 from deltamesh._shape.announced import announced
 from deltamesh._version import __version__
 from deltamesh_formats.array_types import Ints

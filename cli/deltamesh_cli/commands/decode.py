@@ -10,14 +10,16 @@ import click
 from deltamesh_cli import files, options
 from deltamesh_cli.decoding import decode_to_file, output_name_and_format
 from deltamesh_cli.epilogs import epilog
-from deltamesh_cli.failures import process_all_and_exit
+from deltamesh_cli.failures import attempt, process_all_and_exit
 from deltamesh_cli.meshes import note_not_kept, parse_container
 from deltamesh_cli.output import display_name, print_json
 from deltamesh_cli.progress import displayed_progress
-from deltamesh_cli.value_types import FILE
+from deltamesh_cli.sequences import NumberedFiles, decode_all_to_files
+from deltamesh_cli.value_types import FILE, whole
 from deltamesh_formats.meshfiles.formats import FORMATS, written_format
 
 if TYPE_CHECKING:
+    from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
 _EXAMPLES = """\
@@ -25,6 +27,8 @@ deltamesh decode bunny.ply.dmesh                 writes bunny.ply
 deltamesh decode bunny.ply.dmesh bunny.stl
 deltamesh decode mesh.dmesh --output-format obj  writes mesh.obj
 deltamesh decode scan.ply.dmesh scan.obj --digits 3
+deltamesh decode walk.dmesh pose.obj --frame 12
+deltamesh decode walk.dmesh walk_%03d.ply --all   writes walk_000.ply, walk_001.ply ...
 deltamesh decode upload.dmesh --max-vertices 1000000 --memory 2G
 deltamesh decode - --output-format off < mesh.dmesh | wc
 """
@@ -33,6 +37,19 @@ deltamesh decode - --output-format off < mesh.dmesh | wc
 @click.command(epilog=epilog(_EXAMPLES))
 @click.argument("source", type=FILE, metavar="IN")
 @options.output("IN without .dmesh")
+@click.option(
+    "--frame",
+    type=whole(0),
+    metavar="N",
+    help="Decode frame N of a sequence, from 0.  [default: 0]",
+)
+@click.option(
+    "--all",
+    "all_frames",
+    is_flag=True,
+    help="Decode all frames of a sequence, each into a file; OUT has %d or %04d for its number, or"
+    " is a folder.",
+)
 @options.decode_options
 @options.as_json
 @options.verbosity
@@ -43,6 +60,8 @@ def command(
     target: str | None,
     output: str | None,
     force: bool,
+    frame: int | None,
+    all_frames: bool,
     output_format: str | None,
     as_json: bool,
     quiet: bool,
@@ -64,6 +83,10 @@ def command(
     digits as that error deserves. stl and glb have nothing but float32: the note says by how much
     positions were rounded, if that is more.
 
+    Of a sequence, --frame decodes one frame, and --all decodes every one into a file of its own,
+    which appears whole or not at all. Without either, frame 0 is decoded, and a note counts the
+    others.
+
     IN is never modified. If OUT exists, it is overwritten only with -f. "-" stands for standard
     input or output. A mesh from standard input goes to standard output unless OUT is given. IN may
     be compressed with gzip or zstandard, also on standard input; OUT is compressed if its name ends
@@ -79,29 +102,62 @@ def command(
     if target is None and not (files.without_suffix(source) or os.path.isdir(source)):
         name = display_name(source)
         raise click.UsageError(f"{name} does not end in {files.SUFFIX}: OUT is needed.")
+    if all_frames:
+        if frame is not None:
+            raise click.UsageError("--frame and --all exclude each other.")
+        if target == files.STDIO:
+            raise click.UsageError("--all writes files: standard output cannot have them.")
     known = written_format(files.extension(target or ""))
+    known = known or (all_frames and os.path.isdir(str(target)))
     if target not in (None, files.STDIO) and output_format is None and known is None:
         name = display_name(str(target))
         raise click.UsageError(f"{name} names no mesh format: use --output-format.")
     files.check_stdout_has_one_use(target, as_json)
 
+    def decode_all(source: str, container: Container) -> None:
+        with attempt(source, "cannot decode"):
+            names = NumberedFiles(source, target, output_format, container)
+        is_text = FORMATS[names.file_format].is_text
+        _check_digits(parameters, names.file_format)
+        for index in range(names.count):
+            files.check_output(source, names.name(index), force=force, text=is_text)
+        with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
+            lost = decode_all_to_files(names, source, container, progress, parameters, force=force)
+        first, last = names.name(0), names.name(names.count - 1)
+        note_not_kept(first, lost, quiet=quiet)
+        if as_json:
+            made = {"files": [names.name(i) for i in range(names.count)]}
+            print_json({"source": source, "format": names.file_format, **made})
+        elif not quiet:
+            arrow = f"{display_name(source)} -> {display_name(first)} to {display_name(last)}"
+            click.echo(f"{arrow}: {names.count} frames")
+
     def decode(source: str) -> None:
         container = parse_container(source, files.read_input(source, parameters), "cannot decode")
+        if all_frames:
+            decode_all(source, container)
+            return
         stored = container.meta.source if container.meta is not None else ""
         name, file_format = output_name_and_format(source, target, output_format, stored)
         is_text = FORMATS[file_format].is_text
-        if parameters["digits"] is not None and not is_text:
-            raise click.UsageError(f"--digits means nothing for {file_format}, which is binary.")
+        _check_digits(parameters, file_format)
         files.check_output(source, name, force=force, text=is_text)
         with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
             mesh, lost = decode_to_file(
-                name, file_format, source, container, progress, parameters, force=force
+                *(name, file_format, source, container, progress),
+                {**parameters, "frame": frame},
+                force=force,
             )
         note_not_kept(name, lost, quiet=quiet)
         if as_json or not (quiet or name == files.STDIO):
             _print_summary(source, name, mesh, file_format, as_json)
 
     process_all_and_exit([source], decode, as_json=as_json)
+
+
+def _check_digits(parameters: dict[str, Any], file_format: str) -> None:
+    if parameters["digits"] is not None and not FORMATS[file_format].is_text:
+        raise click.UsageError(f"--digits means nothing for {file_format}, which is binary.")
 
 
 def _print_summary(

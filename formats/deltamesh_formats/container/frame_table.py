@@ -33,7 +33,7 @@ from deltamesh_formats.container.layout import (
     SEQUENCE_FIELDS,
     STRUCT_CODES,
 )
-from deltamesh_formats.container.reader import Buffer, payload_of, read_fields, read_varint, take
+from deltamesh_formats.container.reader import payload_of, read_fields, read_varint, take
 from deltamesh_formats.container.writer import with_crc, write_fields, write_varint
 from deltamesh_formats.errors import FormatError, located
 

@@ -83,7 +83,9 @@ def _on_grid(
     parameters, integers = replace(first, step=step), predicted.reference.integers
     extra = steps.extra_bits(exponents, len(everything))[:, None]
     each = step * steps.ratios(integers)
-    integers = Integers(to_grid(everything, np.array(first.origin), each, extra), exponents=exponents)
+    integers = Integers(
+        to_grid(everything, np.array(first.origin), each, extra), exponents=exponents
+    )
     return parameters, integers, reconstruct(surface, parameters, integers, systems)
 
 
@@ -132,9 +134,7 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
         return Integers(values, exponents=exponents)
 
 
-def encode_frame(
-    surface: Surface, parameters: Parameters, integers: Integers
-) -> dict[str, bytes]:
+def encode_frame(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
     """Return the payload of a further frame, whose grid points are relative to another's."""
     return {layout.CARTESIAN: encode_three(surface.elements, integers.values)}
 

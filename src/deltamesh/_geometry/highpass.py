@@ -236,9 +236,7 @@ def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict
     }
 
 
-def encode_frame(
-    surface: Surface, parameters: Parameters, integers: Integers
-) -> dict[str, bytes]:
+def encode_frame(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
     """Return the payloads of a further frame, whose positions are relative to another's."""
     points = np.concatenate([integers.positions, integers.isolated])
     return {
@@ -279,9 +277,7 @@ def decode_frame(
     k = len(first.anchors)
     with payload_of(sections[layout.ANCHORS]) as payload:
         points = decode_vectors(*_without_edges(k + len(first.isolated)), payload)
-    still = Integers(
-        NO_POINTS, first.anchors, points[:k], points[k:], exponents=first.exponents
-    )
+    still = Integers(NO_POINTS, first.anchors, points[:k], points[k:], exponents=first.exponents)
     return _decode_vectors(surface, parameters, sections, still)
 
 

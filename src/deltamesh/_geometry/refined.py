@@ -20,8 +20,8 @@ import numpy as np
 from deltamesh._geometry import highpass, steps
 from deltamesh._geometry.integers import Integers, Quantized
 from deltamesh._geometry.normals import vertex_normals
-from deltamesh._geometry.prediction import Prediction
 from deltamesh._geometry.positions import all_positions, fitted, smoothed, solved
+from deltamesh._geometry.prediction import Prediction
 from deltamesh._geometry.quantize import quantize_delta
 from deltamesh._geometry.systems import Systems
 from deltamesh._kernels.coding import residual
@@ -147,9 +147,7 @@ def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict
     return {**payloads, NORMALS: _encode_refinements(surface, integers)}
 
 
-def encode_frame(
-    surface: Surface, parameters: Parameters, integers: Integers
-) -> dict[str, bytes]:
+def encode_frame(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
     """Return the payloads of a further frame, as `highpass.encode_frame` does."""
     payloads = highpass.encode_frame(surface, parameters, integers)
     return {**payloads, NORMALS: _encode_refinements(surface, integers)}

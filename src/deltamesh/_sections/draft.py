@@ -134,6 +134,13 @@ class Draft:
         """The input's position of each point, float64 (p, 3)."""
         return self.of_points(self.mesh.vertices)
 
+    @property
+    def costliest(self) -> Cost | None:
+        """The bound that cost the bytes, in the frame that comes the nearest to it."""
+        costs = [self.cost, *(frame.cost for frame in self.frames)]
+        found = [cost for cost in costs if cost is not None]
+        return max(found, key=lambda cost: cost.error / (cost.bound or 1.0), default=None)
+
     def of_points(self, vertices: Floats) -> Floats:
         """Return the rows of the points, float64 (p, 3), of those of the vertices, (n, 3)."""
         return vertices[self.shape.triangle_provenance.points]

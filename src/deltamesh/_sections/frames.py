@@ -181,9 +181,7 @@ def _on_coarsest_grid(
     return None
 
 
-def _frame(
-    index: int, trial: Trial, prediction: Prediction, is_key: bool, scale: float
-) -> Frame:
+def _frame(index: int, trial: Trial, prediction: Prediction, is_key: bool, scale: float) -> Frame:
     """Return a frame as the container has it."""
     motion, errors = prediction.motion, trial.measured.errors
     seen = relative(trial.parameters, trial.integers, prediction.reference)

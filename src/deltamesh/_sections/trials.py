@@ -111,9 +111,7 @@ class Trials:
             systems = systems.to_precision(FINER)
         coder, payloads = frame_codec(trial.settings.method), trial.payloads
         known = () if predicted is None else (predicted,)
-        found = coder.reconstruct(
-            self.surface, trial.parameters, trial.integers, systems, *known
-        )
+        found = coder.reconstruct(self.surface, trial.parameters, trial.integers, systems, *known)
         measured = replace(self.measure(found), doubt=trial.measured.doubt)
         return replace(trial, encode=lambda: payloads, vertices=found, measured=measured)
 
@@ -132,7 +130,6 @@ class Trials:
         binding: Binding = self.bounds.binding(trial.measured)
         part = None if binding.part is None else self.named.name(binding.part)
         return Cost(binding.name, binding.error, binding.bound, part)
-
 
     def missed(self, trials: list[Trial]) -> TargetError:
         """Return the error to raise where the best of these trials is beyond the bounds."""
