@@ -46,6 +46,8 @@ LOOKS: Mapping[str, tuple[Look, Look]] = {
         Look((-0.3, 0.2, 1), focus=(0.5, 0.6, 0.7), height=0.3),
     ),
 }
+# Stages that look different.
+STREAM = ("anchors", "deltas", "whole")
 _SPHERE = Look((0.7, 0.45, 0.9), focus=(0.5, 0.42, 0.5), height=0.76)
 
 
@@ -176,11 +178,24 @@ def equal_bytes(mesh: TriangleMesh, looks: tuple[Look, Look], bpv: float) -> lis
     return [row, [Panel(one.mesh, one.frame, part) for one in row]]
 
 
+def stream(mesh: TriangleMesh, look: Look) -> list[list[Panel]]:
+    """Return the shapes that the beginning of a file makes, stage by stage."""
+    from partial import stages_of_mesh
+
+    shown = [stage for stage in stages_of_mesh(mesh) if stage.name in STREAM]
+    panels = [original(mesh, look)]
+    for stage in shown:
+        size = f"{stage.bytes:,} bytes, {100 * stage.share:.0f} %"
+        errors = f"normals {stage.normals:.2f}°, rms {stage.rms:.1e}"
+        panels.append(Panel(stage.mesh, mesh, look, f"{stage.name}\n{size}\n{errors}"))
+    return [[*panels[1:], panels[0]]]
+
+
 @click.command(epilog=corpus.epilog(_EXAMPLES))
 @click.option(
     "--figure",
     "figures",
-    type=click.Choice(["sphere", "model", "equal_bytes"]),
+    type=click.Choice(["sphere", "model", "equal_bytes", "stream"]),
     multiple=True,
     help="Draw this figure only; may be repeated.",
 )
@@ -216,6 +231,8 @@ def command(figures: tuple[str, ...], names: tuple[str, ...], bpv: float, output
     if (not figures or "model" in figures) and _there("model", "bunny"):
         rows = model(corpus.bare("bunny"), LOOKS["bunny"][0])
         _render(output / "model.png", rows, _WIDE, Scale("", 2e-5, 2e-3))
+    if (not figures or "stream" in figures) and _there("stream", "bunny"):
+        _render(output / "stream.png", stream(corpus.bare("bunny"), LOOKS["bunny"][0]), _WIDE)
     for name in names if not figures or "equal_bytes" in figures else ():
         if not _there("equal_bytes", name):
             continue

@@ -53,6 +53,7 @@ def decode_to_file(
     progress: Progress,
     parameters: dict[str, Any],
     *,
+    partial: bool = False,
     force: bool,
 ) -> tuple[PolyMesh, tuple[str, ...]]:
     """Decode a `.dmesh` file and write its mesh.
@@ -70,6 +71,8 @@ def decode_to_file(
         Keywords of `deltamesh.decode`, None for those that the user did not give, and "digits",
         the decimal places of positions in a text. Without "frame", frame 0 of a sequence is
         decoded, and the others are lost.
+    partial : bool
+        Whether the file may be cut.
     force : bool
         Whether an existing mesh file is overwritten.
 
@@ -85,7 +88,7 @@ def decode_to_file(
         If the file cannot be decoded, or the mesh file cannot be written.
     """
     keywords = {name: value for name, value in parameters.items() if name != "digits"}
-    mesh = decode_container(source, container, progress, **keywords)
+    mesh = decode_container(source, container, progress, partial=partial, **keywords)
     progress("writing")
     digits = parameters.get("digits")
     lost = write_mesh_file(target, mesh, file_format, digits, force=force)

@@ -111,7 +111,9 @@ def check_input(name: str) -> None:
             raise OSError(errno.ENOTTY, "it is a terminal, not a file or a pipe")
 
 
-def read_input(name: str, limits: Mapping[str, Any] | None = None) -> bytes:
+def read_input(
+    name: str, limits: Mapping[str, Any] | None = None, *, partial: bool = False
+) -> bytes:
     """Return what is in a file, or comes from standard input, without compression around it.
 
     Parameters
@@ -119,21 +121,25 @@ def read_input(name: str, limits: Mapping[str, Any] | None = None) -> bytes:
     name : str
     limits : mapping, optional
         The options of a command that has --memory, which also limits what is decompressed.
+    partial : bool
+        Whether the compression may be cut.
 
     Raises
     ------
     Failure
         If it cannot be read, its compression is damaged, or it is larger than allowed.
     """
-    return unwrapped_input(name, read_raw(name), limits)
+    return unwrapped_input(name, read_raw(name), limits, partial=partial)
 
 
-def unwrapped_input(name: str, data: bytes, limits: Mapping[str, Any] | None = None) -> bytes:
+def unwrapped_input(
+    name: str, data: bytes, limits: Mapping[str, Any] | None = None, *, partial: bool = False
+) -> bytes:
     """Return what is in the bytes of a file; parameters and failures are those of `read_input`."""
     memory = None if limits is None else limits.get("memory")
     with attempt(name, "cannot read"):
         try:
-            return unwrapped(data, DEFAULT_LIMIT if memory is None else memory)
+            return unwrapped(data, DEFAULT_LIMIT if memory is None else memory, partial=partial)
         except LimitError as error:
             hint = "decompress it first" if limits is None else "--memory raises the limit"
             raise Failure(name, "cannot read", error, hint) from error

@@ -90,6 +90,16 @@ def note_not_kept(name: str, lost: Collection[str], *, quiet: bool) -> None:
         message(f"note: {display_name(name)}: {listed} are not kept")
 
 
+def note_prefix(name: str, container: Container, *, quiet: bool) -> None:
+    """Note on standard error how far a file that is cut reaches, and what it lacks."""
+    if container.is_whole or quiet:
+        return
+    from deltamesh_formats.container.summary import prefix_text
+
+    told = f"{prefix_text(container)}; the checksum of its content cannot be verified"
+    message(f"note: {display_name(name)}: {told}")
+
+
 def note_faces(name: str, report: Report | None, *, quiet: bool) -> None:
     """Note on standard error the faces that have lost their area, or have turned over."""
     if report is None or quiet:
@@ -111,24 +121,26 @@ def memory_notes(name: str, container: Container) -> list[str]:
     return [f"{display_name(name)}: {text}: give deltamesh decode --memory {-(-needed >> 30)}G"]
 
 
-def parse_container(name: str, data: bytes, problem: str) -> Container:
-    """Return the sections of a `.dmesh` file, checked but not decoded.
+def parse_container(name: str, data: bytes, problem: str, *, partial: bool = False) -> Container:
+    """Return the sections of a `.dmesh` file, checked but not decoded; it may be cut if `partial`.
 
     Raises
     ------
     Failure
         If the bytes are not a valid file; `problem` names the step that is impossible then.
     """
-    from deltamesh_formats.container.reader import read_container
+    from deltamesh_formats.container.reader import read_container, read_prefix
 
     with attempt(name, problem):
-        return read_container(data)
+        return read_prefix(data) if partial else read_container(data)
 
 
 def decode_container(
-    name: str, container: Container, progress: Progress, **parameters: Any
+    name: str, container: Container, progress: Progress, *, partial: bool = False, **parameters: Any
 ) -> PolyMesh:
     """Return the mesh of a `.dmesh` file; `parameters` are the keywords of `deltamesh.decode`.
+
+    A file that is cut is decoded as far as it goes if `partial`.
 
     Raises
     ------
@@ -138,8 +150,13 @@ def decode_container(
     with attempt(name, "cannot decode"):
         import deltamesh
 
-        keywords = options.specified(parameters)
-        return interruptible(lambda: deltamesh.decode(container, progress=progress, **keywords))
+        keywords = options.specified(parameters) | {"progress": progress}
+        mesh: PolyMesh
+        if partial:
+            mesh = interruptible(lambda: deltamesh.decode(container, partial=True, **keywords).mesh)
+        else:
+            mesh = interruptible(lambda: deltamesh.decode(container, **keywords))
+        return mesh
 
 
 def further_frames(name: str, container: Container) -> tuple[str, ...]:

@@ -161,6 +161,12 @@ memory: Final = click.option(
 
 limits: Final = combined(max_vertices, memory)
 
+partial: Final = click.option(
+    "--partial",
+    is_flag=True,
+    help="Take a file that is cut, and what has come of it.",
+)
+
 # All options that say how a file is decoded, and into which format.
 decode_options: Final = combined(output_format, digits, solver, threads, limits)
 

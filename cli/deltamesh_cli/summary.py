@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 from deltamesh_cli.output import display_name
 from deltamesh_formats.container.container import Container, Meta, Parameters
 from deltamesh_formats.container.layout import ATTRIBUTES, ORDER, PARTS
+from deltamesh_formats.container.stages import awaited, stage_of, stages_of
 from deltamesh_formats.container.summary import (
     attributes_of,
     bits_per_vertex,
@@ -38,6 +39,7 @@ def container_object(name: str, container: Container) -> dict[str, object]:
     from deltamesh_formats.container.texts import texts_of
 
     n, parameters, meta = container.vertices, container.parameters, container.meta
+    reached = stages_of(container)
     return {
         "file": name,
         "version": container.version,
@@ -59,7 +61,18 @@ def container_object(name: str, container: Container) -> dict[str, object]:
         "sequence": _sequence_object(container),
         "encoder": None if meta is None else meta.encoder,
         "source_format": None if meta is None else meta.source or None,
-        "digest": container.digest.hex(),
+        "digest": container.digest.hex() or None,
+        "stages": [{"stage": stage, "bytes": size} for stage, size in reached.items()],
+        **stage_object(container),
+    }
+
+
+def stage_object(container: Container) -> dict[str, object]:
+    """Return how far a file reaches that may be cut, for `--json`."""
+    return {
+        "stage": stage_of(container) or None,
+        "cut": container.cut or None,
+        "absent": list(awaited(container)),
     }
 
 

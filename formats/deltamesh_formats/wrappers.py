@@ -96,7 +96,7 @@ def wrapped(name: str, data: bytes) -> bytes:
     return _WRAPPERS[suffix.lower()].compress(data) if suffix else data
 
 
-def unwrapped(data: bytes, limit: int = DEFAULT_LIMIT) -> bytes:
+def unwrapped(data: bytes, limit: int = DEFAULT_LIMIT, *, partial: bool = False) -> bytes:
     """Return what is in a file, decompressed if it begins like a gzip or zstandard stream.
 
     Parameters
@@ -105,6 +105,8 @@ def unwrapped(data: bytes, limit: int = DEFAULT_LIMIT) -> bytes:
         The whole file: one stream, or several in a row.
     limit : int
         Bytes that it may decompress to. What is above is refused before much more is allocated.
+    partial : bool
+        Whether a stream may be cut: what is there is decompressed.
 
     Raises
     ------
@@ -114,7 +116,7 @@ def unwrapped(data: bytes, limit: int = DEFAULT_LIMIT) -> bytes:
         For more than the limit.
     """
     wrapper = _wrapper_of(data)
-    return data if wrapper is None else _decompressed(wrapper, data, limit)
+    return data if wrapper is None else _decompressed(wrapper, data, limit, partial=partial)
 
 
 def beginning(data: bytes, size: int) -> bytes:
@@ -145,14 +147,17 @@ def _wrapper_of(data: bytes) -> _Wrapper | None:
     return next((one for one in _WRAPPERS.values() if one.begins(data[:4])), None)
 
 
-def _decompressed(wrapper: _Wrapper, data: bytes, limit: int) -> bytes:
-    made, total, at = [], 0, 0
+def _decompressed(wrapper: _Wrapper, data: bytes, limit: int, *, partial: bool) -> bytes:
+    made: list[bytes] = []
+    total = at = 0
     while at < len(data):
         if not wrapper.begins(data[at : at + 4]):
             raise FormatError(f"{len(data) - at} bytes follow the {wrapper.title} stream", at)
         stream, piece = wrapper.decompressor(), _FIRST_PIECE
         while not stream.eof:
             if at >= len(data):
+                if partial:
+                    return b"".join(made)
                 raise FormatError(f"truncated: the file ends within its {wrapper.title} stream", at)
             size = max(_LEAST_PIECE, min(piece, (limit - total) // _MOST_PER_BYTE))
             made.append(_next(wrapper, stream, data[at : at + size], at))

@@ -395,6 +395,15 @@ DM_API int dm_vertex_normals(const double *points, int64_t n, const int64_t *fac
                              const double *steps, int64_t step_count, double most, double fade,
                              double *normals, double *areas);
 
+/* rotations.c */
+DM_API int dm_fit_rotations(const int64_t *indptr, int64_t n, const int64_t *indices,
+                            int64_t entries, const double *from, const double *to, int64_t rings,
+                            double *turns, double *moments, double *wider);
+DM_API int dm_nearest_rotations(const double *matrices, int64_t n, double *turns);
+DM_API int dm_turned_deltas(const int64_t *indptr, int64_t n, const int64_t *indices,
+                            int64_t entries, const double *points, const double *turns,
+                            double *out);
+
 /* outlines.c */
 DM_API int dm_walk_outlines(const int64_t *merged, int64_t faces, int64_t *corners,
                             int64_t corner_count, int64_t *offsets, int64_t polygons,

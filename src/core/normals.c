@@ -3,22 +3,6 @@
 #include "graphs.h"
 #include "vectors.h"
 
-/* The longest side of the bounding box of points (n, 3), or 1. */
-static double extent_of(const double *points, int64_t n)
-{
-    double longest = 0.0;
-    for (int c = 0; c < 3; c++) {
-        double low = INFINITY, high = -INFINITY;
-        for (int64_t v = 0; v < n; v++) {
-            const double x = points[3 * v + c];
-            low = x < low ? x : low;
-            high = x > high ? x : high;
-        }
-        longest = high - low > longest ? high - low : longest;
-    }
-    return longest > 0.0 ? longest : 1.0;
-}
-
 /* Set `normals` (n, 3) to s / (|s| + fade (a + step^2)), s the sum of the cross products of the faces
    (m, 3) around each vertex of `points` (n, 3), and a that of their lengths.
 
@@ -31,7 +15,7 @@ int dm_vertex_normals(const double *points, int64_t n, const int64_t *faces, int
 {
     if (!dm_all_in(faces, 3 * m, 0, n) || (step_count != 1 && step_count != n))
         return DM_INVALID;
-    const double extent = extent_of(points, n);
+    const double extent = dm_extent(points, n);
     for (int64_t v = 0; v < n; v++)
         normals[3 * v] = normals[3 * v + 1] = normals[3 * v + 2] = areas[v] = 0.0;
     for (int64_t f = 0; f < m; f++) {

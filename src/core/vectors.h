@@ -44,4 +44,20 @@ static inline void dm_set_row(double *rows, int64_t i, dm_vector v)
 
 static inline double dm_length(dm_vector v) { return sqrt(dm_dot(v, v)); }
 
+/* The longest side of the bounding box of points (n, 3), or 1. */
+static inline double dm_extent(const double *points, int64_t n)
+{
+    double longest = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double low = INFINITY, high = -INFINITY;
+        for (int64_t v = 0; v < n; v++) {
+            const double x = points[3 * v + c];
+            low = x < low ? x : low;
+            high = x > high ? x : high;
+        }
+        longest = high - low > longest ? high - low : longest;
+    }
+    return longest > 0.0 ? longest : 1.0;
+}
+
 #endif

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import TypeAlias, Unpack, cast, overload
+from typing import Literal, TypeAlias, Unpack, cast, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,11 +20,12 @@ from deltamesh._options import (
     Options,
 )
 from deltamesh._pipeline import Encoded, decode_mesh, encode_mesh
+from deltamesh._prefixes import Partial, decode_prefix
 from deltamesh._progress import Progress, silent
 from deltamesh._sections import draft
 from deltamesh._sources import Bytes, bytes_of
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.container.reader import read_container, read_prefix
 from deltamesh_formats.errors import MeshError, OptionError
 from deltamesh_formats.polymesh.arrays import unchecked
 from deltamesh_formats.polymesh.dropping import without
@@ -284,7 +285,7 @@ def _frames_of(
     if isinstance(mesh, PolyMesh):
         return None
     if faces is None:
-        if isinstance(mesh, (list, tuple)) and not all(isinstance(one, PolyMesh) for one in mesh):
+        if isinstance(mesh, (list, tuple)) and not any(isinstance(one, PolyMesh) for one in mesh):
             return None
         is_sequence = isinstance(mesh, Iterable) and not hasattr(mesh, "__array__")
         return cast(Iterable[PolyMesh], mesh) if is_sequence else None
@@ -309,16 +310,45 @@ def _mesh_of(mesh: PolyMesh | Iterable[PolyMesh] | ArrayLike, faces: Faces | Non
     return replace(unchecked(cast(ArrayLike, mesh), faces), precision="float64")
 
 
+@overload
 def decode(
     data: Bytes | Container,
     *,
     frame: int = 0,
+    partial: Literal[False] = False,
     solver: str = "auto",
     threads: int | None = None,
     max_vertices: int = DEFAULT_MAX_VERTICES,
     memory: int = DEFAULT_MEMORY,
     progress: Progress | None = None,
-) -> PolyMesh:
+) -> PolyMesh: ...
+
+
+@overload
+def decode(
+    data: Bytes | Container,
+    *,
+    frame: int = 0,
+    partial: Literal[True],
+    solver: str = "auto",
+    threads: int | None = None,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Progress | None = None,
+) -> Partial: ...
+
+
+def decode(
+    data: Bytes | Container,
+    *,
+    frame: int = 0,
+    partial: bool = False,
+    solver: str = "auto",
+    threads: int | None = None,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Progress | None = None,
+) -> PolyMesh | Partial:
     """Decompress the bytes of a `.dmesh` file; `load` reads one from a path or a file.
 
     Parameters
@@ -328,6 +358,9 @@ def decode(
     frame : int
         Of a sequence, the frame, from 0. It is decoded from the first one, the key frame before it,
         and those in between; `deltamesh.frames` decodes one after the other.
+    partial : bool
+        Whether the file may be cut: its beginning is decoded, as far as it reaches. The checksums
+        of whole sections are verified, that of the content only of a whole file.
     solver : {"auto", "core", "rslab", "pardiso", "scipy"}
         Default: the compiled core for small meshes, else rslab or, where it is missing, scipy.
     threads : int, optional
@@ -344,11 +377,14 @@ def decode(
         what of the source is not kept; in the order of the source only with `keep_order`. Faces and
         stored integers are exact; positions to within 1e-9 of the bounding box diagonal,
         whatever the machine and the solver, of a lossless file bit for bit.
+    Partial
+        The same in its `mesh`, if `partial`, with the stage that is reached.
 
     Raises
     ------
     FormatError
-        If the bytes are damaged or no encoder has written them; it has an offset.
+        If the bytes are damaged or no encoder has written them; it has an offset. If `partial`,
+        also where no vertex has a position yet.
     LimitError
         Before anything above the limits is allocated: by the counts of the file or, for methods
         that solve, by the entries of the factorization.
@@ -362,6 +398,18 @@ def decode(
     -----
     D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
     """
+    if partial:
+        if frame:
+            raise OptionError("a file that may be cut is decoded as far as its first frame")
+        prefix = data if isinstance(data, Container) else read_prefix(bytes_of(data))
+        return decode_prefix(
+            prefix,
+            solver=solver,
+            threads=threads,
+            max_vertices=max_vertices,
+            memory=memory,
+            progress=progress or silent,
+        )
     container = data if isinstance(data, Container) else read_container(bytes_of(data))
     if not 0 <= frame < container.frame_count:
         count = container.frame_count

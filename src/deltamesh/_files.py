@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import os
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Unpack
+from typing import Literal, Unpack, overload
 
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh._options import EncodeOptions
+from deltamesh._prefixes import Partial
 from deltamesh._sources import Source, read_file, read_source
 from deltamesh_formats.atomic import PathOrFile, write_file
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.container.reader import read_container, read_prefix
 from deltamesh_formats.errors import OptionError
 from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.wrappers import without_wrapper, wrapped
 
 
-def info(source: Source) -> Container:
+def info(source: Source, *, partial: bool = False) -> Container:
     """Return the container of a file: counts, sections, parameters, achieved errors.
 
     Every checksum of the bytes is verified; nothing is decoded. `decode` takes what is returned,
@@ -29,12 +31,15 @@ def info(source: Source) -> Container:
     ----------
     source : path, binary file object or bytes-like
         Around a file there may be gzip or zstandard.
+    partial : bool
+        Whether the file may be cut: the sections that have come are described.
 
     Raises
     ------
     FormatError, LimitError
     """
-    return read_container(read_source(source))
+    read = read_prefix if partial else read_container
+    return read(read_source(source, partial=partial))
 
 
 def verify(
@@ -120,16 +125,45 @@ def _container_of(source: Source | Container, memory: int) -> Container:
     return read_container(read_source(source, memory))
 
 
+@overload
 def load(
     source: PathOrFile,
     *,
     frame: int = 0,
+    partial: Literal[False] = False,
     solver: str = "auto",
     threads: int | None = None,
     max_vertices: int = DEFAULT_MAX_VERTICES,
     memory: int = DEFAULT_MEMORY,
     progress: Callable[[str], None] | None = None,
-) -> PolyMesh:
+) -> PolyMesh: ...
+
+
+@overload
+def load(
+    source: PathOrFile,
+    *,
+    frame: int = 0,
+    partial: Literal[True],
+    solver: str = "auto",
+    threads: int | None = None,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Callable[[str], None] | None = None,
+) -> Partial: ...
+
+
+def load(
+    source: PathOrFile,
+    *,
+    frame: int = 0,
+    partial: bool = False,
+    solver: str = "auto",
+    threads: int | None = None,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Callable[[str], None] | None = None,
+) -> PolyMesh | Partial:
     """Decode a `.dmesh` file: polygons, attributes, parts and metadata of what was encoded.
 
     Vertices and faces come in the order of the source only if that was kept (`keep_order`).
@@ -142,6 +176,8 @@ def load(
         within `memory`, too.
     frame : int
         Of a sequence, the frame, from 0.
+    partial : bool
+        Whether the file may be cut; what is returned is a `Partial` then.
     solver, threads, max_vertices, memory, progress
         As in `deltamesh.decode`, which does the same with bytes.
 
@@ -155,8 +191,9 @@ def load(
     """
     from deltamesh._codec import decode
 
-    return decode(
-        read_file(source, memory),
+    run = functools.partial(decode, partial=True) if partial else decode
+    return run(
+        read_file(source, memory, partial=partial),
         frame=frame,
         solver=solver,
         threads=threads,

@@ -207,6 +207,7 @@ def _check_filling(container: Container, counts: Counts) -> None:
     if lacking > size:
         held = next(held for held in _held(container, counts) if held.lacking)
         room = f"{held.size} bytes" + (f" and {size} of {FILLING}" if section is not None else "")
+        room += "" if container.is_whole else f", and {FILLING} has not come"
         message = f"{held.section}: {held.count} {held.what} do not fit into {room}"
         raise FormatError(message, container.sections[held.section].offset)
     if section is None:

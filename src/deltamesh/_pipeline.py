@@ -28,11 +28,10 @@ from deltamesh._sections.table import SECTIONS
 from deltamesh._sections.trials import has_scale
 from deltamesh._shape.announced import announced
 from deltamesh._version import __version__
-from deltamesh_formats.array_types import Ints
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.caching import cached_property
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Meta
-from deltamesh_formats.container.frame_table import frames_of
 from deltamesh_formats.container.layout import (
     ATTRIBUTES,
     CHECK,
@@ -185,7 +184,7 @@ def _proven(data: bytes) -> Container:
         if FRAMES in container.sections:
             from deltamesh._sections.frames import frame_integers
 
-            for frame in frames_of(container)[1]:
+            for frame in container.frames:
                 frame_integers(container, content, frame)
     except (FormatError, LimitError) as error:
         raise RuntimeError(f"the encoded file cannot be decoded: {error}") from error
@@ -249,26 +248,60 @@ def decode_frames(
 ) -> Iterator[PolyMesh]:
     """Decompress some frames of a container, one after the other; see `deltamesh.frames`."""
     content = proven_content(container, max_vertices, memory, progress)
+    points, systems = _points(container, content, solver, threads, memory, progress)
+    mesh = _mesh(container, content, points)
+    player = None
+    for index in wanted:
+        if index == 0:
+            yield mesh
+            continue
+        if player is None:
+            from deltamesh._sections.frames import Player
+
+            player = Player(container, content, systems, points)
+        progress(f"frame {index}")
+        yield content.moved(mesh, player.positions(index))
+
+
+def positioned(
+    container: Container,
+    content: Content,
+    solver: str,
+    threads: int | None,
+    memory: int,
+    progress: Progress,
+) -> PolyMesh:
+    """Return the mesh of a content, once its positions are solved for.
+
+    Raises
+    ------
+    LimitError, SolveError
+    """
+    points, _ = _points(container, content, solver, threads, memory, progress)
+    return _mesh(container, content, points)
+
+
+def _points(
+    container: Container,
+    content: Content,
+    solver: str,
+    threads: int | None,
+    memory: int,
+    progress: Progress,
+) -> tuple[Floats, Systems]:
+    """Return the positions of the points, and what they were solved with."""
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
     to_solve = memory_to_solve(container, memory)
     systems = Systems(surface, solver, threads, to_solve)
     own = systems.to_precision(FINER) if ATTRIBUTES in container.sections else systems
     coder = geometry_codec(parameters.method)
-    points = coder.reconstruct(surface, parameters, content.integers, own)
-    margin = 0.0 if container.meta is None else container.meta.room
-    mesh = content.mesh(points, parameters.single, margin)
-    player = None
-    for index in wanted:
-        if index == 0:
-            yield mesh
-            continue
-        progress(f"frame {index}")
-        if player is None:
-            from deltamesh._sections.frames import Player
+    return coder.reconstruct(surface, parameters, content.integers, own), systems
 
-            player = Player(container, content, frames_of(container)[1], systems, points)
-        yield content.moved(mesh, player.positions(index))
+
+def _mesh(container: Container, content: Content, points: Floats) -> PolyMesh:
+    margin = 0.0 if container.meta is None else container.meta.room
+    return content.mesh(points, container.parameters.single, margin)
 
 
 def proven_content(
@@ -280,18 +313,20 @@ def proven_content(
     ------
     FormatError, LimitError
     """
+    if not container.is_whole:
+        raise FormatError(f"truncated: section {CHECK} is missing", container.size)
     content = read_content(container, max_vertices, memory, progress)
     if content.digest() != container.digest:
         offset = container.sections[CHECK].offset
         raise FormatError("the checksum of the decoded integers is wrong", offset)
-    _check_scale(container, content.integers)
+    check_scale(container, content.integers)
     return content
 
 
 def read_content(
     container: Container, max_vertices: int, memory: int, progress: Progress = silent
 ) -> Content:
-    """Return the content of a file; its digest is not checked yet.
+    """Return the content of a file, or of a prefix; its digest is not checked yet.
 
     Raises
     ------
@@ -306,7 +341,7 @@ def read_content(
     return content
 
 
-def _check_scale(container: Container, integers: Integers) -> None:
+def check_scale(container: Container, integers: Integers) -> None:
     """Refuse steps and origins that no mesh has."""
     if not has_scale(container.parameters, integers):
         raise FormatError("positions that are too large", container.sections[PARAMETERS].offset)

@@ -28,7 +28,7 @@ def bytes_of(data: Bytes) -> memoryview:
         raise TypeError(f"bytes are needed, not {what}: load takes a path or a file") from None
 
 
-def read_file(source: PathOrFile, limit: int = DEFAULT_LIMIT) -> bytes:
+def read_file(source: PathOrFile, limit: int = DEFAULT_LIMIT, *, partial: bool = False) -> bytes:
     """Return the bytes in a file, without gzip or zstandard around them.
 
     Parameters
@@ -37,6 +37,8 @@ def read_file(source: PathOrFile, limit: int = DEFAULT_LIMIT) -> bytes:
         A file object is read from where it is to its end, and need not be seekable.
     limit : int
         Bytes that it may decompress to.
+    partial : bool
+        Whether the file may be cut, and the stream of the compression with it.
 
     Raises
     ------
@@ -50,17 +52,19 @@ def read_file(source: PathOrFile, limit: int = DEFAULT_LIMIT) -> bytes:
         For anything else, and for a file open in text mode.
     """
     if isinstance(source, (str, os.PathLike)):
-        return unwrapped(read_bytes(source), limit)
+        return unwrapped(read_bytes(source), limit, partial=partial)
     if not hasattr(source, "read"):
         what = type(source).__name__
         raise TypeError(f"a path or a binary file is needed, not {what}: decode takes bytes")
     data = source.read()
     if not isinstance(data, bytes):
         raise TypeError(f"a file to read from has to be open in binary mode: {source!r}")
-    return unwrapped(data, limit)
+    return unwrapped(data, limit, partial=partial)
 
 
-def read_source(source: Source, limit: int = DEFAULT_LIMIT) -> bytes | memoryview:
+def read_source(
+    source: Source, limit: int = DEFAULT_LIMIT, *, partial: bool = False
+) -> bytes | memoryview:
     """Return the bytes in a file, as `read_file` does, or those of a bytes-like object.
 
     Raises
@@ -73,7 +77,7 @@ def read_source(source: Source, limit: int = DEFAULT_LIMIT) -> bytes | memoryvie
         For anything else.
     """
     if isinstance(source, (str, os.PathLike)) or hasattr(source, "read"):
-        return read_file(cast(PathOrFile, source), limit)
+        return read_file(cast(PathOrFile, source), limit, partial=partial)
     try:
         return bytes_of(source)
     except TypeError:

@@ -42,6 +42,7 @@ SCRIPTS = (
     "renderings",
     "bounds",
     "parts",
+    "partial",
     "readers",
     "large",
 )

@@ -100,6 +100,11 @@ TWINS: Mapping[str, tuple[str, ...] | str] = {
     "mesh.neighbours": ("oracle.neighbours", "oracle.component_labels"),
     "mesh.normals": ("oracle.normals",),
     "mesh.outlines": ("polygon_oracle.outlines",),
+    "mesh.rotations": (
+        "rotations_oracle.fit",
+        "rotations_oracle.nearest",
+        "rotations_oracle.turned",
+    ),
 }
 
 

@@ -19,7 +19,7 @@ from deltamesh._limits import (
 from deltamesh._methods import INTERPOLATED, LEAST_SQUARES
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.layout import MAX_ELEMENTS_PER_BYTE
+from deltamesh_formats.container.layout import CHECK, FILLING, MAX_ELEMENTS_PER_BYTE
 from deltamesh_formats.errors import FormatError, LimitError
 
 
@@ -96,6 +96,16 @@ def test_bytes_that_are_lacking_are_filled_with_zeros_and_no_more() -> None:
             check(file_of(10, m, CONN=b"c", FILL=fill), counts, memory=2**60)
     with pytest.raises(FormatError, match="FILL: 0 bytes where 0 are lacking"):
         check(file_of(10, 20, FILL=b""), Counts(10, 0, 10, 20))
+
+
+def test_a_prefix_that_lacks_bytes_is_refused_until_they_have_come() -> None:
+    m = MAX_ELEMENTS_PER_BYTE * 8
+    counts, whole = Counts(10, 0, 10, m), file_of(10, m, CONN=b"c", FILL=bytes(3))
+    sections = {name: one for name, one in whole.sections.items() if name != CHECK}
+    check(replace(whole, sections=sections), counts, memory=2**60)
+    del sections[FILLING]
+    with pytest.raises(FormatError, match="fit into 1 bytes, and FILL has not come"):
+        check(replace(whole, sections=sections), counts, memory=2**60)
 
 
 def test_sections_bound_what_they_add() -> None:

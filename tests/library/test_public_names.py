@@ -14,10 +14,11 @@ import pytest
 
 import deltamesh
 import deltamesh.batch
+import deltamesh.differential
 from deltamesh_formats import errors
 from deltamesh_formats.errors import DeltameshError, FormatError
 
-PACKAGES = (deltamesh, deltamesh.batch)
+PACKAGES = (deltamesh, deltamesh.batch, deltamesh.differential)
 TRIANGLE = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
 
 

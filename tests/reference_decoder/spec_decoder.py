@@ -33,14 +33,25 @@ HIGHPASS, CARTESIAN, REFINED, LOSSLESS = 0, 1, 2, 3
 # ---- §1 to §4: container --------------------------------------------------------------------
 
 
-def container(data):
-    """§2, §3: the counts of vertices and faces, the payloads by their id."""
+def is_cut(data, at):
+    """§6: whether the section at a byte is not whole."""
+    check(not data[at:] or data[at : at + 4].isalpha(), "id of a section")
+    size, shift = 0, 0
+    for i, byte in enumerate(data[at + 4 : at + 13], 1):
+        size, shift = size | (byte & 127) << shift, shift + 7
+        if byte < 128:
+            return at + 4 + i + size + 4 > len(data)
+    return len(data) < at + 13
+
+
+def container(data, cut=False):
+    """§2, §3, §6: the counts of vertices and faces, the payloads by their id, and the next id."""
     file, sections = Bytes(data), {}
     check(file.unpack("8sHH") == (b"\x89DMS\r\n\x1a\n", 4, 0), "magic, version, reserved")
     vertices, faces = file.varint(), file.varint()
     check(vertices <= 1 << 40 and 1 <= faces <= 1 << 40, "counts")
     file.crc(0)
-    while file.at < len(data):
+    while file.at < len(data) and not (cut and is_cut(data, file.at)):
         start = file.at
         name = file.unpack("4s")[0].decode("ascii")
         check(name.isalpha() and name not in sections and len(sections) < 64, name)
@@ -55,10 +66,32 @@ def container(data):
     further += ["ATTR", "PART", "ORDR", "FILL"]
     further = [name for name in further if name in sections]
     order = ["PARM", "CONN", *needed, *geometry, *further, *meta]
-    names = list(sections)
-    check(names[: len(order)] == order and names[-1] == "CHEK", "order of the sections")
-    check(all(name[0].islower() for name in names[len(order) : -1]), "an unknown section")
-    return vertices, faces, sections
+    names, following = list(sections), data[file.at :][:4].decode("ascii")
+    check(names[: len(order)] == order[: len(names)] and names, "order of the sections")
+    check(cut or names[-1] == "CHEK", "CHEK is missing")
+    check(len(names) >= len(order) or "CHEK" not in names, "sections are missing")
+    further = [name for name in names[len(order) :] if name != "CHEK"]
+    check(all(name[0].islower() for name in further), "an unknown section")
+    return vertices, faces, sections, following if len(following) == 4 else ""
+
+
+def as_far(p, sections, following):
+    """§6: the stage of the sections, and the parameters by which they are decoded."""
+    if "CHEK" in sections:
+        return "whole", p
+    if p["method"] in (CARTESIAN, LOSSLESS):
+        check({"CART", "EXAC"} & set(sections), "no positions")
+        return "positions", p
+    check("ANCH" in sections, "no positions")
+    last = "NORM" if p["method"] == REFINED else "DELT"
+    before = {"PARM", "CONN", "STCH", "COPY", "POLY", "STEP", "ANCH", "DELT", "NORM", "CELL"}
+    after = ({*sections} - before) | ({following} - before - {"", "FIXS"})
+    if last in sections and after:
+        return "positions", p
+    stages = {"NORM": "refinements", "DELT": "deltas", "ANCH": "anchors"}
+    stage = next(stages[name] for name in stages if name in sections)
+    method = p["method"] if "NORM" in sections else HIGHPASS
+    return stage, p | {"method": method, "interpolated": p["interpolated"] and "CELL" in sections}
 
 
 def parameters(payload, vertices):
@@ -1389,16 +1422,16 @@ EXACT = (
 )
 
 
-def decode(data):
+def decode(data, cut=False):
     """Return vertices (n, 3), faces (m, 3), or a list of polygons, and by their names integers.
 
     These are those of the digest; "attributes" are `spec_attributes.Decoded`; "told" is what PART
-    tells, with the precision of the source.
+    tells, with the precision of the source; "stage" is that of a file which may be cut.
     """
     import spec_attributes  # which is made of what is here
 
-    vertex_count, face_count, sections = container(data)
-    p = parameters(sections["PARM"], vertex_count)
+    vertex_count, face_count, sections, following = container(data, cut)
+    stage, p = as_far(parameters(sections["PARM"], vertex_count), sections, following)
     if "meta" in sections:
         check_meta(sections["meta"])
     total = vertex_count
@@ -1460,7 +1493,9 @@ def decode(data):
         exact["vectors"], exact["forms"] = found
     else:
         exact |= read_anchors(sections["ANCH"], p, near, exponents)
-        exact["vectors"] = deltas(sections["DELT"], p["step"], near)
+        exact["vectors"] = [(0, 0, 0)] * len(near)
+        if "DELT" in sections:
+            exact["vectors"] = deltas(sections["DELT"], p["step"], near)
     if p["method"] == REFINED:
         exact["refinements"] = refinements(sections["NORM"], near, exact["vectors"])
     if "CELL" in sections:
@@ -1489,7 +1524,8 @@ def decode(data):
     for _, _, of_face, transforms in told[0]:
         words += [struct.pack("<q", x) for x in of_face] + (transforms or [])
     digest = hashlib.blake2b(b"".join(words), digest_size=8).digest()
-    check(digest == sections["CHEK"], "digest")
+    check("CHEK" not in sections or digest == sections["CHEK"], "digest")
+    exact["stage"] = stage
     x = positions(p, surface, near, exact)[list(points)]
     exact["attributes"] = [one.decoded(x) for one in exact["attributes"]]
     if kept:

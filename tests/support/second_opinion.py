@@ -33,6 +33,23 @@ def assert_same(data: bytes) -> None:
     assert (np.abs(vertices - mesh.vertices) <= tolerances_of(data, mesh)).all()
 
 
+def assert_same_prefix(data: bytes) -> None:
+    vertices, faces, exact = spec_decoder.decode(data, cut=True)
+    found = decode(data, partial=True)
+    assert found.stage == exact["stage"]
+    np.testing.assert_array_equal(np.concatenate(faces), found.mesh.corners)
+    assert len(found.mesh.attributes) == len(exact["attributes"])
+    # Of least squares, 1e-9; interpolated anchors that are not solved to that have steps far above.
+    allowed = 1e-9 * np.linalg.norm(np.ptp(vertices, axis=0)) + 1e-3 * step_of(data)
+    assert np.abs(vertices - found.mesh.vertices).max() <= allowed
+
+
+def step_of(data: bytes) -> float:
+    """The step of a file whose anchors are interpolated, 0 of others."""
+    parameters = info(data, partial=True).parameters
+    return parameters.step if parameters.interpolated else 0.0
+
+
 def assert_same_attribute(attribute: Attribute, found: spec_attributes.Decoded) -> None:
     """To the last bit, but for normals, which positions are part of."""
     entry, rows = found.entry, attribute.rows()

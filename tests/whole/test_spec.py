@@ -9,11 +9,12 @@ import numpy as np
 import places
 import pytest
 import spec_attributes
+import spec_coder
 import spec_decoder
 import spec_labels
 import spec_polygons
 import strategies
-from second_opinion import assert_same
+from second_opinion import assert_same, assert_same_prefix
 
 from deltamesh import encode, info
 from deltamesh._graph.elements import of_vertices
@@ -22,6 +23,7 @@ from deltamesh._order import coding as order
 from deltamesh._order.reordering import Order
 from deltamesh._shape.polygons import plain
 from deltamesh._streams.labels import encode_labels
+from deltamesh_formats.container.stages import stages_of
 from deltamesh_formats.container.writer import write_varint
 
 GOLDEN = sorted(places.GOLDEN.glob("*.dmesh"))
@@ -142,6 +144,24 @@ def test_golden_files_have_attributes_of_all_kinds() -> None:
 )
 def test_golden_file(path: Path) -> None:
     assert_same(path.read_bytes())
+
+
+SOLVED = [
+    path
+    for path in GOLDEN
+    if path.stem.startswith(("highpass", "refined")) and info(path).vertices <= 150
+]
+
+
+@pytest.mark.parametrize("path", SOLVED, ids=lambda path: path.stem)
+def test_prefixes_of_a_golden_file(path: Path) -> None:
+    """Each stage, and a byte before the first one."""
+    data = path.read_bytes()
+    container = info(data)
+    for size in list(stages_of(container).values())[:-1]:
+        assert_same_prefix(data[:size])
+    with pytest.raises(spec_coder.RefusedError):
+        spec_decoder.decode(data[: stages_of(container)["anchors"] - 1], cut=True)
 
 
 @pytest.mark.parametrize("name", FRESH)

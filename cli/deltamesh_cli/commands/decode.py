@@ -11,10 +11,11 @@ from deltamesh_cli import files, options
 from deltamesh_cli.decoding import decode_to_file, output_name_and_format
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import attempt, process_all_and_exit
-from deltamesh_cli.meshes import note_not_kept, parse_container
+from deltamesh_cli.meshes import note_not_kept, note_prefix, parse_container
 from deltamesh_cli.output import display_name, print_json
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.sequences import NumberedFiles, decode_all_to_files
+from deltamesh_cli.summary import stage_object
 from deltamesh_cli.value_types import FILE, whole
 from deltamesh_formats.meshfiles.formats import FORMATS, written_format
 
@@ -31,6 +32,7 @@ deltamesh decode walk.dmesh pose.obj --frame 12
 deltamesh decode walk.dmesh walk_%03d.ply --all   writes walk_000.ply, walk_001.ply ...
 deltamesh decode upload.dmesh --max-vertices 1000000 --memory 2G
 deltamesh decode - --output-format off < mesh.dmesh | wc
+head -c 20000 scan.dmesh | deltamesh decode - preview.ply --partial
 """
 
 
@@ -51,6 +53,7 @@ deltamesh decode - --output-format off < mesh.dmesh | wc
     " is a folder.",
 )
 @options.decode_options
+@options.partial
 @options.as_json
 @options.verbosity
 @options.debug
@@ -63,6 +66,7 @@ def command(
     frame: int | None,
     all_frames: bool,
     output_format: str | None,
+    partial: bool,
     as_json: bool,
     quiet: bool,
     verbose: bool,
@@ -95,6 +99,12 @@ def command(
     A damaged file is refused. A file that would exceed --max-vertices or --memory is refused before
     any memory is allocated, and one that decompresses to more than --memory as soon as it does. No
     OUT is written then.
+
+    --partial takes a file that is cut, such as a download that ended early. OUT is the shape at the
+    stage that the whole sections of IN reach, which a note on standard error names, with what has
+    not come: first the least-squares mesh of the anchors, then the surface of the deltas, coarse in
+    a refined file, then everything. Their checksums are verified, but that of the content only of a
+    whole file. A file that ends before any vertex has a position is refused.
     """
     target = files.chosen_output(target, output)
     if target is None and source == files.STDIO:
@@ -107,9 +117,11 @@ def command(
             raise click.UsageError("--frame and --all exclude each other.")
         if target == files.STDIO:
             raise click.UsageError("--all writes files: standard output cannot have them.")
-    known = written_format(files.extension(target or ""))
-    known = known or (all_frames and os.path.isdir(str(target)))
-    if target not in (None, files.STDIO) and output_format is None and known is None:
+    if partial and (all_frames or frame):
+        raise click.UsageError("--partial decodes no frame but the first.")
+    known = written_format(files.extension(target or "")) is not None
+    known |= all_frames and os.path.isdir(str(target))
+    if target not in (None, files.STDIO) and output_format is None and not known:
         name = display_name(str(target))
         raise click.UsageError(f"{name} names no mesh format: use --output-format.")
     files.check_stdout_has_one_use(target, as_json)
@@ -133,7 +145,8 @@ def command(
             click.echo(f"{arrow}: {names.count} frames")
 
     def decode(source: str) -> None:
-        container = parse_container(source, files.read_input(source, parameters), "cannot decode")
+        data = files.read_input(source, parameters, partial=partial)
+        container = parse_container(source, data, "cannot decode", partial=partial)
         if all_frames:
             decode_all(source, container)
             return
@@ -146,11 +159,18 @@ def command(
             mesh, lost = decode_to_file(
                 *(name, file_format, source, container, progress),
                 {**parameters, "frame": frame},
+                partial=partial,
                 force=force,
             )
         note_not_kept(name, lost, quiet=quiet)
-        if as_json or not (quiet or name == files.STDIO):
-            _print_summary(source, name, mesh, file_format, as_json)
+        note_prefix(source, container, quiet=quiet)
+        if as_json:
+            _print_object(
+                source, name, mesh, file_format, stage_object(container) if partial else {}
+            )
+        elif not (quiet or name == files.STDIO):
+            names = f"{display_name(source)} -> {display_name(name)}"
+            click.echo(f"{names}: {len(mesh.vertices)} vertices, {len(mesh.sizes)} faces")
 
     process_all_and_exit([source], decode, as_json=as_json)
 
@@ -160,13 +180,8 @@ def _check_digits(parameters: dict[str, Any], file_format: str) -> None:
         raise click.UsageError(f"--digits means nothing for {file_format}, which is binary.")
 
 
-def _print_summary(
-    source: str, target: str, mesh: PolyMesh, file_format: str, as_json: bool
+def _print_object(
+    source: str, target: str, mesh: PolyMesh, file_format: str, stage: dict[str, object]
 ) -> None:
-    vertices, faces = len(mesh.vertices), len(mesh.sizes)
-    if as_json:
-        counts = {"vertices": vertices, "faces": faces}
-        print_json({"source": source, "file": target, "format": file_format, **counts})
-    else:
-        names = f"{display_name(source)} -> {display_name(target)}"
-        click.echo(f"{names}: {vertices} vertices, {faces} faces")
+    counts = {"vertices": len(mesh.vertices), "faces": len(mesh.sizes)}
+    print_json({"source": source, "file": target, "format": file_format, **counts, **stage})

@@ -19,15 +19,17 @@ deltamesh info -r archive --include 'scan*'
 deltamesh info --json *.dmesh | jq .bits_per_vertex
 deltamesh info --json scan.dmesh | jq '.attributes[] | {name, bytes}'
 deltamesh info --json scene.dmesh | jq '.parts[] | {kind, names}'
+head -c 20000 scan.dmesh | deltamesh info - --partial
 """
 
 
 @click.command(epilog=epilog(_EXAMPLES))
 @click.argument("sources", type=FILE, metavar="[FILE|FOLDER]...", nargs=-1)
 @chosen_files
+@options.partial
 @options.as_json
 @options.debug
-def command(sources: tuple[str, ...], choice: Choice, as_json: bool) -> None:
+def command(sources: tuple[str, ...], choice: Choice, partial: bool, as_json: bool) -> None:
     """Describe .dmesh files without decoding them.
 
     The description has parameters, sizes, attributes, names of parts, metadata, the content of the
@@ -38,6 +40,9 @@ def command(sources: tuple[str, ...], choice: Choice, as_json: bool) -> None:
     Only the first names of a long list are shown. --json prints one object per file, which has all
     names, and lengths in the unit of the mesh as well.
 
+    The stages are what deltamesh decode --partial makes of the first bytes of a file. With
+    --partial, a file may be cut: its whole sections are described, and what it lacks is named.
+
     A FOLDER stands for the .dmesh files in it. Files may be compressed with gzip or zstandard.
     Sizes are those without this compression. The checksums of all sections are verified, but only
     deltamesh test decodes the files. A file that cannot be read is reported, and the others are
@@ -46,7 +51,8 @@ def command(sources: tuple[str, ...], choice: Choice, as_json: bool) -> None:
     choice.require(sources)
 
     def info(source: str) -> None:
-        container = parse_container(source, files.read_input(source), "cannot read")
+        data = files.read_input(source, partial=partial)
+        container = parse_container(source, data, "cannot read", partial=partial)
         with attempt(source, "cannot read"):
             describe = container_object if as_json else described_container
             description = describe(source, container)

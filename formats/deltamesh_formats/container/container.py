@@ -1,6 +1,6 @@
 """Plain data of a `.dmesh` file, and the rules that its values keep.
 
-A `Container` is a whole file that is not decoded: `reader.read_container` makes one of bytes,
+A `Container` is a file that is not decoded: `reader.read_container` makes one of bytes,
 `building.build_container` of what an encoder has, and `writer.write_container` makes bytes of it.
 """
 
@@ -184,7 +184,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Container:
-    """A whole file, checked but not decoded.
+    """A file, checked but not decoded: a whole one, unless a prefix was asked for.
 
     Attributes
     ----------
@@ -195,9 +195,11 @@ class Container:
     parameters : Parameters
     meta : Meta or None
     sections : dict of str to Section
-        All of them by their ids, in the order of the file.
+        All of them by their ids, in the order of the file; of a prefix, those that have come.
     digest : bytes, 8
-        Checksum of the decoded integers.
+        Checksum of the decoded integers; empty in a prefix.
+    cut : str
+        The id of the section that a prefix ends within; "" for none, or before its id is there.
     """
 
     version: int
@@ -207,11 +209,17 @@ class Container:
     meta: Meta | None
     sections: dict[str, Section]
     digest: bytes
+    cut: str = ""
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all sections have come."""
+        return CHECK in self.sections
 
     @property
     def size(self) -> int:
-        """Bytes of the whole file."""
-        return self.sections[CHECK].end
+        """Bytes of the whole file; of a prefix, up to the end of the last section."""
+        return next(reversed(self.sections.values())).end
 
     @property
     def frame_count(self) -> int:

@@ -164,7 +164,7 @@ def _read_frame(
         sizes[name], at = read_varint(inside, at)
     sections: dict[str, Section] = {}
     for name, size in sizes.items():
-        stream = take(inside, at, size)
+        stream = memoryview(take(inside, at, size))
         # As if an id and a length were before it: `Section.start` is where the stream begins.
         offset = start + at - ID_SIZE - varint_size(size)
         sections[name] = Section(name, offset, stream)

@@ -53,12 +53,42 @@ def read_container(data: Buffer) -> Container:
     -----
     SPEC.md, sections 2 to 4.
     """
+    return _read(data, partial=False)
+
+
+def read_prefix(data: Buffer) -> Container:
+    """Read the beginning of a `.dmesh` file, cut anywhere, or a whole one.
+
+    Parameters
+    ----------
+    data : bytes-like, contiguous
+        Payloads of the result are views of it. A section that is cut counts as absent.
+
+    Raises
+    ------
+    FormatError
+        For anything but the beginning of an undamaged file of this version, and for one that ends
+        before its parameters do.
+
+    Notes
+    -----
+    SPEC.md, section 6. Where the length of a section is damaged, it may seem to be cut.
+    """
+    return _read(data, partial=True)
+
+
+def _read(data: Buffer, *, partial: bool) -> Container:
     view = memoryview(data).cast("B").toreadonly()
     header, position = _read_header(view)
     vertices, triangles = header["vertices"], header["triangles"]
-    sections, end = _read_sections(view, position)
+    sections, end = _read_sections(view, position, partial=partial)
+    is_whole, cut = layout.CHECK in sections, ""
     if end < len(view):
-        raise FormatError(f"{len(view) - end} bytes follow the last section", end)
+        if is_whole:
+            raise FormatError(f"{len(view) - end} bytes follow the last section", end)
+        cut = _id_at(view, end)
+    if not sections:
+        raise FormatError(f"truncated: section {layout.PARAMETERS} is cut", len(view))
     with payload_of(_first(sections)) as payload:
         parameters = read_parameters(payload, vertices)
     _check_order(sections, parameters.method)
@@ -66,9 +96,42 @@ def read_container(data: Buffer) -> Container:
     if layout.META in sections:
         with payload_of(sections[layout.META]) as payload:
             meta = read_meta(payload)
-    with payload_of(sections[layout.CHECK]) as payload:
-        digest = _read_table(payload, layout.CHECK_FIELDS)[0]["digest"]
-    return Container(header["version"], vertices, triangles, parameters, meta, sections, digest)
+    digest = b""
+    if is_whole:
+        with payload_of(sections[layout.CHECK]) as payload:
+            digest = _read_table(payload, layout.CHECK_FIELDS)[0]["digest"]
+    counts = header["version"], vertices, triangles
+    return Container(*counts, parameters, meta, sections, digest, cut)
+
+
+def progress_of(data: Buffer, position: int) -> tuple[int, bool]:
+    """Return where the last whole section of a prefix ends, and whether the next one has its id.
+
+    Parameters
+    ----------
+    data : bytes-like
+    position : int
+        Where a section ends, by an earlier call with fewer bytes; 0 at first. No byte before that
+        is read again.
+
+    Returns
+    -------
+    int, bool
+        0 and False before a section is whole.
+
+    Raises
+    ------
+    FormatError
+    """
+    at = position
+    if not position:
+        if len(data) < _HEADER_MOST:  # as many bytes as any file has
+            return 0, False
+        at = _read_header(memoryview(bytes(data[:_HEADER_MOST])))[1]
+    name = ""
+    while name != layout.CHECK and (end := _end_of_section(data, at)) is not None:
+        name, position, at = _id_at(data, at), end, end
+    return position, position > 0 and len(data) >= position + layout.ID_SIZE
 
 
 def read_counts(data: Buffer) -> tuple[int, int]:
@@ -216,10 +279,17 @@ def _check_crc(view: memoryview, start: int, end: int, name: str) -> None:
         raise FormatError(f"{name} is damaged: its checksum does not match", start)
 
 
-def _read_sections(view: memoryview, position: int) -> tuple[dict[str, Section], int]:
-    """Read sections up to and with `CHEK`; return them and the position after it."""
+def _read_sections(
+    view: memoryview, position: int, *, partial: bool
+) -> tuple[dict[str, Section], int]:
+    """Read sections up to and with `CHEK`; return them and the position after it.
+
+    Those of a prefix end before the one that is cut.
+    """
     sections: dict[str, Section] = {}
     while layout.CHECK not in sections:
+        if partial and _end_of_section(view, position) is None:
+            break
         if position == len(view):
             raise FormatError(f"truncated: section {layout.CHECK} is missing", position)
         if len(sections) == layout.MAX_SECTIONS:
@@ -232,11 +302,36 @@ def _read_sections(view: memoryview, position: int) -> tuple[dict[str, Section],
     return sections, position
 
 
-def _read_section(view: memoryview, offset: int) -> Section:
-    raw = bytes(take(view, offset, layout.ID_SIZE))
-    if not raw.isalpha():
+def _id_at(view: Buffer, offset: int) -> str:
+    """Return the id of the section at an offset; "" if the bytes end before or within it."""
+    raw = bytes(view[offset : offset + layout.ID_SIZE])
+    if raw and not raw.isalpha():
         raise FormatError(f"a section cannot be called {raw!r}", offset)
-    name = raw.decode("ascii")
+    return raw.decode("ascii") if len(raw) == layout.ID_SIZE else ""
+
+
+def _end_of_section(view: Buffer, offset: int) -> int | None:
+    """Return where the section at an offset ends; None if the bytes end before.
+
+    Raises
+    ------
+    FormatError
+        If no section begins so.
+    """
+    if not _id_at(view, offset):
+        return None
+    at = offset + layout.ID_SIZE
+    length = bytes(view[at : at + layout.VARINT_MAX_BYTES])
+    if len(length) < layout.VARINT_MAX_BYTES and all(byte & 0x80 for byte in length):
+        return None
+    size, start = read_varint(view, at)
+    end = start + size + layout.CRC_SIZE
+    return end if end <= len(view) else None
+
+
+def _read_section(view: memoryview, offset: int) -> Section:
+    take(view, offset, layout.ID_SIZE)
+    name = _id_at(view, offset)
     length, start = read_varint(view, offset + layout.ID_SIZE)
     left = len(view) - start - layout.CRC_SIZE
     if length > left:
@@ -264,7 +359,9 @@ def _check_order(sections: dict[str, Section], method: str) -> None:
         if found != expected:
             message = f"section {expected} is missing, {found} is in its place"
             raise FormatError(message, sections[found].offset)
-    for i, name in enumerate(ids[len(required) : -1]):
+    for i, name in enumerate(ids[len(required) :]):
+        if name == layout.CHECK:
+            continue
         if name[0].isupper() or (name == layout.META and i > 0):
             message = f"section {name} has no place here in a {method} file"
             raise FormatError(message, sections[name].offset)

@@ -21,6 +21,7 @@ from deltamesh_formats.container.layout import (
 )
 from deltamesh_formats.container.listing import text_lines
 from deltamesh_formats.container.reader import read_varint
+from deltamesh_formats.container.stages import awaited, stage_of, stages_of
 from deltamesh_formats.container.texts import texts_of
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.printing import html_table, number, printable, table
@@ -167,6 +168,7 @@ def _lines(container: Container) -> Iterator[str]:
     meta = container.meta
     yield from _described(container.parameters, finest_step(container))
     yield from frame_lines(container)
+    yield from _stages(container)
     if ORDER in container.sections:
         yield "order of vertices and faces: that of the source"
     yield from text_lines(texts_of(container))
@@ -180,6 +182,25 @@ def _lines(container: Container) -> Iterator[str]:
         if meta.lost or meta.turned:
             yield f"triangles that lost their area: {meta.lost}, that turned over: {meta.turned}"
         yield f"written by {meta.encoder}{source}; format version {container.version}"
+
+
+def _stages(container: Container) -> Iterator[str]:
+    """Yield the stages of a file, and what a prefix lacks."""
+    reached = stages_of(container)
+    if len(reached) > 1:
+        sizes = (f"{stage} {size}" for stage, size in reached.items())
+        yield f"stages, by their bytes: {', '.join(sizes)}"
+    if not container.is_whole:
+        yield prefix_text(container)
+
+
+def prefix_text(container: Container) -> str:
+    """Return how far a file that is cut reaches, and what it lacks."""
+    stage, cut, absent = stage_of(container), container.cut, awaited(container)
+    text = f"stage {stage}" if stage else "no positions yet"
+    text += f", {container.size} bytes" + (f", then {cut} is cut" if cut else "")
+    lacking = f"; not there yet, if the file has them: {', '.join(absent)}" if absent else ""
+    return text + lacking
 
 
 def _described(parameters: Parameters, finest: float) -> Iterator[str]:

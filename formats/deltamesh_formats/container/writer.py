@@ -146,4 +146,5 @@ def _section(section: Section) -> bytes:
 
 
 def with_crc(raw: bytes) -> bytes:
+    """Return bytes with their CRC-32 after them."""
     return raw + _field(zlib.crc32(raw), "u32")

@@ -80,9 +80,9 @@ def _on_grid(
     """Round the vertices of a predicted frame to points of its grid."""
     first, exponents = predicted.first, predicted.reference.integers.exponents
     step = math.ldexp(first.step, -halvings(first.step, settings.step or first.step))
-    parameters, integers = replace(first, step=step), predicted.reference.integers
+    parameters = replace(first, step=step)
     extra = steps.extra_bits(exponents, len(everything))[:, None]
-    each = step * steps.ratios(integers)
+    each = step * steps.ratios(predicted.reference.integers)
     integers = Integers(
         to_grid(everything, np.array(first.origin), each, extra), exponents=exponents
     )

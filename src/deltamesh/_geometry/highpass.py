@@ -115,9 +115,8 @@ def anchored(
             predicted.first, step=step, coarse=_coarse_of(settings), anchor_step=grid
         )
         integers = replace(integers, anchors=predicted.reference.integers.anchors)
-        anchors = vertices[integers.anchors]
-        origin = origin_of(predicted)
-        return placed(anchors, vertices, isolated, parameters, integers, origin)
+        origin, where = origin_of(predicted), vertices[integers.anchors]
+        return placed(where, vertices, isolated, parameters, integers, origin)
     parameters = Parameters(
         method=settings.method,
         diffusion=settings.diffusion,
@@ -285,13 +284,13 @@ def _decode_vectors(
     surface: Surface, parameters: Parameters, sections: Mapping[str, Section], still: Integers
 ) -> Integers:
     """Return the integers with deltas, vectors of cells, and corrections."""
-    with payload_of(sections[layout.DELTAS]) as payload:
-        if parameters.step:
-            values = decode_vectors(*surface.graph, payload)
-        elif len(payload):
-            raise FormatError("deltas in a file of 0 bits", 0)
-        else:
-            values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
+    values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
+    if layout.DELTAS in sections:  # which a prefix may lack
+        with payload_of(sections[layout.DELTAS]) as payload:
+            if parameters.step:
+                values = decode_vectors(*surface.graph, payload)
+            elif len(payload):
+                raise FormatError("deltas in a file of 0 bits", 0)
     integers = replace(still, values=values)
     if layout.CELLS in sections:
         units, cells = _decode_cells(surface, parameters, still.anchors, sections[layout.CELLS])

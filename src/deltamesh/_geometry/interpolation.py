@@ -91,9 +91,7 @@ class Interpolation:
                 x *= scale
                 x += shift
                 return x
-        raise SolveError(
-            "the Poisson problem has no solution in double precision: more anchors help"
-        )
+        raise SolveError("the Poisson problem has no solution in double precision")
 
     def _is_rounding(self, bound: float, b: Floats, x: Floats) -> bool:
         """Return whether a bound is one that only more digits could better, and tolerable."""

@@ -152,7 +152,7 @@ class _EdgeFit:
         """Return the sum of the products a b^T of edges over each cell, float64 (k, 3, 3)."""
         k = len(self._cells.anchors)
         columns = [np.bincount(self._of_edge, a[:, i] * b[:, j], k) for i, j in np.ndindex(3, 3)]
-        return np.stack(columns, axis=1).reshape(-1, 3, 3)
+        return np.asarray(np.stack(columns, axis=1).reshape(-1, 3, 3), dtype=np.float64)
 
 
 def _nearest_rotations(matrices: Floats) -> Floats:

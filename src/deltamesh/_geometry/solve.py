@@ -2,7 +2,9 @@
 
 The reconstruction of O. Sorkine, D. Cohen-Or, S. Toledo, "High-Pass Quantization for Mesh
 Encoding", SGP 2003, section 3: x' = argmin |A x - b|^2 with A = [L; S] and b = [delta'; c], where
-row j of S selects anchor j. All rows of L stay; anchors are added, never substituted.
+row j of S selects anchor j. All rows of L stay; anchors are added, never substituted. A decoder's
+anchors have the weight 1. Others, that of row j of S, are for research and editing; an anchor of
+infinite weight keeps its position, and its column leaves the problem.
 
 The normal equations M = A^T A are symmetric positive definite and factored once, but their
 condition number is that of A squared: their solution alone has 3-6 correct digits less than it
@@ -80,6 +82,8 @@ class LeastSquares:
         cores. The core and SuperLU of scipy have one.
     memory : float
         Bytes that the factorization may take.
+    weights : float, or float64 (k,)
+        Of the anchors: positive, and infinite for those that keep their positions.
 
     Raises
     ------
@@ -96,14 +100,20 @@ class LeastSquares:
         solver: str = "auto",
         threads: int | None = None,
         memory: float = math.inf,
+        weights: float | Floats = 1.0,
     ) -> None:
-        self._count, self._labels = _components(graph, anchors)
+        self._count, self._labels = anchored_components(graph, anchors)
         self._graph, self._anchors = graph, np.ascontiguousarray(anchors)
+        each = np.broadcast_to(np.asarray(weights, dtype=np.float64), len(anchors))
+        self._held = np.isposinf(each)
+        self._squares = np.where(self._held, 0.0, each * each)[:, None]
         cores = threads or available_cores()
-        self._solve = _factor(graph, self._anchors, solver, cores, memory)
+        self._solve = _factor(graph, self._anchors, solver, cores, memory, each)
 
     def solve(self, delta: Floats, positions: Floats) -> Floats:
-        """Return argmin |L x - delta|^2 + |x[anchors] - positions|^2, column by column.
+        """Return argmin |L x - delta|^2 + |W (x[anchors] - positions)|^2, column by column.
+
+        W has the weights of the anchors on its diagonal.
 
         Parameters
         ----------
@@ -124,22 +134,22 @@ class LeastSquares:
         # lost.
         centres = self._centres(positions)
         fixed = positions - centres[self._labels[self._anchors]]
+        x = np.zeros(delta.shape)
+        x[self._anchors[self._held]] = fixed[self._held]
         with np.errstate(over="ignore", invalid="ignore"):
-            x = self.solve_normal(self._transposed(delta, fixed))
-            for _ in range(MAX_REFINEMENTS):
+            for _ in range(1 + MAX_REFINEMENTS):
                 left = delta - kernel.apply(*self._graph, x), fixed - x[self._anchors]
                 correction = self.solve_normal(self._transposed(*left))
                 x += correction
                 if (self._largest(correction) <= REFINED * self._largest(x) + TINY).all():
                     return x + centres[self._labels]
-        raise SolveError(
-            "the least-squares system has no solution in double precision: more anchors help"
-        )
+        raise SolveError("the least-squares system has no solution in double precision")
 
     def _transposed(self, rows: Floats, anchored: Floats) -> Floats:
-        """Return [L; S]^T b, for the two parts of b; L is symmetric."""
+        """Return [L; W S]^T [b; W c], for b and c; L is symmetric."""
         product = kernel.apply(*self._graph, np.ascontiguousarray(rows))
-        product[self._anchors] += anchored
+        product[self._anchors] += self._squares * anchored
+        product[self._anchors[self._held]] = 0.0
         return product
 
     def _centres(self, positions: Floats) -> Floats:
@@ -155,7 +165,10 @@ class LeastSquares:
         return largest
 
     def solve_normal(self, b: Floats) -> Floats:
-        """Return M^-1 b for b of shape (n, c), M = L^T L + S^T S, without refinement."""
+        """Return M^-1 b for b of shape (n, c), M = L^T L + S^T W^2 S, without refinement.
+
+        The rows and columns of anchors that keep their positions are those of the identity.
+        """
         try:
             return np.asarray(self._solve(b))
         except Exception as error:  # each solver has exceptions of its own
@@ -178,7 +191,7 @@ def remembered(make: Callable[[Ints], T]) -> Callable[[Ints], T]:
     return lambda anchors: last(anchors.tobytes())
 
 
-def _components(graph: Graph, anchors: Ints) -> tuple[int, Ints]:
+def anchored_components(graph: Graph, anchors: Ints) -> tuple[int, Ints]:
     """Return the number of components, each of which has an anchor, and that of each vertex."""
     labels = components(*graph)
     count = int(labels.max(initial=-1)) + 1
@@ -190,12 +203,14 @@ def _components(graph: Graph, anchors: Ints) -> tuple[int, Ints]:
     return count, labels
 
 
-def _factor(graph: Graph, anchors: Ints, solver: str, threads: int, memory: float) -> Solve:
-    """Return a function that solves A^T A x = b, for A = [L; S]."""
+def _factor(
+    graph: Graph, anchors: Ints, solver: str, threads: int, memory: float, weights: Floats
+) -> Solve:
+    """Return a function that solves A^T A x = b, for A = [L; W S]."""
     n, name = len(graph[0]) - 1, solver_name(solver)
     if n == 0:
         return np.copy
-    short = bool(np.diff(graph[0]).max() < LONGEST_ROW)
+    short = bool(np.diff(graph[0]).max() < LONGEST_ROW and (weights == 1).all())
     if short and solver == "auto" and n <= SMALL:
         with contextlib.suppress(LimitError, ArithmeticError):  # which another may escape
             if solve := factor_normal(graph, anchors, memory, SMALL_FACTOR):
@@ -203,7 +218,7 @@ def _factor(graph: Graph, anchors: Ints, solver: str, threads: int, memory: floa
     try:
         if short and name == "core":
             return cast(Solve, factor_normal(graph, anchors, memory))
-        matrix = _matrix(graph, anchors, memory)
+        matrix = _matrix(graph, anchors, memory, weights)
         solve = SOLVERS[name].factor(matrix, threads, memory)
     except LimitError:
         raise
@@ -214,12 +229,18 @@ def _factor(graph: Graph, anchors: Ints, solver: str, threads: int, memory: floa
     return lambda b: solve(np.pad(b, ((0, matrix.shape[0] - n), (0, 0))))[:n]
 
 
-def _matrix(graph: Graph, anchors: Ints, memory: float) -> sparse.csr_array:
+def _matrix(graph: Graph, anchors: Ints, memory: float, weights: Floats) -> sparse.csr_array:
     """Return A^T A or its stand-in, see `_quasidefinite`."""
     import scipy.sparse as sparse  # 0.2 s, which small systems need not wait for
 
     L, k = laplacian(*graph), len(anchors)
-    S = sparse.csr_array((np.ones(k), (np.arange(k), anchors)), shape=(k, L.shape[0]))
+    held = np.isposinf(weights)
+    if held.any():
+        free = np.ones(L.shape[0])
+        free[anchors[held]] = 0.0
+        L = (L @ sparse.diags_array(free)).tocsr()
+    rows = np.where(held, 1.0, weights)
+    S = sparse.csr_array((rows, (np.arange(k), anchors)), shape=(k, L.shape[0]))
     A = sparse.vstack([L, S], format="csr")
     return _quasidefinite(A, A.T.tocsr(), memory)
 

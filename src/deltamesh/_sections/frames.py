@@ -230,22 +230,16 @@ class Player:
     ----------
     container : Container
     content : Content
-    frames : tuple of Frame
     systems : Systems
     first : float64 (p, 3)
         The decoded positions of frame 0.
     """
 
     def __init__(
-        self,
-        container: Container,
-        content: Content,
-        frames: tuple[Frame, ...],
-        systems: Systems,
-        first: Floats,
+        self, container: Container, content: Content, systems: Systems, first: Floats
     ) -> None:
-        self._container, self._content, self._frames = container, content, frames
-        self._systems = systems
+        self._container, self._content, self._systems = container, content, systems
+        self._frames = container.frames
         self._first = self._last = Reference(container.parameters, content.integers, first)
         self._at = 0
 

@@ -39,7 +39,7 @@ export function interpolationOf(core, graph, labels, anchors) {
     const { solution, bound } = solvePoisson(core, hierarchy, b, x, tolerance);
     if (!(bound <= tolerance || isRounding(hierarchy, bound, b, solution))) {
       throw new SolveError(
-        "the Poisson problem has no solution in double precision: more anchors help",
+        "the Poisson problem has no solution in double precision",
       );
     }
     return solution.map((p, i) => p * scale(at(i)) + shift(i));

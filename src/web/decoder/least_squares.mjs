@@ -62,7 +62,7 @@ function solve(core, graph, labels, anchors, factor, delta, positions) {
     }
   }
   throw new SolveError(
-    "the least-squares system has no solution in double precision: more anchors help",
+    "the least-squares system has no solution in double precision",
   );
 }
 

@@ -123,7 +123,7 @@ def test_a_hopeless_system_is_refused() -> None:
     i = np.arange(n - 2)
     F = np.stack((i, i + 1 + i % 2, i + 2 - i % 2), axis=1)
     delta = np.random.default_rng(64).normal(size=(n, 3))
-    with pytest.raises(SolveError, match="more anchors help"):
+    with pytest.raises(SolveError, match="no solution in double precision"):
         system_of(F, n, np.array([0])).solve(delta, np.zeros((1, 3)), np.full((n, 1), 1e-12))
 
 

@@ -1,0 +1,138 @@
+"""Laplacian of a mesh as a sparse matrix, its products, and the arrays that functions are given."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from deltamesh._graph.adjacency import adjacency
+from deltamesh._graph.adjacency import components as labels_of
+from deltamesh._graph.laplacian import laplacian as laplacian_of
+from deltamesh._kernels.mesh import laplacian as kernel
+from deltamesh_formats.array_types import Floats, Ints
+
+if TYPE_CHECKING:
+    import scipy.sparse as sparse
+
+    Sparse: TypeAlias = sparse.csr_array
+
+Graph = tuple[Ints, Ints]
+
+
+def laplacian(faces: ArrayLike, count: int) -> Sparse:
+    """Return the combinatorial Laplacian L = D - A of the graph of a mesh.
+
+    O. Sorkine, D. Cohen-Or, S. Toledo, "High-Pass Quantization for Mesh Encoding", SGP 2003,
+    section 3. L is symmetric and positive semi-definite; its rank is the number of vertices less
+    that of the components (isolated vertices are components).
+
+    Parameters
+    ----------
+    faces : int array (m, 3)
+        Triangles; or quads (m, 4), whose diagonals are no edges. Vertices count from 0.
+    count : int
+        Number of vertices.
+
+    Returns
+    -------
+    csr_array, float64 (count, count)
+        The valence of vertex i on the diagonal, -1 for each of its neighbours.
+
+    Raises
+    ------
+    ValueError
+        If faces are not of three or four corners, or name a vertex that is not there.
+    """
+    F = np.ascontiguousarray(faces, dtype=np.int64)
+    if F.ndim != 2 or F.shape[1] not in (3, 4):
+        raise ValueError(f"faces have shape {F.shape}, not (m, 3) or (m, 4)")
+    if F.size and not 0 <= F.min() <= F.max() < count:
+        raise ValueError(f"a face names a vertex outside of 0 to {count - 1}")
+    return laplacian_of(*adjacency(F, count))
+
+
+def deltas(L: Sparse, vertices: ArrayLike) -> Floats:
+    """Return the differential coordinates L x: valence times vertex less mean of its neighbours.
+
+    D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006, section 2.2,
+    divide each row by the valence, `L.diagonal()`; what is solved and quantized is L x itself.
+
+    Parameters
+    ----------
+    L : csr_array (n, n)
+        From `laplacian`.
+    vertices : float array (n, c)
+
+    Returns
+    -------
+    float64 (n, c)
+        Sums are in the order of a decoder's, bit for bit. The unit is that of the vertices.
+
+    Raises
+    ------
+    ValueError
+        If L is no Laplacian of a graph, or the shapes do not agree.
+    """
+    graph = graph_of(L)
+    return kernel.apply(*graph, rows_of(vertices, len(graph[0]) - 1, "vertices"))
+
+
+def components(L: Sparse) -> Ints:
+    """Return the connected component of each vertex, int64 (n,), from 0 by its lowest vertex."""
+    return labels_of(*graph_of(L))
+
+
+def graph_of(L: Any) -> Graph:
+    """Return the neighbours of each vertex, `indptr` and `indices`, of the graph of a Laplacian.
+
+    Raises
+    ------
+    ValueError
+        If L is not D - A for an undirected graph whose edges all weigh 1.
+    """
+    import scipy.sparse as sparse
+
+    if not sparse.issparse(L) or L.ndim != 2 or L.shape[0] != L.shape[1]:
+        raise ValueError("L is no square sparse matrix")
+    A = sparse.csr_array(L, dtype=np.float64)
+    A = (sparse.diags_array(A.diagonal()) - A).tocsr()
+    A.eliminate_zeros()
+    A.sort_indices()
+    degrees = np.diff(A.indptr)
+    if (A.data != 1).any() or (L.diagonal() != degrees).any() or (A != A.T).nnz:
+        raise ValueError("L is not the Laplacian of a graph whose edges all weigh 1")
+    return A.indptr.astype(np.int64), A.indices.astype(np.int64)
+
+
+def rows_of(x: ArrayLike, count: int, name: str, columns: int | None = None) -> Floats:
+    """Return an array of so many rows, float64 (count, c).
+
+    Raises
+    ------
+    ValueError
+        If it has another shape, or numbers that are not finite.
+    """
+    array = np.ascontiguousarray(x, dtype=np.float64)
+    if array.ndim != 2 or len(array) != count or columns not in (None, array.shape[1]):
+        shape = f"({count}, {'c' if columns is None else columns})"
+        raise ValueError(f"{name} have shape {array.shape}, not {shape}")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} have a number that is not finite")
+    return array
+
+
+def vertices_of(x: ArrayLike, count: int) -> Ints:
+    """Return indices of distinct vertices, int64 (k,).
+
+    Raises
+    ------
+    ValueError
+    """
+    array = np.ascontiguousarray(x, dtype=np.int64)
+    if array.ndim != 1 or (len(array) and not 0 <= array.min() <= array.max() < count):
+        raise ValueError(f"anchors are not a list of vertices from 0 to {count - 1}")
+    if len(np.unique(array)) != len(array):
+        raise ValueError("a vertex is an anchor twice")
+    return array
