@@ -13,7 +13,7 @@ from deltamesh import encode, info
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.interpolation import Interpolation
 from deltamesh._mesh import LARGEST
-from deltamesh._sections.geometry import has_scale
+from deltamesh._sections.trials import has_scale
 from deltamesh_formats.errors import MeshError, SolveError
 
 ONES = np.ones((2, 3), dtype=np.int64)
