@@ -19,7 +19,8 @@ from deltamesh._options import (
     EncodeOptions,
     Options,
 )
-from deltamesh._pipeline import Encoded, decode_mesh, encode_mesh
+from deltamesh._pipeline import Encoded, encode_mesh
+from deltamesh._player import decode_frames
 from deltamesh._prefixes import Partial, decode_prefix
 from deltamesh._progress import Progress, silent
 from deltamesh._sections import draft
@@ -414,12 +415,13 @@ def decode(
     if not 0 <= frame < container.frame_count:
         count = container.frame_count
         raise OptionError(f"there is no frame {frame}: the file has {count}, from 0 on")
-    return decode_mesh(
+    frames = decode_frames(
         container,
-        frame,
+        [frame],
         solver=solver,
         threads=threads,
         max_vertices=max_vertices,
         memory=memory,
         progress=progress or silent,
     )
+    return next(frames)

@@ -104,7 +104,7 @@ def frames(
     ------
     FormatError, LimitError, SolveError, OSError
     """
-    from deltamesh._pipeline import decode_frames
+    from deltamesh._player import decode_frames
     from deltamesh._progress import silent
 
     container = _container_of(source, memory)

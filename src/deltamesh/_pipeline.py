@@ -7,7 +7,6 @@ decode: bytes -> container -> limits -> for each section, content -> digest -> p
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -215,7 +214,6 @@ def _meta(draft: Draft) -> Meta:
 
 def decode_mesh(
     container: Container,
-    frame: int = 0,
     *,
     solver: str,
     threads: int | None,
@@ -224,43 +222,15 @@ def decode_mesh(
     progress: Progress = silent,
 ) -> PolyMesh:
     """Decompress a container; see `deltamesh.decode`."""
-    frames = decode_frames(
+    # The content is handed over, too: nothing here keeps what is no longer needed.
+    return positioned(
         container,
-        [frame],
-        solver=solver,
-        threads=threads,
-        max_vertices=max_vertices,
-        memory=memory,
-        progress=progress,
+        proven_content(container, max_vertices, memory, progress),
+        solver,
+        threads,
+        memory,
+        progress,
     )
-    return next(frames)
-
-
-def decode_frames(
-    container: Container,
-    wanted: Iterable[int],
-    *,
-    solver: str,
-    threads: int | None,
-    max_vertices: int,
-    memory: int,
-    progress: Progress = silent,
-) -> Iterator[PolyMesh]:
-    """Decompress some frames of a container, one after the other; see `deltamesh.frames`."""
-    content = proven_content(container, max_vertices, memory, progress)
-    points, systems = _points(container, content, solver, threads, memory, progress)
-    mesh = _mesh(container, content, points)
-    player = None
-    for index in wanted:
-        if index == 0:
-            yield mesh
-            continue
-        if player is None:
-            from deltamesh._sections.frames import Player
-
-            player = Player(container, content, systems, points)
-        progress(f"frame {index}")
-        yield content.moved(mesh, player.positions(index))
 
 
 def positioned(
@@ -277,29 +247,25 @@ def positioned(
     ------
     LimitError, SolveError
     """
-    points, _ = _points(container, content, solver, threads, memory, progress)
-    return _mesh(container, content, points)
-
-
-def _points(
-    container: Container,
-    content: Content,
-    solver: str,
-    threads: int | None,
-    memory: int,
-    progress: Progress,
-) -> tuple[Floats, Systems]:
-    """Return the positions of the points, and what they were solved with."""
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
-    to_solve = memory_to_solve(container, memory)
-    systems = Systems(surface, solver, threads, to_solve)
-    own = systems.to_precision(FINER) if ATTRIBUTES in container.sections else systems
+    systems = Systems(surface, solver, threads, memory_to_solve(container, memory))
     coder = geometry_codec(parameters.method)
-    return coder.reconstruct(surface, parameters, content.integers, own), systems
+    # Nobody else keeps the integers: what is no longer needed of them is freed on the way.
+    handed_over = [content.integers]
+    content = replace(content, integers=NOTHING.integers)
+    precise = to_precision_of(container, systems)
+    points = coder.reconstruct(surface, parameters, handed_over.pop(), precise)
+    return mesh_of(container, content, points)
 
 
-def _mesh(container: Container, content: Content, points: Floats) -> PolyMesh:
+def to_precision_of(container: Container, systems: Systems) -> Systems:
+    """Return systems that solve for the mesh of a file as exactly as its attributes need it."""
+    return systems.to_precision(FINER) if ATTRIBUTES in container.sections else systems
+
+
+def mesh_of(container: Container, content: Content, points: Floats) -> PolyMesh:
+    """Return the mesh of a content whose points are at these positions, float64 (p, 3)."""
     margin = 0.0 if container.meta is None else container.meta.room
     return content.mesh(points, container.parameters.single, margin)
 

@@ -69,8 +69,8 @@ class Frame:
         Checksum of the decoded integers.
     sections : mapping of str to Section
         The streams, with their places in the file.
-    size : int
-        Bytes of the whole record.
+    offset, size : int
+        Where its record begins in the file, and how many bytes that has.
     """
 
     index: int
@@ -87,6 +87,7 @@ class Frame:
     unit: int
     digest: bytes
     sections: Mapping[str, Section] = field(repr=False)
+    offset: int
     size: int
 
 
@@ -183,6 +184,7 @@ def _read_frame(
         unit=unit,
         digest=values["digest"],
         sections=sections,
+        offset=start,
         size=len(record),
     )
 

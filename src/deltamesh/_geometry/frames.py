@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from deltamesh._geometry.integers import NO_POINTS, Integers
+from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import frame_codec
 from deltamesh._geometry.motion import Motion
 from deltamesh._geometry.prediction import Reference, finer
 from deltamesh._geometry.quantize import check_size
+from deltamesh._graph.adjacency import without_edges
 from deltamesh._shape.surface import Surface
 from deltamesh._streams.vectors import decode_vectors, encode_vectors
 from deltamesh_formats.array_types import Ints
@@ -64,7 +65,11 @@ def encode_frame(
     surface: Surface, parameters: Parameters, integers: Integers, motion: Motion | None
 ) -> dict[str, bytes]:
     """Return the streams of a frame by their names, from relative integers."""
-    maps = {} if motion is None else {MAPS: encode_vectors(*_alone(motion.rows), motion.rows)}
+    maps = (
+        {}
+        if motion is None
+        else {MAPS: encode_vectors(*without_edges(len(motion.rows)), motion.rows)}
+    )
     return {**maps, **frame_codec(parameters.method).encode_frame(surface, parameters, integers)}
 
 
@@ -84,11 +89,6 @@ def decode_frame(
     rows = np.zeros((3 * maps, 3), dtype=np.int64)
     if maps:
         with payload_of(sections[MAPS]) as payload:
-            rows = decode_vectors(*_alone(rows), payload)
+            rows = decode_vectors(*without_edges(3 * maps), payload)
     coder = frame_codec(parameters.method)
     return rows, coder.decode_frame(surface, parameters, sections, first)
-
-
-def _alone(rows: Ints) -> tuple[Ints, Ints]:
-    """Return the neighbours of rows that have none."""
-    return np.zeros(len(rows) + 1, dtype=np.int64), NO_POINTS.ravel()

@@ -14,7 +14,7 @@ import numpy as np
 from deltamesh._geometry import anchors as choice
 from deltamesh._geometry import steps
 from deltamesh._geometry.cells import Cells
-from deltamesh._geometry.integers import NO_POINTS, NONE, Integers, Quantized
+from deltamesh._geometry.integers import NO_POINTS, Integers, Quantized
 from deltamesh._geometry.positions import (
     UNITS,
     all_positions,
@@ -27,6 +27,7 @@ from deltamesh._geometry.positions import (
 from deltamesh._geometry.prediction import Prediction
 from deltamesh._geometry.quantize import delta_step, quantize_delta, to_delta, to_grid
 from deltamesh._geometry.systems import Systems
+from deltamesh._graph.adjacency import without_edges
 from deltamesh._kernels.coding import points
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.mesh import laplacian
@@ -239,7 +240,7 @@ def encode_frame(surface: Surface, parameters: Parameters, integers: Integers) -
     """Return the payloads of a further frame, whose positions are relative to another's."""
     points = np.concatenate([integers.positions, integers.isolated])
     return {
-        layout.ANCHORS: encode_vectors(*_without_edges(len(points)), points),
+        layout.ANCHORS: encode_vectors(*without_edges(len(points)), points),
         **_encode_vectors(surface, parameters, integers),
     }
 
@@ -252,7 +253,7 @@ def _encode_vectors(
     }
     if len(integers.cells):
         rows = integers.cells.reshape(-1, 3)
-        stream = encode_vectors(*_without_edges(len(rows)), rows)
+        stream = encode_vectors(*without_edges(len(rows)), rows)
         payloads[layout.CELLS] = bytes((integers.units - layout.LEAST_UNIT).tolist()) + stream
     if len(integers.corrections):
         payloads[layout.CORRECTIONS] = encode_vectors(*surface.graph, integers.corrections)
@@ -275,7 +276,7 @@ def decode_frame(
     """Return the integers of a further frame, with anchors and exponents of the first one."""
     k = len(first.anchors)
     with payload_of(sections[layout.ANCHORS]) as payload:
-        points = decode_vectors(*_without_edges(k + len(first.isolated)), payload)
+        points = decode_vectors(*without_edges(k + len(first.isolated)), payload)
     still = Integers(NO_POINTS, first.anchors, points[:k], points[k:], exponents=first.exponents)
     return _decode_vectors(surface, parameters, sections, still)
 
@@ -315,16 +316,11 @@ def _decode_cells(
         if units.max() > layout.MOST_UNIT:
             raise FormatError(f"a unit of 2^{units.max()} steps", int(np.argmax(units)))
         values = decode_vectors(
-            *_without_edges(stages * len(shared)), payload[stages:], offset=stages
+            *without_edges(stages * len(shared)), payload[stages:], offset=stages
         )
         if not values.any():
             raise FormatError("no cell has lost anything", stages)
     return units, values.reshape(stages, len(shared), 3)
-
-
-def _without_edges(n: int) -> tuple[Ints, Ints]:
-    """Return the neighbours of n vertices that have none."""
-    return np.zeros(n + 1, dtype=np.int64), NONE
 
 
 def _encode_anchors(surface: Surface, parameters: Parameters, integers: Integers) -> bytes:

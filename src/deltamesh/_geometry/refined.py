@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from deltamesh._geometry import highpass, steps
-from deltamesh._geometry.integers import Integers, Quantized
+from deltamesh._geometry.integers import Integers, Quantized, without_deltas
 from deltamesh._geometry.normals import vertex_normals
 from deltamesh._geometry.positions import all_positions, fitted, smoothed, solved
 from deltamesh._geometry.prediction import Prediction
@@ -114,6 +114,7 @@ def reconstruct(
     W, fine = _bent(surface, systems, parameters, integers, predicted, start)
     fine *= parameters.step * steps.ratios(integers) * integers.refinements
     fine += _coarse(parameters, integers, predicted)
+    integers = without_deltas(integers)
     W = solved(fine, parameters, integers, systems, start=W)
     return all_positions(W, parameters, integers)
 

@@ -102,7 +102,8 @@ class PartReference:
     def __init__(self, reference: Reference, parts: Parts) -> None:
         self.parts = parts
         self._unit, q = reference.unit, parts.count
-        V, F, (_, left, right, _) = reference.vertices, reference.faces, reference.edges
+        V, F = reference.vertices, reference.faces
+        left, right = reference.edges.T // 3
         self._vertex, self._starts = _members(F, parts, len(V))
         low = np.minimum.reduceat(V[self._vertex], self._starts)
         high = np.maximum.reduceat(V[self._vertex], self._starts)

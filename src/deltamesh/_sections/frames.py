@@ -13,22 +13,20 @@ from typing import Final
 from deltamesh._content import Content, frame_digest
 from deltamesh._geometry import anchors as choice
 from deltamesh._geometry.bounds import Bounds
-from deltamesh._geometry.frames import absolute, decode_frame, relative
+from deltamesh._geometry.frames import decode_frame, relative
 from deltamesh._geometry.integers import NO_POINTS, Integers
-from deltamesh._geometry.methods import frame_codec
 from deltamesh._geometry.motion import Motion, fitted_motion
 from deltamesh._geometry.prediction import Prediction, Reference, at_step, finer, predicted
 from deltamesh._geometry.step_search import fit_step
-from deltamesh._geometry.systems import Systems
 from deltamesh._geometry.trial import Attempt, Trial
 from deltamesh._measures.metrics import single_above
 from deltamesh._methods import AUTO
 from deltamesh._options import Settings
 from deltamesh._sections.draft import Draft, FrameResult
-from deltamesh._sections.trials import Trials, has_scale
-from deltamesh_formats.array_types import Floats
+from deltamesh._sections.trials import Trials
 from deltamesh_formats.container.container import Container, Parameters, laid_out
 from deltamesh_formats.container.frame_table import Frame, write_frames
+from deltamesh_formats.container.layout import MAPS
 from deltamesh_formats.errors import FormatError, MeshError, SolveError, TargetError
 
 # Shares of the vertices that are cells of maps, and how coarse deltas may be: the likeliest first.
@@ -200,6 +198,7 @@ def _frame(index: int, trial: Trial, prediction: Prediction, is_key: bool, scale
         unit=0 if motion is None else motion.unit,
         digest=frame_digest(NO_POINTS if motion is None else motion.rows, seen),
         sections=laid_out(trial.payloads, 0),
+        offset=0,
         size=0,
     )
 
@@ -215,65 +214,23 @@ def frame_integers(
         If no encoder has written its streams, or the digest is another.
     """
     surface = content.structure.surface
-    first, parameters = content.integers, _parameters(container, frame)
+    components, most = int(surface.labels.max(initial=-1)) + 1, surface.vertex_count
+    if frame.maps and not components <= frame.maps <= most:
+        offset = frame.sections[MAPS].offset
+        raise FormatError(f"frame {frame.index}: {frame.maps} maps of {most} vertices", offset)
+    first, parameters = content.integers, frame_parameters(container, frame)
     rows, integers = decode_frame(surface, parameters, frame.sections, first, frame.maps)
+    if frame.maps and not rows.any():
+        reason = f"frame {frame.index}: {MAPS}: no map moves anything"
+        raise FormatError(reason, frame.sections[MAPS].start)
     if frame_digest(rows, integers) != frame.digest:
-        raise FormatError(f"frame {frame.index}: the checksum of the decoded integers is wrong")
+        offset = frame.offset
+        reason = f"frame {frame.index}: the checksum of the decoded integers is wrong"
+        raise FormatError(reason, offset)
     motion = Motion(rows, frame.rounds, frame.unit) if frame.maps else None
     return motion, integers
 
 
-class Player:
-    """Decoder of the frames of a file, in any order; the next one after the last costs the least.
-
-    Parameters
-    ----------
-    container : Container
-    content : Content
-    systems : Systems
-    first : float64 (p, 3)
-        The decoded positions of frame 0.
-    """
-
-    def __init__(
-        self, container: Container, content: Content, systems: Systems, first: Floats
-    ) -> None:
-        self._container, self._content, self._systems = container, content, systems
-        self._frames = container.frames
-        self._first = self._last = Reference(container.parameters, content.integers, first)
-        self._at = 0
-
-    def positions(self, index: int) -> Floats:
-        """Return the decoded positions of a frame, float64 (p, 3).
-
-        Raises
-        ------
-        FormatError, SolveError
-        """
-        if index < self._at:
-            self._at, self._last = 0, self._first
-        keys = (frame.index for frame in self._frames[:index] if frame.is_key)
-        key = max(keys, default=0)
-        if key > self._at:
-            self._at, self._last = key - 1, self._first
-        while self._at < index:
-            self._last = self._decoded(self._frames[self._at])
-            self._at += 1
-        return self._last.vertices
-
-    def _decoded(self, frame: Frame) -> Reference:
-        reference = self._first if frame.is_key else self._last
-        surface, first = self._content.structure.surface, self._first.parameters
-        motion, seen = frame_integers(self._container, self._content, frame)
-        parameters = _parameters(self._container, frame)
-        integers = absolute(parameters, seen, reference)
-        if not has_scale(parameters, integers):
-            raise FormatError(f"frame {frame.index}: positions that are too large")
-        prediction = predicted(surface, first, reference, motion, self._systems)
-        coder = frame_codec(first.method)
-        W = coder.reconstruct(surface, parameters, integers, self._systems, prediction)
-        return Reference(parameters, integers, W)
-
-
-def _parameters(container: Container, frame: Frame) -> Parameters:
+def frame_parameters(container: Container, frame: Frame) -> Parameters:
+    """Return the parameters of a frame, those of frame 0 with its own steps."""
     return at_step(container.parameters, frame.step, frame.coarse, frame.finer)
