@@ -273,8 +273,7 @@ def encode_checked(mesh: PolyMesh, options: Options, progress: Progress) -> Enco
 
 def encode_sequence(frames: Iterable[PolyMesh], options: Options, progress: Progress) -> Encoded:
     """Return the result of `encode` for frames that may be at fault, with the container."""
-    kept = (without(frame, options.drop) for frame in frames)
-    first, positions = joined(kept, lambda mesh: checked(mesh, LARGEST))
+    first, positions = joined(frames, lambda mesh: checked(without(mesh, options.drop), LARGEST))
     sequence = draft.Sequence(positions, options.fps or 0.0, options.key_every)
     return encode_mesh(first, options, progress, sequence)
 

@@ -65,11 +65,9 @@ def encode_frame(
     surface: Surface, parameters: Parameters, integers: Integers, motion: Motion | None
 ) -> dict[str, bytes]:
     """Return the streams of a frame by their names, from relative integers."""
-    maps = (
-        {}
-        if motion is None
-        else {MAPS: encode_vectors(*without_edges(len(motion.rows)), motion.rows)}
-    )
+    maps = {}
+    if motion is not None:
+        maps[MAPS] = encode_vectors(*without_edges(len(motion.rows)), motion.rows)
     return {**maps, **frame_codec(parameters.method).encode_frame(surface, parameters, integers)}
 
 
