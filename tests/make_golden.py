@@ -998,7 +998,9 @@ def write_refused():
     known = TABLE.read_text(encoding="utf-8").splitlines()[1:] if TABLE.exists() else []
     known = {row.split("\t")[0]: row for row in known}
     rows = ["file\terror\toffset\tmessage begins with"]
-    for name, data in (refused() | refused_steps() | refused_cells() | refused_tables_of_frames()).items():
+    for name, data in (
+        refused() | refused_steps() | refused_cells() | refused_tables_of_frames()
+    ).items():
         if not is_missing(name, REFUSED):
             rows.append(known[name])
             continue

@@ -89,7 +89,16 @@ def integers(f, streams, p, near, mesh, first):
         found["units"] = [units]
         found["cells"] = vectors_of(streams["CELL"][stages:], [[]] * many)
         check(any(map(any, found["cells"])), "vectors of cells that are all 0")
-    order = "rows vectors points isolated refinements corrections units cells".split()
+    order = [
+        "rows",
+        "vectors",
+        "points",
+        "isolated",
+        "refinements",
+        "corrections",
+        "units",
+        "cells",
+    ]
     words = [struct.pack("<q", x) for name in order for row in found[name] for x in row]
     check(hashlib.blake2b(b"".join(words), digest_size=8).digest() == f["digest"], "digest")
     return found
@@ -138,7 +147,8 @@ def frames(payload, p, near, mesh, surface, first, x):
         read = integers(f, streams, p, near, mesh, first)
         positions, before, halved = origin if f["flags"] & KEY else last
         by = f["finer"] - halved
-        whole = dict.fromkeys(first, []) | read | {k: first[k] for k in ("anchors", "exponents")}
+        whole = {name: [] for name in first} | read
+        whole |= {name: first[name] for name in ("anchors", "exponents")}
         for name in ["points", "isolated"] if "ANCH" in streams else ["vectors"]:
             pairs = zip(moved(before[name], by), read[name], strict=True)
             whole[name] = [tuple(map(sum, zip(*pair, strict=True))) for pair in pairs]

@@ -56,5 +56,3 @@ def with_frames(data, change, rate=None):
 def with_first(data, **fields):
     """The file with other fields in frame 1."""
     return with_frames(data, lambda frames: [replace(frames[0], **fields), *frames[1:]])
-
-

@@ -55,6 +55,12 @@ def constants(node: str) -> dict[str, Any]:
         "MAX_ELEMENTS_PER_BYTE",
         "MAX_EXPONENT",
         "PER_OCTAVE",
+        "FRAME_KEY",
+        "FRAME_CELLS",
+        "FRAME_CORRECTIONS",
+        "MAX_FINER",
+        "MAX_MAP_UNIT",
+        "MAX_RUN",
     ],
 )
 def test_numbers(constants: dict[str, Any], name: str) -> None:
@@ -70,6 +76,9 @@ def test_numbers(constants: dict[str, Any], name: str) -> None:
         "META_FIELDS",
         "META_LOSS_FIELDS",
         "META_PART_FIELDS",
+        "SEQUENCE_FIELDS",
+        "FRAME_FIELDS",
+        "MAP_FIELDS",
         "AFTER_CONNECTIVITY",
         "AFTER_GEOMETRY",
         "QUARTERS",
@@ -116,6 +125,7 @@ def test_limits(constants: dict[str, Any]) -> None:
         "PER_TEXT_BYTE",
         "PER_TRANSFORM",
         "PER_GLUED_FACE",
+        "PER_MOVED_VERTEX",
         "PER_ELEMENT",
         "PER_NUMBER",
     ):

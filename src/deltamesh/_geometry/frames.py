@@ -11,14 +11,16 @@ from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import frame_codec
 from deltamesh._geometry.motion import Motion
 from deltamesh._geometry.prediction import Reference, finer
-from deltamesh._geometry.quantize import check_size
+from deltamesh._geometry.quantize import MOST_STEPS
 from deltamesh._graph.adjacency import without_edges
 from deltamesh._shape.surface import Surface
 from deltamesh._streams.vectors import decode_vectors, encode_vectors
+from deltamesh._vectors import largest
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.layout import MAPS, METHODS
 from deltamesh_formats.container.reader import payload_of
+from deltamesh_formats.errors import MeshError
 
 
 def relative(parameters: Parameters, integers: Integers, reference: Reference) -> Integers:
@@ -32,12 +34,17 @@ def relative(parameters: Parameters, integers: Integers, reference: Reference) -
     base = _on_grid(parameters, reference)
     if not METHODS[parameters.method].anchored:
         values = integers.values - base.values
-        check_size(values, parameters.step)
+        _check_reach(values)
         return replace(integers, values=values)
     positions = integers.positions - base.positions
     isolated = integers.isolated - base.isolated
-    check_size(np.concatenate([positions, isolated]), parameters.anchor_step)
+    _check_reach(np.concatenate([positions, isolated]))
     return replace(integers, positions=positions, isolated=isolated)
+
+
+def _check_reach(moved: Ints) -> None:
+    if not largest(moved) < MOST_STEPS:
+        raise MeshError("vertices move too far, for steps so small, from one frame to another")
 
 
 def absolute(parameters: Parameters, integers: Integers, reference: Reference) -> Integers:

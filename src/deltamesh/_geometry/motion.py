@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 
 from deltamesh._geometry.cells import Cells
-from deltamesh._kernels.mesh import laplacian
+from deltamesh._kernels.mesh import laplacian, rotations
 from deltamesh_formats.array_types import Floats, Ints
 
 # Numbers of a map.
@@ -72,7 +72,8 @@ def carried(positions: Floats, motion: Motion, cells: Cells) -> Floats:
         Those of its maps.
     """
     maps = IDENTITY + np.ldexp(motion.rows.reshape(-1, NINE).astype(np.float64), -motion.unit)
-    return _turned(cells, positions, _spread(cells, maps, motion.rounds))
+    each = _spread(cells, maps, motion.rounds).reshape(-1, 3, 3)
+    return rotations.turned_deltas(*cells.graph, positions, each)
 
 
 def _spread(cells: Cells, maps: Floats, rounds: int) -> Floats:
@@ -80,15 +81,6 @@ def _spread(cells: Cells, maps: Floats, rounds: int) -> Floats:
     each = np.pad(maps[cells.of], ((0, 0), (0, 1)), constant_values=1)
     each = laplacian.smooth(*cells.graph, each, rounds)
     return np.asarray(each[:, :NINE] / each[:, NINE:])
-
-
-def _turned(cells: Cells, positions: Floats, maps: Floats) -> Floats:
-    """Return sum over j of (T_i + T_j) / 2 (v_i - v_j) = (T L v - (L T) v + L (T v)) / 2."""
-    graph = cells.graph
-    v = cells.centred(positions)  # so that what cancels is small
-    terms = np.concatenate([v, _times(maps, v), maps], axis=1)
-    of_v, of_moved, of_maps = np.split(laplacian.apply(*graph, terms), [3, 6], axis=1)
-    return np.asarray(0.5 * (_times(maps, of_v) - _times(of_maps, v) + of_moved))
 
 
 def _times(maps: Floats, v: Floats) -> Floats:
@@ -144,7 +136,7 @@ class _EdgeFit:
         mean = 0.5 * (each[self._tail] + each[self._head])
         left = self._sums(self._after - _times(mean, self._before), self._before)
         if rigid:
-            left += (_nearest_rotations(left + self._squares) - np.eye(3)) @ self._prior
+            left += (rotations.nearest(left + self._squares) - np.eye(3)) @ self._prior
         left[self._still] = 0
         return np.asarray((left @ self._inverse).reshape(-1, NINE))
 
@@ -153,10 +145,3 @@ class _EdgeFit:
         k = len(self._cells.anchors)
         columns = [np.bincount(self._of_edge, a[:, i] * b[:, j], k) for i, j in np.ndindex(3, 3)]
         return np.asarray(np.stack(columns, axis=1).reshape(-1, 3, 3), dtype=np.float64)
-
-
-def _nearest_rotations(matrices: Floats) -> Floats:
-    """Return the rotation nearest to each matrix, float64 (k, 3, 3)."""
-    u, _, v = np.linalg.svd(matrices)
-    u[:, :, 2] *= np.sign(np.linalg.det(u @ v))[:, None]
-    return np.asarray(u @ v)

@@ -90,7 +90,8 @@ def halvings(step: float, wanted: float) -> int:
     """Return how often a step is to be halved so that it is not above what is wanted."""
     if not 0 < wanted < step:
         return 0
-    return min(math.ceil(math.log2(step) - math.log2(wanted)), MAX_FINER)
+    (m, e), (least, octave) = math.frexp(step), math.frexp(wanted)
+    return min(e - octave + (m > least), MAX_FINER)
 
 
 def finer(first: Parameters, parameters: Parameters) -> int:

@@ -10,6 +10,8 @@ import math
 from dataclasses import replace
 from typing import Final
 
+import numpy as np
+
 from deltamesh._content import Content, frame_digest
 from deltamesh._geometry import anchors as choice
 from deltamesh._geometry.bounds import Bounds
@@ -42,12 +44,13 @@ def encode(draft: Draft) -> tuple[bytes, Draft]:
     plan = _Plan(draft)
     frames: list[Frame] = []
     results: list[FrameResult] = []
-    margin, last = draft.margin, plan.first
+    margin, last, before = draft.margin, plan.first, draft.mesh.vertices
     for i, vertices in enumerate(draft.sequence.positions, start=1):
         is_key = _is_key(i, draft.sequence.key_every)
         trials = Trials(draft, vertices, draft.systems, f"frame {i}")
         reference = plan.first if is_key else last
-        trial, prediction = plan.encoded(i, trials, reference)
+        moves, before = not np.array_equal(vertices, before), vertices
+        trial, prediction = plan.encoded(i, trials, reference, moves=moves)
         frames.append(_frame(i, trial, prediction, is_key, trials.scale))
         results.append(FrameResult(i, trial.measured, trials.cost(trial)))
         margin = max(margin, trials.margin(trial)) if margin else 0
@@ -78,8 +81,12 @@ class _Plan:
         self._is_settled = draft.options.effort == 1 or not self._settings.layout.anchored
         self.first = Reference(p, i, chosen.vertices, doubt)
 
-    def encoded(self, index: int, trials: Trials, reference: Reference) -> tuple[Trial, Prediction]:
+    def encoded(
+        self, index: int, trials: Trials, reference: Reference, *, moves: bool
+    ) -> tuple[Trial, Prediction]:
         """Return the trial of a frame that is good enough, and what it is predicted from.
+
+        A frame that `moves`, from the one before it in the input, shows which settings are good.
 
         Raises
         ------
@@ -88,7 +95,7 @@ class _Plan:
         """
         try:
             best = self._tried(trials, reference, self._settings, self._share)
-            if not self._is_settled and best[1].motion is not None:
+            if moves and not self._is_settled:
                 best = self._settled(trials, reference, best)
         except (MeshError, SolveError, TargetError) as error:
             raise type(error)(f"frame {index}: {error}") from error

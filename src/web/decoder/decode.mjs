@@ -6,6 +6,7 @@ import { readContainer } from "./container.mjs";
 import { decodeCopies } from "./copies.mjs";
 import { digested, digestOf } from "./digest.mjs";
 import { FormatError } from "./errors.mjs";
+import { framesOf } from "./frame_table.mjs";
 import { checkScale, decodeGeometry, reconstructed } from "./geometry.mjs";
 import { inverse } from "./integers.mjs";
 import { announced, checkLimits, MAX_VERTICES, MEMORY } from "./limits.mjs";
@@ -33,6 +34,8 @@ export function inspect(bytes) {
     parameters: { ...parameters, method: parameters.method.name },
     meta,
     sections: [...sections.values()].map(({ id, offset, end }) => ({ id, bytes: end - offset })),
+    frames: framesOf(container).frames.length + 1,
+    fps: framesOf(container).rate || null,
     attributes: entriesOf(container),
     parts: (texts?.divisions ?? []).map(({ kind, names }) => ({ kind, names })),
     metadata: texts?.metadata ?? new Map(),
@@ -41,7 +44,7 @@ export function inspect(bytes) {
 }
 
 /**
- * Decode a file, a Uint8Array, with a core of `loadCore`; return its mesh.
+ * Decode a file, a Uint8Array, with a core of `loadCore`; return its mesh, of a sequence frame 0.
  *
  * `maxVertices` and `memory`, in bytes, are the limits. Of the mesh, `positions` has three numbers
  * a vertex; `corners` and `offsets` the vertices of each polygon; `triangles` those of each
@@ -50,6 +53,7 @@ export function inspect(bytes) {
  */
 export function decode(core, bytes, { maxVertices = MAX_VERTICES, memory = MEMORY } = {}) {
   const container = readContainer(bytes);
+  framesOf(container); // their table has to be right; only the first one is decoded
   const content = readContent(core, container, maxVertices, memory);
   checkDigest(core, container, content);
   checkScale(container, content.integers);
