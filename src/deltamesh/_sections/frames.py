@@ -28,14 +28,14 @@ from deltamesh._sections.draft import Draft, FrameResult
 from deltamesh._sections.trials import Trials
 from deltamesh_formats.container.container import Container, Parameters, laid_out
 from deltamesh_formats.container.frame_table import Frame, write_frames
-from deltamesh_formats.container.layout import MAPS
+from deltamesh_formats.container.layout import MAPS, MAX_FINER
 from deltamesh_formats.errors import FormatError, MeshError, SolveError, TargetError
 
 # Shares of the vertices that are cells of maps, and how coarse deltas may be: the likeliest first.
 SHARES: Final = (0.01, 0.02, 0.005, 0.0)
 COARSE: Final = (8.0, 12.0)
-# How often the grid of a Cartesian frame is halved, before its bounds are given up.
-MOST_HALVED: Final = 8
+# The largest factor by which one trial of a Cartesian frame makes its step smaller.
+FURTHEST: Final = 32.0
 
 
 def encode(draft: Draft) -> tuple[bytes, Draft]:
@@ -93,6 +93,9 @@ class _Plan:
         MeshError, TargetError
             If no trial is; they name the frame.
         """
+        still = None if moves else self._still(trials, reference)
+        if still is not None:
+            return still
         try:
             best = self._tried(trials, reference, self._settings, self._share)
             if moves and not self._is_settled:
@@ -101,6 +104,16 @@ class _Plan:
             raise type(error)(f"frame {index}: {error}") from error
         self._settings = replace(self._settings, step=best[0].parameters.step)
         return best
+
+    def _still(self, trials: Trials, reference: Reference) -> tuple[Trial, Prediction] | None:
+        """Return the trial that leaves a frame where its reference is, if that keeps the bounds."""
+        if trials.bounds is None or not self._settings.layout.anchored:
+            return None
+        prediction = predicted(
+            trials.surface, self.first.parameters, reference, None, trials.systems
+        )
+        trial = trials.unmoved(self._settings, prediction)
+        return (trial, prediction) if trials.bounds.excess(trial.measured) <= 1 else None
 
     def _settled(
         self, trials: Trials, reference: Reference, best: tuple[Trial, Prediction]
@@ -178,11 +191,15 @@ def _on_coarsest_grid(
     settings: Settings, step: float, bounds: Bounds, attempt: Attempt, missed: list[Trial]
 ) -> Trial | None:
     """Return the first trial within the bounds on grids that halve that of frame 0."""
-    for halved in range(MOST_HALVED + 1):
+    halved = 0
+    while halved <= MAX_FINER:
         trial = attempt(replace(settings, step=math.ldexp(step, -halved)))
-        if bounds.excess(trial.measured) <= 1:
+        excess = bounds.excess(trial.measured)
+        if excess <= 1:
             return trial
         missed[:] = [trial]
+        # Errors are nearly proportional to steps: what is far beyond the bounds is halved at once.
+        halved += max(1, int(math.log2(min(excess, FURTHEST))))
     return None
 
 

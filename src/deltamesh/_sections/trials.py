@@ -86,6 +86,30 @@ class Trials:
         if not has_scale(parameters, integers):
             reason = f"coordinates of {largest(V):g} are too large for method {settings.method}"
             raise ScaleError(f"{reason}: try lossless")
+        return self._trial(settings, parameters, integers, decoded, predicted)
+
+    def unmoved(self, settings: Settings, predicted: Prediction) -> Trial:
+        """Return the trial that leaves the frame where its reference is."""
+        reference, n = predicted.reference, self.used
+        before = reference.integers
+        zeros = np.zeros((n, 3), dtype=np.int64)
+        integers = Integers(
+            *(zeros, before.anchors, before.positions, before.isolated),
+            refinements=np.zeros_like(before.refinements),
+            exponents=before.exponents,
+        )
+        coder, parameters = frame_codec(settings.method), reference.parameters
+        found = coder.reconstruct(self.surface, parameters, integers, self.systems, predicted)
+        return self._trial(settings, parameters, integers, found, predicted)
+
+    def _trial(
+        self,
+        settings: Settings,
+        parameters: Parameters,
+        integers: Integers,
+        decoded: Floats,
+        predicted: Prediction | None,
+    ) -> Trial:
         encode: Callable[[], dict[str, bytes]]
         doubtful = doubt(parameters)
         if predicted is None:

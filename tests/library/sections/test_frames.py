@@ -67,7 +67,7 @@ def test_nothing_accumulates() -> None:
 def test_still_frames_take_next_to_nothing() -> None:
     own = len(encode(MOVING[0], method="refined"))
     data = encode([MOVING[0]] * 3, method="refined")
-    assert all(frame.size < 0.3 * own for frame in info(data).frames)
+    assert all(frame.size < 0.1 * own for frame in info(data).frames)
 
 
 def test_settings_are_those_of_a_frame_that_moves() -> None:
