@@ -18,6 +18,7 @@ import struct
 import zlib
 from dataclasses import replace
 
+import animated
 import attributed
 import forging
 import golden_polymeshes
@@ -25,7 +26,6 @@ import meshes
 import numpy as np
 import oracle
 import poisson_oracle
-import sequences
 import stepped
 import strategies
 from graphs import tolerances_of
@@ -342,8 +342,8 @@ def write_triangles(name, encoded, V, F):
 
 def write_sequences():
     """Frames beyond the first are compared with those of the second decoder."""
-    for name in [name for name in sequences.MADE if is_missing(name)]:
-        data = sequences.file_of(name)
+    for name in [name for name in animated.MADE if is_missing(name)]:
+        data = animated.file_of(name)
         assert_same(data)
         first, *further = frames(data)
         moved = np.stack([frame.vertices for frame in further])
@@ -900,12 +900,12 @@ def refused_cells():
 
 def refused_tables_of_frames():
     """Tables of frames that no encoder writes."""
-    refined, cartesian = map(sequences.file_of, ("refined-sequence", "cartesian-sequence"))
+    refined, cartesian = map(animated.file_of, ("refined-sequence", "cartesian-sequence"))
     bare = encoded(meshes.icosphere(1), bits=0, anchors=4)
     payload = payload_of(refined, "FRAM")
     damaged = bytearray(payload)
     damaged[-20] ^= 1
-    first = sequences.with_first
+    first = animated.with_first
     maps = [bytes(frame.sections["MAPS"].payload) for frame in info(refined).frames]
     return {
         "frames-of-0-bits": forging.forged(bare, FRAM=payload),
@@ -914,7 +914,7 @@ def refused_tables_of_frames():
         "frames-cut": forging.forged(refined, FRAM=payload[:-1]),
         "frames-and-more": forging.forged(refined, FRAM=payload + b"\0"),
         "frames-damaged": forging.forged(refined, FRAM=bytes(damaged)),
-        "frames-rate": sequences.with_frames(refined, lambda frames: frames, rate=-1.0),
+        "frames-rate": animated.with_frames(refined, lambda frames: frames, rate=-1.0),
         "frames-key-first": first(refined, is_key=True),
         "frames-finer": first(refined, finer=31),
         "frames-step": first(refined, step=0.0),
@@ -922,7 +922,7 @@ def refused_tables_of_frames():
         "frames-coarse": first(refined, coarse=0.5),
         "frames-error": first(refined, normal=math.inf),
         "frames-maps": first(refined, maps=1000),
-        "frames-maps-cartesian": sequences.with_frames(
+        "frames-maps-cartesian": animated.with_frames(
             cartesian,
             lambda frames: [
                 replace(frames[0], maps=1, sections={**frames[0].sections, **maps_of(maps[0])}),

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import animated
 import meshes
 import numpy as np
 import pytest
-import sequences
-from sequences import moving
+from animated import moving
 
 from deltamesh import LimitError, OptionError, decode, encode, frames, info, load, save, verify
 from deltamesh._geometry.methods import geometry_codec
@@ -18,9 +18,9 @@ from deltamesh._player import Player
 MOVING = moving(meshes.torus(12, 9), 16, each=0.1)
 
 
-@pytest.mark.parametrize("name", sequences.MADE)
+@pytest.mark.parametrize("name", animated.MADE)
 def test_any_order_gives_the_same_frames(name: str) -> None:
-    data = sequences.file_of(name)
+    data = animated.file_of(name)
     every = [mesh.vertices for mesh in frames(data)]
     for index in (2, 1, 0, 1):
         if index < len(every):
@@ -64,7 +64,7 @@ def test_decoders_do_not_drift_apart(method: str) -> None:
 
 
 def test_frames_that_are_missing_are_refused() -> None:
-    data = sequences.file_of("refined-sequence")
+    data = animated.file_of("refined-sequence")
     for frame in (4, -1):
         with pytest.raises(OptionError, match=f"no frame {frame}: the file has 4, from 0 on"):
             decode(data, frame=frame)
@@ -79,7 +79,7 @@ def test_files_are_saved_loaded_and_verified(tmp_path) -> None:
         np.testing.assert_array_equal(mesh.faces, MOVING[i].faces)
     assert verify(path).frame_count == 3
     with pytest.raises(ValueError, match="frame 1"):
-        verify(sequences.with_first(path.read_bytes(), digest=bytes(8)))
+        verify(animated.with_first(path.read_bytes(), digest=bytes(8)))
 
 
 def test_positions_frame_by_frame_are_a_sequence() -> None:

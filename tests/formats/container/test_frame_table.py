@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import animated
 import pytest
-import sequences
 
 from deltamesh import info
 from deltamesh_formats.container.frame_table import Frame, frames_of, read_frames, write_frames
 from deltamesh_formats.errors import FormatError
 
-DATA = sequences.file_of("refined-sequence")
+DATA = animated.file_of("refined-sequence")
 CONTAINER = info(DATA)
 SECTION = CONTAINER.sections["FRAM"]
 
@@ -37,7 +37,7 @@ def test_the_writer_is_the_mirror_of_the_reader() -> None:
 def test_a_file_of_one_mesh_has_no_further_frames() -> None:
     from deltamesh import encode
 
-    one = info(encode(sequences.MADE["refined-sequence"][0][0], step=0.1, method="refined"))
+    one = info(encode(animated.MADE["refined-sequence"][0][0], step=0.1, method="refined"))
     assert (one.frames, one.fps, one.frame_count) == ((), None, 1)
 
 

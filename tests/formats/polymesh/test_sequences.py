@@ -7,7 +7,7 @@ from dataclasses import replace
 import meshes
 import numpy as np
 import pytest
-from sequences import moving
+from animated import moving
 
 from deltamesh import from_arrays
 from deltamesh_formats.errors import MeshError

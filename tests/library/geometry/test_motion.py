@@ -5,7 +5,7 @@ from __future__ import annotations
 import meshes
 import numpy as np
 import pytest
-from sequences import positions
+from animated import positions
 
 from deltamesh._geometry import anchors as choice
 from deltamesh._geometry.cells import Cells

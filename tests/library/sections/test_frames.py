@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import animated
 import meshes
 import numpy as np
 import pytest
-import sequences
-from sequences import moving
+from animated import moving
 
 from deltamesh import OptionError, TargetError, _pipeline, decode, encode, frames, from_arrays, info
 from deltamesh._content import frame_digest
@@ -155,8 +155,8 @@ def test_the_draft_tells_of_each_frame() -> None:
 
 
 def test_a_wrong_digest_of_a_frame_is_refused() -> None:
-    data = sequences.file_of("refined-sequence")
-    wrong = sequences.with_first(data, digest=bytes(8))
+    data = animated.file_of("refined-sequence")
+    wrong = animated.with_first(data, digest=bytes(8))
     with pytest.raises(ValueError, match="frame 1: the checksum of the decoded integers is wrong"):
         decode(wrong, frame=1)
     assert len(decode(wrong).vertices) == len(decode(data).vertices)
@@ -168,11 +168,11 @@ def test_too_few_maps_are_refused() -> None:
     frame = info(data).frames[0]
     assert frame.maps >= 2
     with pytest.raises(ValueError, match="frame 1: 1 maps of"):
-        decode(sequences.with_first(data, maps=1), frame=1)
+        decode(animated.with_first(data, maps=1), frame=1)
 
 
 def test_maps_that_are_all_the_identity_are_refused() -> None:
-    data = sequences.file_of("refined-sequence")
+    data = animated.file_of("refined-sequence")
     frame = info(data).frames[0]
     rows = np.zeros((3 * frame.maps, 3), dtype=np.int64)
     container = info(data)
@@ -188,6 +188,6 @@ def test_maps_that_are_all_the_identity_are_refused() -> None:
     zero = Motion(rows, frame.rounds, frame.unit)
     payloads = encode_frame(surface, p, seen, zero)
     streams = {name: replace(frame.sections[name], payload=payloads[name]) for name in streams}
-    wrong = sequences.with_first(data, sections=streams, digest=frame_digest(rows, seen))
+    wrong = animated.with_first(data, sections=streams, digest=frame_digest(rows, seen))
     with pytest.raises(ValueError, match="MAPS: no map moves anything"):
         decode(wrong, frame=1)
