@@ -43,6 +43,7 @@ SCRIPTS = (
     "bounds",
     "parts",
     "partial",
+    "sequences",
     "readers",
     "large",
 )

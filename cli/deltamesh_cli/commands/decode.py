@@ -29,7 +29,7 @@ deltamesh decode bunny.ply.dmesh bunny.stl
 deltamesh decode mesh.dmesh --output-format obj  writes mesh.obj
 deltamesh decode scan.ply.dmesh scan.obj --digits 3
 deltamesh decode walk.dmesh pose.obj --frame 12
-deltamesh decode walk.dmesh walk_%03d.ply --all   writes walk_000.ply, walk_001.ply ...
+deltamesh decode walk.dmesh walk_%03d.ply --all  writes walk_000.ply ...
 deltamesh decode upload.dmesh --max-vertices 1000000 --memory 2G
 deltamesh decode - --output-format off < mesh.dmesh | wc
 head -c 20000 scan.dmesh | deltamesh decode - preview.ply --partial
