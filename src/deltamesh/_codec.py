@@ -289,7 +289,10 @@ def _frames_of(
             return None
         is_sequence = isinstance(mesh, Iterable) and not hasattr(mesh, "__array__")
         return cast(Iterable[PolyMesh], mesh) if is_sequence else None
-    positions = np.asarray(mesh)
+    try:
+        positions = np.asarray(mesh)
+    except ValueError:  # rows of several lengths, which are refused as such
+        return None
     if positions.ndim != 3:
         return None
     return (replace(unchecked(one, faces), precision="float64") for one in positions)

@@ -80,7 +80,7 @@ class GeometryCodec(Protocol):
         """
 
 
-class FrameCodec(Protocol):
+class FrameCodec(GeometryCodec, Protocol):
     """The functions of a method that codes further frames, too.
 
     Where a `predicted` frame is given, deltas are quantized as differences from those it expects.
