@@ -33,6 +33,8 @@ ATTRIBUTE_BOUNDS = ("bits_float", "max_uv_error", "max_attribute_error")
 MAX_THREADS = 1024
 # Of a sequence, a frame in so many is a key frame.
 DEFAULT_KEY_EVERY, MAX_KEY_EVERY = 16, layout.MAX_RUN
+# Options that mean nothing for one mesh.
+SEQUENCE_OPTIONS = ("fps", "key_every")
 
 
 class EncodeOptions(TypedDict, total=False):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from deltamesh._options import DEFAULT_KEY_EVERY, MAX_KEY_EVERY
+from deltamesh._options import DEFAULT_KEY_EVERY, MAX_KEY_EVERY, SEQUENCE_OPTIONS
 from deltamesh_cli import files, options
 from deltamesh_cli.encode_options import check_encode_options, encode_options
 from deltamesh_cli.encoding import EncodedFile, encode_file
@@ -188,7 +188,7 @@ def _inputs(names: tuple[str, ...], sequence: bool) -> tuple[tuple[str, ...], st
 
 
 def _refuse_options_of_sequences(parameters: dict[str, Any]) -> None:
-    for name in ("fps", "key_every"):
+    for name in SEQUENCE_OPTIONS:
         if parameters[name] is not None:
             raise click.UsageError(f"{options.flag_of(name)} means nothing without --sequence.")
 
