@@ -96,7 +96,7 @@ def rows(mesh: TriangleMesh, frames: int, per_cycle: int) -> Iterator[Row]:
     bits = next(
         bits
         for bits in range(6, 31)
-        if _by_draco(some[0], mesh, bits)[1][1] <= MARGIN * sequence.normals
+        if np.mean([_by_draco(V, mesh, bits)[1][1] for V in some]) <= MARGIN * sequence.normals
     )
     name = f"Draco, {bits} bits, a file each"
     yield _of_files(name, some, mesh, frames, lambda V, m: _by_draco(V, m, bits))

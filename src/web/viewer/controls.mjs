@@ -1,8 +1,8 @@
 // Controls of the page: buttons, lists, tables, keys, and files that are dropped.
-import { gradientOf, partColour } from "./colours.mjs";
+import { gradientOf } from "./colours.mjs";
 import { factsOf, short, tableOf } from "./facts.mjs";
 import { FIELDS } from "./fields.mjs";
-import { nameOf } from "./panel.mjs";
+import { fillParts } from "./parts.mjs";
 
 const THEMES = ["", "dark", "light"];
 const find = (selector) => document.querySelector(selector);
@@ -37,6 +37,11 @@ export class Controls {
     this.hint = this.say(text);
   }
 
+  /** Set the tables of differences, which stand above the numbers of the files. */
+  setCompared(tables) {
+    this.facts = { compared: tables };
+  }
+
   /** Write what is under the pointer. */
   point(text) {
     find("#pointer").textContent = text;
@@ -54,7 +59,7 @@ export class Controls {
     select.replaceChildren(...[...options].map(([key, title]) => new Option(title, key)));
     if (!options.has(this.viewer.look.colouring)) this.viewer.look.colouring = "plain";
     this.#fillFacts();
-    this.#fillParts();
+    fillParts(this.viewer);
     this.update();
   }
 
@@ -64,50 +69,6 @@ export class Controls {
     const { compared = [] } = this.facts;
     const comparison = compared.map((rows, i) => tableOf(rows, i ? "" : "difference"));
     find("#numbers").replaceChildren(...comparison, ...tables);
-  }
-
-  #fillParts() {
-    const divisions = new Map();
-    for (const { kind, names, ofFace } of this.viewer.panels.flatMap(({ mesh }) => mesh.parts)) {
-      if (!divisions.has(kind)) divisions.set(kind, new Map());
-      const colours = divisions.get(kind);
-      names.forEach((_, part) => colours.set(nameOf(names, part), partColour(part)));
-      if (ofFace.some((part) => part < 0)) colours.set(nameOf(names, -1), partColour(-1));
-    }
-    const lists = [...divisions].map(([kind, colours]) => this.#listOf(kind, colours));
-    find("#parts").replaceChildren(...lists);
-    find("#parts").parentElement.hidden = !lists.length;
-  }
-
-  /** Return a list of parts that can be hidden. */
-  #listOf(kind, colours) {
-    const list = document.createElement("fieldset");
-    list.append(Object.assign(document.createElement("legend"), { textContent: `${kind}s` }));
-    const hide = () => {
-      const boxes = [...list.querySelectorAll("input")];
-      const names = boxes.filter((box) => !box.checked).map((box) => box.value);
-      this.viewer.hideParts(kind, new Set(names));
-    };
-    for (const [name, rgb] of colours) {
-      const label = document.createElement("label");
-      const box = Object.assign(document.createElement("input"), { type: "checkbox", value: name });
-      box.checked = !this.viewer.hidden.get(kind)?.has(name);
-      const swatch = document.createElement("i");
-      swatch.style.background = `rgb(${rgb})`;
-      label.append(box, swatch, name);
-      list.append(label);
-    }
-    list.addEventListener("change", hide);
-    // Alone, or all again.
-    list.addEventListener("dblclick", (event) => {
-      const own = event.target.closest("label")?.querySelector("input");
-      if (!own) return;
-      const boxes = [...list.querySelectorAll("input")];
-      const isAlone = boxes.every((box) => box.checked === (box === own));
-      boxes.forEach((box) => (box.checked = isAlone || box === own));
-      hide();
-    });
-    return list;
   }
 
   /** Show the scale of errors, or none. */
@@ -202,6 +163,7 @@ export class Controls {
 
   #key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || find("#keys").open) return;
+    if (document.body.matches(".reporting")) return;
     if (/^(SELECT|INPUT)$/.test(event.target.tagName) && event.key !== "Escape") return;
     const { viewer } = this;
     const { camera } = viewer;

@@ -1,5 +1,5 @@
 // Numbers of a file, as rows of tables.
-
+import { titleOfKind } from "./parts.mjs";
 
 /** Return a number in a few digits. */
 export function short(number) {
@@ -24,7 +24,7 @@ export function factsOf({ mesh, about, size }) {
   }
   const names = mesh.attributes.map(({ name, domain, type, width }) => `${name} (${domain}, ${width} × ${type})`);
   if (names.length) rows.push(["attributes", names.join(", ")]);
-  for (const { kind, names: parts } of mesh.parts) rows.push([`${kind}s`, short(parts.length)]);
+  for (const { kind, names: parts } of mesh.parts) rows.push([titleOfKind(kind), short(parts.length)]);
   for (const [key, lines] of mesh.metadata) rows.push([key, lines.join("\n")]);
   if (mesh.lost.length) rows.push(["not kept", mesh.lost.join(", ")]);
   return rows;

@@ -2,6 +2,7 @@
 import { colourBytes, partColour, SCALES } from "./colours.mjs";
 import { FIELDS, fieldOf } from "./fields.mjs";
 import { boxOf, cornerValues, modelOf, shownCorners } from "./model.mjs";
+import { nameOf, titleOfKind } from "./parts.mjs";
 import { MODES } from "./renderer.mjs";
 
 const PLAIN = [196, 202, 208];
@@ -45,8 +46,13 @@ export class Panel {
     return [
       ...of("colour").map(({ name }) => [`colour:${name}`, `colours: ${name}`]),
       ...of("uv").map(({ name }) => [`uv:${name}`, `checker: ${name}`]),
-      ...parts.map(({ kind }) => [`part:${kind}`, `${kind}s`]),
+      ...parts.map(({ kind }) => [`part:${kind}`, titleOfKind(kind)]),
     ];
+  }
+
+  /** Return how it is coloured by itself: by the colours of the mesh, if it has any. */
+  ownColouring() {
+    return this.colourings().find(([key]) => key.startsWith("colour:"))?.[0] ?? "plain";
   }
 
   /** Colour it by a key; `original` is what errors are measured against, `most` their largest. */
@@ -99,6 +105,3 @@ export class Panel {
     return this.fields.get(key);
   }
 }
-
-/** Return the name of a part, as the list of parts has it. */
-export const nameOf = (names, part) => (part < 0 ? "(none)" : names[part] || "(no name)");
