@@ -47,7 +47,7 @@ def test_view(folder: Path) -> None:
     assert done.returncode == 0, done.stderr
     page = (folder / "torus.html").read_text(encoding="utf-8")
     assert page.count('class="mesh"') == 2
-    assert len(PAGE.read_bytes()) <= 155_000
+    assert len(PAGE.read_bytes()) <= 150_000
 
 
 @pytest.mark.skipif(os.name != "posix", reason="a block for a shell of POSIX")
