@@ -21,7 +21,8 @@ from deltamesh._geometry.motion import Motion, fitted_motion
 from deltamesh._geometry.prediction import Prediction, Reference, at_step, finer, predicted
 from deltamesh._geometry.step_search import fit_step
 from deltamesh._geometry.trial import Attempt, Trial
-from deltamesh._measures.metrics import single_above
+from deltamesh._measures.margins import MOST_HALVINGS
+from deltamesh._measures.metrics import diagonal, single_above
 from deltamesh._methods import AUTO
 from deltamesh._options import Settings
 from deltamesh._sections.draft import Draft, FrameResult
@@ -45,6 +46,7 @@ def encode(draft: Draft) -> tuple[bytes, Draft]:
     frames: list[Frame] = []
     results: list[FrameResult] = []
     margin, last, before = draft.margin, plan.first, draft.mesh.vertices
+    scale = diagonal(draft.positions)
     for i, vertices in enumerate(draft.sequence.positions, start=1):
         is_key = _is_key(i, draft.sequence.key_every)
         trials = Trials(draft, vertices, draft.systems, f"frame {i}")
@@ -53,10 +55,22 @@ def encode(draft: Draft) -> tuple[bytes, Draft]:
         trial, prediction = plan.encoded(i, trials, reference, moves=moves)
         frames.append(_frame(i, trial, prediction, is_key, trials.scale))
         results.append(FrameResult(i, trial.measured, trials.cost(trial)))
-        margin = max(margin, trials.margin(trial)) if margin else 0
+        margin = _finer_margin(margin, trials.margin(trial), trials.scale / scale if scale else 0)
         last = Reference(trial.parameters, trial.integers, trial.vertices, trial.measured.doubt)
     payload = write_frames(draft.sequence.rate, frames, plan.first.parameters.method)
     return payload, replace(draft, frames=tuple(results), margin=margin)
+
+
+def _finer_margin(margin: int, other: int, size: float) -> int:
+    """Return a margin that is within one of frame 0, and within one of a frame of another size.
+
+    Margins are halvings of the diagonal, 0 for none; `size` is the diagonal of the frame over that
+    of frame 0, of which the result is.
+    """
+    if not (margin and other and size):
+        return 0
+    own = math.ceil(other - math.log2(size))
+    return max(margin, own) if own <= MOST_HALVINGS else 0
 
 
 def _is_key(index: int, key_every: int) -> bool:

@@ -137,6 +137,23 @@ def test_auto_is_cartesian_where_refined_cannot_keep_the_bounds(monkeypatch) -> 
         encode(MOVING, step=0.1)
 
 
+@pytest.mark.parametrize(
+    ("margin", "other", "size", "both"),
+    [(20, 22, 1.0, 22), (20, 18, 1.0, 20), (20, 18, 0.01, 25), (20, 22, 8.0, 20), (20, 0, 1.0, 0)],
+)
+def test_a_margin_suits_frames_of_any_size(margin, other, size, both) -> None:
+    assert section._finer_margin(margin, other, size) == both
+    assert section._finer_margin(0, other, size) == 0
+
+
+def test_what_is_written_of_a_small_frame_keeps_its_bounds() -> None:
+    V, F = TORUS
+    given = [from_arrays(V * size, F) for size in (1, 0.05)]
+    data = encode(given, method="refined", keep_order=True)
+    room = decode(data, frame=1).margin
+    assert 0 < room < 0.05 * 0.01 * diagonal(V)
+
+
 def test_effort_1_tries_nothing_else() -> None:
     fast, usual = (encode(MOVING, method="refined", effort=effort) for effort in (1, 2))
     assert info(fast).frames[0].coarse == info(fast).parameters.coarse
