@@ -33,12 +33,12 @@ def joined(entry: Path, minified: Minified) -> str:
     parts: dict[Path, str] = {}
     _add(entry.resolve(), parts, minified)
     body = "".join(parts.values())
-    end = f"globalThis.deltamesh = {_at(entry)};"
-    return f'"use strict";(() => {{\nconst $ = {{}};\n{body}{end}\n}})();\n'
+    return f'"use strict";(() => {{\n{body}globalThis.deltamesh={_at(entry, parts)}\n}})();\n'
 
 
-def _at(module: Path) -> str:
-    return f'$["{module.resolve().relative_to(SOURCES.resolve()).as_posix()}"]'
+def _at(module: Path, parts: dict[Path, str]) -> str:
+    """Return the variable that has what a module of the parts exports."""
+    return f"${list(parts).index(module.resolve())}"
 
 
 def _add(module: Path, parts: dict[Path, str], minified: Minified) -> None:
@@ -51,17 +51,18 @@ def _add(module: Path, parts: dict[Path, str], minified: Minified) -> None:
             _add((module.parent / name).resolve(), parts, minified)
     returned = _EXPORT.findall(text)
     for names, name in _REEXPORT.findall(text):
-        source = _at(module.parent / name)
+        source = _at(module.parent / name, parts)
         returned += [f"{one.strip()}:{source}.{one.strip()}" for one in names.split(",")]
 
     def imported(match: re.Match[str]) -> str:
-        source = _at(module.parent / match[2])
+        source = _at(module.parent / match[2], parts)
         return f"const {{{match[1].replace(' as ', ': ')}}} = {source};\n"
 
     text = _EXPORT.sub("", _REEXPORT.sub("", _IMPORT.sub(imported, text)))
     text, names = minified(text)
     own = [f"{one}:{names[one]}" if one in names else one for one in returned]
-    parts[module] = f"{_at(module)}=(() => {{{text}return {{{','.join(own)}}}}})();\n"
+    own_name = f"${len(parts)}"
+    parts[module] = f"const {own_name}=(()=>{{{text}return{{{','.join(own)}}}}})();\n"
 
 
 def packed(data: bytes, as_text: AsText) -> str:

@@ -39,7 +39,8 @@ _KEYWORDS = frozenset(
 class _Token(NamedTuple):
     """Token of a module; `role` says whether it is a variable, and how it is written.
 
-    "variable" is one by itself, "both" one that is a property by the same name, as in `{ name }`.
+    "variable" is one by itself, "both" one that is a property by the same name, as in `{ name }`;
+    "private" is a member that only its class sees.
     """
 
     text: str
@@ -101,7 +102,7 @@ def _short_names(tokens: list[_Token]) -> dict[str, str]:
         if text[0] == "`":
             for begin, end in _places(text):
                 counts.update(one for one in _tokens(text[begin:end]) if _WORD.match(one))
-    declared = set(_declared(tokens))
+    declared = {*_declared(tokens), *(text for text, role in tokens if role == "private")}
     taken = {text for text, _ in tokens} | set(counts)
     letters = (string.ascii_letters, string.ascii_letters)
     possible = ("".join(one) for size in (1, 2) for one in itertools.product(*letters[:size]))
@@ -168,9 +169,11 @@ def _with_roles(tokens: list[str]) -> Iterator[_Token]:
             inside.pop()
         elif _WORD.match(text) and text not in _KEYWORDS:
             is_first = before in ("{", ",", "async", "get", "set")
-            is_property = before == "#" or (before == "." and tokens[i - 2] != ".")
+            is_property = before == "." and tokens[i - 2] != "."
             is_key = kind == "object" and is_first and after in (":", "(")
-            if not (is_property or is_key or kind == "class"):
+            if before == "#":
+                role = "private"
+            elif not (is_property or is_key or kind == "class"):
                 is_both = kind == "object" and is_first and after in (",", "}", "=")
                 role = "both" if is_both else "variable"
         yield _Token(text, role)

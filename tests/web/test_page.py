@@ -373,3 +373,25 @@ def test_screens_of_high_density_get_all_their_pixels(compared: Path, tmp_path: 
         x, y = place_on_canvas(one, 0.5, 0.5)
         one.pointer({"type": "pointerMove", "x": x, "y": y})
         assert "vertex" in one.wait("return document.querySelector('#pointer').textContent")
+
+
+def test_poses_are_chosen_from_a_list(browser: Browser, tmp_path: Path) -> None:
+    path = GOLDEN / "refined-poses.dmesh"
+    if not path.exists():
+        pytest.skip("a format without poses")
+    data = path.read_bytes()
+    page = tmp_path / "poses.html"
+    page.write_text(page_of([PageFile("a.dmesh", data, "", len(data))], "poses"), encoding="utf-8")
+    browser.open(page)
+    rest = colours(browser)
+    names = browser.run("return [...document.querySelector('#pose').options].map((o) => o.value)")
+    assert names[0] == ""
+    for name in (*names[1:], ""):
+        browser.press("p")
+        browser.wait(f"return deltameshViewer.panels[0].pose === {json.dumps(name)}")
+        sum_of = "const { positions } = deltameshViewer.panels[0].mesh; return positions.reduce((a, b) => a + b)"  # noqa: E501
+        options = {"pose": name} if name else {}
+        mesh = deltamesh.decode(data, **options)  # type: ignore[arg-type]
+        assert browser.run(sum_of) == pytest.approx(mesh.vertices.sum(), rel=1e-6, abs=1e-4)
+        assert (colours(browser) == rest) == (name == "")
+    assert browser.run(browsers.MESSAGES) == ""

@@ -58,9 +58,17 @@ export class Controls {
     const select = find("#colouring");
     select.replaceChildren(...[...options].map(([key, title]) => new Option(title, key)));
     if (!options.has(this.viewer.look.colouring)) this.viewer.look.colouring = "plain";
+    this.#fillPoses();
     this.#fillFacts();
     fillParts(this.viewer);
     this.update();
+  }
+
+  #fillPoses() {
+    const names = new Set(this.viewer.panels.flatMap(({ poses }) => poses));
+    const options = [new Option("at rest", ""), ...[...names].map((name) => new Option(name, name))];
+    find("#pose").replaceChildren(...options);
+    find("#pose").parentElement.hidden = !names.size;
   }
 
   #fillFacts() {
@@ -104,6 +112,7 @@ export class Controls {
     for (const name of ["side", "single", "flicker"]) press(find(`#${name}`), layout === name);
     find("#upwards").textContent = `${this.viewer.camera.upwards} up`;
     find("#colouring").value = look.colouring;
+    find("#pose").value = this.viewer.pose;
     find("#layouts").hidden = panels.length < 2;
     find("#anchors").disabled = !panels.some(({ mesh }) => mesh.anchors.length);
   }
@@ -119,6 +128,7 @@ export class Controls {
     on("#help", () => find("#keys").showModal());
     on("#panel", () => document.body.classList.toggle("narrow"));
     find("#colouring").addEventListener("change", ({ target }) => viewer.set({ colouring: target.value })); // prettier-ignore
+    find("#pose").addEventListener("change", ({ target }) => viewer.setPose(target.value));
     find("#scale").addEventListener("input", ({ target }) => {
       viewer.scale = 2 ** Number(target.value);
       viewer.paint();
@@ -173,7 +183,8 @@ export class Controls {
       f: () => this.#toggle("flat"),
       w: () => this.#toggle("wire"),
       a: () => this.#toggle("anchors"),
-      c: () => this.#nextColouring(),
+      c: () => viewer.set({ colouring: next(find("#colouring")) }),
+      p: () => viewer.setPose(next(find("#pose"))),
       s: () => viewer.setLayout("side"),
       1: () => viewer.setLayout("single"),
       x: () => viewer.setLayout(viewer.layout === "flicker" ? "single" : "flicker"),
@@ -196,17 +207,17 @@ export class Controls {
     viewer.draw();
   }
 
-  #nextColouring() {
-    const keys = [...find("#colouring").options].map(({ value }) => value);
-    const next = (keys.indexOf(this.viewer.look.colouring) + 1) % keys.length;
-    this.viewer.set({ colouring: keys[next] });
-  }
-
   /** Show one panel, and the other one the next time. */
   #flip() {
     if (this.viewer.layout !== "single") this.viewer.setLayout("single");
     this.viewer.next();
   }
+}
+
+/** Return the value of the next option of a list, after the last the first. */
+function next(select) {
+  const { options, selectedIndex } = select;
+  return options[(selectedIndex + 1) % options.length].value;
 }
 
 const press = (button, isPressed) => button.setAttribute("aria-pressed", String(isPressed));

@@ -22,6 +22,8 @@ export function factsOf({ mesh, about, size }) {
   if (about?.size === size) {
     rows.push(["bits per vertex", short((8 * size) / vertices)], ...codingFacts(about));
   }
+  if (about?.frames > 1) rows.push(["frames", `${short(about.frames)}, of which the first is shown`]);
+  if (about?.poses?.length) rows.push(["poses", about.poses.map(({ name }) => name).join(", ")]);
   const names = mesh.attributes.map(({ name, domain, type, width }) => `${name} (${domain}, ${width} × ${type})`);
   if (names.length) rows.push(["attributes", names.join(", ")]);
   for (const { kind, names: parts } of mesh.parts) rows.push([titleOfKind(kind), short(parts.length)]);

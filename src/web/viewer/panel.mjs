@@ -7,10 +7,13 @@ import { MODES } from "./renderer.mjs";
 
 const PLAIN = [196, 202, 208];
 
-/** A mesh with its file's name and size, and what the file says, null for other files. */
+/**
+ * A mesh with its file's name and size, and what the file says, null for other files; `held` are the
+ * bytes of a file that has poses.
+ */
 export class Panel {
-  constructor({ name, role, mesh, about, size }) {
-    Object.assign(this, { name, role, mesh, about, size });
+  constructor({ name, role, mesh, about, size, held = null }) {
+    Object.assign(this, { name, role, mesh, about, size, held, pose: "" });
     this.box = boxOf(mesh.positions);
     this.fields = new Map();
     this.buffers = null;
@@ -28,6 +31,22 @@ export class Panel {
       }
     });
     this.buffers = renderer.upload(this.model, anchors);
+  }
+
+  /** The names of the poses of the file. */
+  get poses() {
+    return (this.about?.poses ?? []).map(({ name }) => name);
+  }
+
+  /** Take the mesh in another pose, "" for none. */
+  change(mesh, pose, renderer, hidden) {
+    const { triangles, triangleCorners, trianglePolygons } = this.mesh;
+    Object.assign(this, { mesh, pose });
+    Object.assign(mesh, { triangles, triangleCorners, trianglePolygons });
+    this.fields.clear();
+    if (!renderer) return;
+    this.upload(renderer, this.frame);
+    this.hide(renderer, hidden);
   }
 
   /** Draw only polygons that are in no hidden part; `hidden` has names by kinds. */

@@ -22,6 +22,7 @@ export class Viewer {
     this.current = 0;
     this.scale = 1;
     this.hidden = new Map();
+    this.pose = "";
     this.decode = decode;
     this.canvas = document.querySelector("canvas");
     this.controls = new Controls(this);
@@ -47,7 +48,8 @@ export class Viewer {
     try {
       const other = readMeshFile(name, bytes);
       const { mesh, about } = other ? { mesh: other, about: null } : await this.decode(bytes);
-      this.#add(new Panel({ name, role: role || (other ? "original" : ""), mesh, about, size }));
+      const held = about?.poses?.length ? bytes : null;
+      this.#add(new Panel({ name, role: role || (other ? "original" : ""), mesh, about, size, held }));
     } catch (error) {
       this.controls.say(`${name}: ${error.message}`, true);
     } finally {
@@ -68,6 +70,27 @@ export class Viewer {
     this.paint();
   }
 
+  /** Show a pose of all files that have one by that name, and the others at rest, as by "". */
+  async setPose(pose) {
+    this.pose = pose;
+    this.controls.update();
+    for (const panel of this.panels) {
+      const own = panel.poses.includes(pose) ? pose : "";
+      if (panel.pose === own) continue;
+      const done = this.controls.wait(`${panel.name}: ${own || "at rest"} …`);
+      try {
+        const { mesh } = await this.decode(panel.held, own ? { pose: own } : {});
+        if (this.pose !== pose) return;
+        panel.change(mesh, own, this.renderer, this.hidden);
+      } catch (error) {
+        this.controls.say(`${panel.name}: ${error.message}`, true);
+      } finally {
+        done();
+      }
+    }
+    this.paint();
+  }
+
   /** Take a panel away. */
   close(index) {
     const [panel] = this.panels.splice(index, 1);
@@ -80,6 +103,7 @@ export class Viewer {
   /** Take all panels away. */
   closeAll() {
     while (this.panels.length) this.close(this.panels.length - 1);
+    this.pose = "";
     this.hidden.clear();
   }
 
