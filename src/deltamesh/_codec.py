@@ -282,7 +282,7 @@ def _frames_of(
     mesh: PolyMesh | Iterable[PolyMesh] | ArrayLike, faces: Faces | None
 ) -> Iterable[PolyMesh] | None:
     """Return the frames of the arguments of `encode`, not checked yet, None if it is one mesh."""
-    if isinstance(mesh, PolyMesh):
+    if isinstance(mesh, (PolyMesh, str, bytes)):
         return None
     if faces is None:
         if isinstance(mesh, (list, tuple)) and not any(isinstance(one, PolyMesh) for one in mesh):
