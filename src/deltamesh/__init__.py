@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from deltamesh._codec import decode as decode, encode as encode
+    from deltamesh._editing import Edited as Edited, edit as edit
     from deltamesh._files import (
         frames as frames,
         info as info,
@@ -49,6 +50,7 @@ else:
         __name__,
         {
             "deltamesh._codec": ("decode", "encode"),
+            "deltamesh._editing": ("Edited", "edit"),
             "deltamesh._files": ("frames", "info", "load", "save", "verify"),
             "deltamesh._page.viewing": ("Page", "view"),
             "deltamesh._prefixes": ("Partial", "stages"),

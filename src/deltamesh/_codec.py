@@ -19,7 +19,7 @@ from deltamesh._options import (
     EncodeOptions,
     Options,
 )
-from deltamesh._pipeline import Encoded, encode_mesh
+from deltamesh._pipeline import Encoded, decode_mesh, encode_mesh
 from deltamesh._player import decode_frames
 from deltamesh._prefixes import Partial, decode_prefix
 from deltamesh._progress import Progress, silent
@@ -68,7 +68,7 @@ def encode(
     effort: int = DEFAULT_EFFORT,
     diffusion: bool = True,
     anchors: int | float | None = None,
-    anchor_method: str = "farthest",
+    anchor_method: str | None = None,
     seed: int = 0,
     coarse: float | None = None,
     solution: str | None = None,
@@ -147,7 +147,10 @@ def encode(
     anchors : int or float, optional
         How many vertices are stored with their positions, or which fraction. Default: 0.001. At
         least one a component.
-    anchor_method : {"farthest", "greedy", "random"}
+    anchor_method : {"farthest", "greedy", "random"}, optional
+        How anchors are chosen: spread over the surface, where the error is largest, or at random.
+        Default: "greedy" with "highpass" and with 0 bits, unless vertices times anchors are more
+        than 50 million or anchors are interpolated; else "farthest".
     seed : int
         Of the random anchors.
     coarse : float, optional
@@ -318,6 +321,7 @@ def decode(
     data: Bytes | Container,
     *,
     frame: int = 0,
+    pose: str | None = None,
     partial: Literal[False] = False,
     solver: str = "auto",
     threads: int | None = None,
@@ -345,6 +349,7 @@ def decode(
     data: Bytes | Container,
     *,
     frame: int = 0,
+    pose: str | None = None,
     partial: bool = False,
     solver: str = "auto",
     threads: int | None = None,
@@ -361,6 +366,8 @@ def decode(
     frame : int
         Of a sequence, the frame, from 0. It is decoded from the first one, the key frame before it,
         and those in between; `deltamesh.frames` decodes one after the other.
+    pose : str, optional
+        The name of a pose, of those that `deltamesh.edit` has added. Default: the mesh at rest.
     partial : bool
         Whether the file may be cut: its beginning is decoded, as far as it reaches. The checksums
         of whole sections are verified, that of the content only of a whole file.
@@ -393,7 +400,7 @@ def decode(
         that solve, by the entries of the factorization.
     SolveError
     OptionError
-        For a frame that the file does not have.
+        If there is no such pose or frame, or the file may be cut.
     TypeError
         For anything but bytes.
 
@@ -402,6 +409,8 @@ def decode(
     D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
     """
     if partial:
+        if pose is not None:
+            raise OptionError("a pose of a file that may be cut: poses need the whole file")
         if frame:
             raise OptionError("a file that may be cut is decoded as far as its first frame")
         prefix = data if isinstance(data, Container) else read_prefix(bytes_of(data))
@@ -417,6 +426,18 @@ def decode(
     if not 0 <= frame < container.frame_count:
         count = container.frame_count
         raise OptionError(f"there is no frame {frame}: the file has {count}, from 0 on")
+    if pose is not None:
+        if frame:
+            raise OptionError("a pose is one of frame 0")
+        return decode_mesh(
+            container,
+            pose=pose,
+            solver=solver,
+            threads=threads,
+            max_vertices=max_vertices,
+            memory=memory,
+            progress=progress or silent,
+        )
     frames = decode_frames(
         container,
         [frame],

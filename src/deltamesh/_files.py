@@ -130,6 +130,7 @@ def load(
     source: PathOrFile,
     *,
     frame: int = 0,
+    pose: str | None = None,
     partial: Literal[False] = False,
     solver: str = "auto",
     threads: int | None = None,
@@ -157,6 +158,7 @@ def load(
     source: PathOrFile,
     *,
     frame: int = 0,
+    pose: str | None = None,
     partial: bool = False,
     solver: str = "auto",
     threads: int | None = None,
@@ -178,23 +180,25 @@ def load(
         Of a sequence, the frame, from 0.
     partial : bool
         Whether the file may be cut; what is returned is a `Partial` then.
-    solver, threads, max_vertices, memory, progress
+    pose, solver, threads, max_vertices, memory, progress
         As in `deltamesh.decode`, which does the same with bytes.
 
     Raises
     ------
     FormatError, LimitError, SolveError, OSError
     OptionError
-        For a frame that the file does not have.
+        For a frame, or a pose, that the file does not have.
     TypeError
         For anything but a path or a file that is open in binary mode.
     """
     from deltamesh._codec import decode
 
+    # Each overload of `decode` has one of these.
     run = functools.partial(decode, partial=True) if partial else decode
     return run(
         read_file(source, memory, partial=partial),
         frame=frame,
+        pose=pose,
         solver=solver,
         threads=threads,
         max_vertices=max_vertices,

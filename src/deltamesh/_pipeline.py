@@ -17,15 +17,17 @@ from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.interpolation import FINER
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.systems import Systems
-from deltamesh._limits import check_limits, filling, memory_to_solve
+from deltamesh._limits import check_limits, check_pose, filling, memory_to_solve
 from deltamesh._measures.metrics import diagonal
 from deltamesh._methods import AUTO, CARTESIAN, LOSSLESS, REFINED
 from deltamesh._options import DEFAULT_QUALITY, Options
+from deltamesh._posing import check_name, in_pose, pose_named, posed_points, posing_system
 from deltamesh._progress import Progress, silent
 from deltamesh._sections.draft import ALONE, Draft, Sequence, begin
 from deltamesh._sections.table import SECTIONS
 from deltamesh._sections.trials import has_scale
 from deltamesh._shape.announced import announced
+from deltamesh._shape.surface import Surface
 from deltamesh._version import __version__
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.caching import cached_property
@@ -166,10 +168,10 @@ def _encoded(
         container = build({**payloads, FILLING: bytes(lacking)})
     data = write_container(container)
     progress("proof")
-    return Encoded(data, _proven(data), draft)
+    return Encoded(data, proven(data), draft)
 
 
-def _proven(data: bytes) -> Container:
+def proven(data: bytes) -> Container:
     """Return the container of a file, once a decoder, given any memory, has read all but positions.
 
     Raises
@@ -215,6 +217,7 @@ def _meta(draft: Draft) -> Meta:
 def decode_mesh(
     container: Container,
     *,
+    pose: str | None = None,
     solver: str,
     threads: int | None,
     max_vertices: int,
@@ -222,15 +225,26 @@ def decode_mesh(
     progress: Progress = silent,
 ) -> PolyMesh:
     """Decompress a container; see `deltamesh.decode`."""
-    # The content is handed over, too: nothing here keeps what is no longer needed.
-    return positioned(
-        container,
-        proven_content(container, max_vertices, memory, progress),
-        solver,
-        threads,
-        memory,
-        progress,
-    )
+    if pose is None:
+        # The content is handed over, too: nothing here keeps what is no longer needed.
+        return positioned(
+            container,
+            proven_content(container, max_vertices, memory, progress),
+            solver,
+            threads,
+            memory,
+            progress,
+        )
+    check_name(container, pose)
+    to_solve = check_pose(container, memory)
+    content = proven_content(container, max_vertices, memory, progress)
+    surface, solving = content.structure.surface, (solver, threads, memory, progress)
+    points = points_at_rest(container, surface, [content.integers], *solving)
+    mesh = content.mesh(points, container.parameters.single, container.margin)
+    progress("pose")
+    system = posing_system(content, solver, threads, to_solve)
+    moved, turns = posed_points(content, points, system, pose_named(content, pose))
+    return in_pose(mesh, content, moved, turns)
 
 
 def positioned(
@@ -247,27 +261,40 @@ def positioned(
     ------
     LimitError, SolveError
     """
-    progress("positions")
-    parameters, surface = container.parameters, content.structure.surface
-    systems = Systems(surface, solver, threads, memory_to_solve(container, memory))
-    coder = geometry_codec(parameters.method)
     # Nobody else keeps the integers: what is no longer needed of them is freed on the way.
     handed_over = [content.integers]
     content = replace(content, integers=NOTHING.integers)
+    surface, solving = content.structure.surface, (solver, threads, memory, progress)
+    points = points_at_rest(container, surface, handed_over, *solving)
+    return content.mesh(points, container.parameters.single, container.margin)
+
+
+def points_at_rest(
+    container: Container,
+    surface: Surface,
+    integers: list[Integers],
+    solver: str,
+    threads: int | None,
+    memory: int,
+    progress: Progress,
+) -> Floats:
+    """Return the positions of a file, float64 (p, 3); its integers are taken out of a list.
+
+    Raises
+    ------
+    LimitError, SolveError
+    """
+    progress("positions")
+    parameters = container.parameters
+    systems = Systems(surface, solver, threads, memory_to_solve(container, memory))
+    coder = geometry_codec(parameters.method)
     precise = to_precision_of(container, systems)
-    points = coder.reconstruct(surface, parameters, handed_over.pop(), precise)
-    return mesh_of(container, content, points)
+    return coder.reconstruct(surface, parameters, integers.pop(), precise)
 
 
 def to_precision_of(container: Container, systems: Systems) -> Systems:
     """Return systems that solve for the mesh of a file as exactly as its attributes need it."""
     return systems.to_precision(FINER) if ATTRIBUTES in container.sections else systems
-
-
-def mesh_of(container: Container, content: Content, points: Floats) -> PolyMesh:
-    """Return the mesh of a content whose points are at these positions, float64 (p, 3)."""
-    margin = 0.0 if container.meta is None else container.meta.room
-    return content.mesh(points, container.parameters.single, margin)
 
 
 def proven_content(

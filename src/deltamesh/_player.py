@@ -16,7 +16,7 @@ from deltamesh._geometry.prediction import Reference, predicted
 from deltamesh._geometry.systems import Systems
 from deltamesh._limits import memory_to_solve
 from deltamesh._mesh import LARGEST
-from deltamesh._pipeline import decode_mesh, mesh_of, proven_content, to_precision_of
+from deltamesh._pipeline import decode_mesh, proven_content, to_precision_of
 from deltamesh._progress import Progress, silent
 from deltamesh._sections.frames import frame_integers, frame_parameters
 from deltamesh._sections.trials import has_scale
@@ -59,7 +59,7 @@ def decode_frames(
     precise = to_precision_of(container, systems)
     coder = frame_codec(parameters.method)
     points = coder.reconstruct(surface, parameters, content.integers, precise)
-    mesh = mesh_of(container, content, points)
+    mesh = content.mesh(points, parameters.single, container.margin)
     player = Player(container, content, systems, points)
     for index in wanted:
         if index:

@@ -1,4 +1,4 @@
-"""§5.21 of `formats/SPEC.md`, to be read beside it: the further frames of a sequence."""
+"""§5.22 of `formats/SPEC.md`, to be read beside it: the further frames of a sequence."""
 
 from __future__ import annotations
 

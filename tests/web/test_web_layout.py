@@ -61,6 +61,7 @@ def constants(node: str) -> dict[str, Any]:
         "MAX_FINER",
         "MAX_MAP_UNIT",
         "MAX_RUN",
+        "MOST_OCTAVES",
     ],
 )
 def test_numbers(constants: dict[str, Any], name: str) -> None:
@@ -79,6 +80,7 @@ def test_numbers(constants: dict[str, Any], name: str) -> None:
         "SEQUENCE_FIELDS",
         "FRAME_FIELDS",
         "MAP_FIELDS",
+        "POSE_FIELDS",
         "AFTER_CONNECTIVITY",
         "AFTER_GEOMETRY",
         "QUARTERS",
@@ -128,6 +130,8 @@ def test_limits(constants: dict[str, Any]) -> None:
         "PER_MOVED_VERTEX",
         "PER_ELEMENT",
         "PER_NUMBER",
+        "PER_TREE_VERTEX",
+        "PER_MOTION",
     ):
         assert constants[name] == getattr(_limits, name)
     assert constants["MAX_VERTICES"] == _limits.DEFAULT_MAX_VERTICES

@@ -222,6 +222,11 @@ class Container:
         return next(reversed(self.sections.values())).end
 
     @property
+    def margin(self) -> float:
+        """How far each decoded coordinate may be rounded; see `Meta.room`."""
+        return 0.0 if self.meta is None else self.meta.room
+
+    @property
     def frame_count(self) -> int:
         """Frames of a sequence; 1 for a mesh that does not move.
 

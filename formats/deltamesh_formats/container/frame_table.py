@@ -1,4 +1,4 @@
-"""Frames of a `.dmesh` file beyond the first: how each is coded, and its streams; SPEC.md 5.21.
+"""Frames of a `.dmesh` file beyond the first: how each is coded, and its streams; SPEC.md 5.22.
 
 Plain bytes, so that programs can list frames without decoding any, and without numpy. `read_frames`
 and `write_frames` are mirrors.
@@ -203,7 +203,7 @@ def _streams(method: str, flags: int, maps: int) -> Iterator[str]:
 def _faults(
     values: Mapping[str, float], index: int, parameters: Parameters, vertices: int
 ) -> Iterator[tuple[str, str]]:
-    """Yield (field, what is wrong with it) by the rules of SPEC.md 5.21."""
+    """Yield (field, what is wrong with it) by the rules of SPEC.md 5.22."""
     method, flags = METHODS[parameters.method], int(values["flags"])
     if flags & ~(FRAME_KEY | FRAME_CELLS | FRAME_CORRECTIONS):
         yield "flags", "reserved bits are set: it needs a newer deltamesh"

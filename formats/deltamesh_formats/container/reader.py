@@ -216,7 +216,12 @@ def _read_field(view: Buffer, position: int, kind: str) -> tuple[Any, int]:
 def read_fields(
     view: Buffer, position: int, fields: tuple[Field, ...]
 ) -> tuple[dict[str, Any], dict[str, int], int]:
-    """Return the values of a byte table, the offset of each, and the position after the last."""
+    """Return the values of a byte table, the offset of each, and the position after the last.
+
+    Raises
+    ------
+    FormatError
+    """
     values: dict[str, Any] = {}
     offsets: dict[str, int] = {}
     for name, kind in fields:

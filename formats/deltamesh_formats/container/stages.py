@@ -34,6 +34,7 @@ from deltamesh_formats.container.layout import (
     ORDER,
     PARAMETERS,
     PARTS,
+    POSES,
 )
 
 POSITIONS: Final = "positions"
@@ -50,6 +51,7 @@ _WORDS: Final = {
     ATTRIBUTES: "attributes",
     PARTS: "names, parts and metadata",
     ORDER: "order of the source",
+    POSES: "poses",
     FRAMES: "frames beyond the first",
 }
 

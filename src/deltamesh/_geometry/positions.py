@@ -18,6 +18,7 @@ from deltamesh._geometry.integers import NO_CELLS, NONE, Integers
 from deltamesh._geometry.interpolation import NORMAL_TOLERANCE, TOLERANCE
 from deltamesh._geometry.quantize import check_size, from_grid, to_grid
 from deltamesh._geometry.systems import Systems
+from deltamesh._geometry.weighed_fit import moves
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.container import Parameters
 
@@ -114,14 +115,27 @@ def placed(
     origin : float64 (3,), optional
         Of the grids. Default: the least corner of all.
     """
-    if origin is None:
-        origin = np.concatenate([vertices, isolated, positions]).min(axis=0)
     grid, extra = parameters.anchor_step, steps.extra_bits(integers.exponents, len(vertices))
+    if origin is None:
+        origin = _corner(np.concatenate([vertices, isolated]), positions, grid)
     each = grid * steps.anchor_ratios(integers)
     anchors = to_grid(positions, origin, each, extra[integers.anchors, None])
     integers = replace(integers, positions=anchors, isolated=to_grid(isolated, origin, grid))
     x, y, z = map(float, origin)
     return replace(parameters, origin=(x, y, z)), integers
+
+
+def _corner(vertices: Floats, positions: Floats, grid: float) -> Floats:
+    """Return the least corner of vertices and of positions of anchors, which may be outside.
+
+    By whole steps from that of the vertices, it is no result of a solver.
+    """
+    corner = vertices.min(axis=0)
+    if not len(positions):
+        return np.asarray(corner)
+    return np.asarray(
+        corner - grid * np.ceil(np.maximum(corner - positions.min(axis=0), 0.0) / grid)
+    )
 
 
 def fitted(
@@ -133,7 +147,7 @@ def fitted(
     systems: Systems,
     origin: Floats | None = None,
 ) -> tuple[Parameters, Integers, Floats]:
-    """Return both with the vectors of the last stage, and the anchors that go with them.
+    """Return both with anchors that fit the deltas and, interpolated, vectors of the last stage.
 
     Parameters
     ----------
@@ -149,13 +163,22 @@ def fitted(
     float64 (n, 3)
         About where the vertices will be.
     """
-    cells = systems.cells(integers.anchors)
-    scale = cells.least(parameters.step * steps.ratios(integers))
-    y, e = systems.fit(integers.anchors).exact(left / scale)
-    integers = with_vectors(y * scale[integers.anchors], parameters, integers, cells, -1)
-    near = vertices - e * scale
-    anchors = near[integers.anchors]
-    parameters, integers = placed(anchors, vertices, isolated, parameters, integers, origin)
+    if not len(integers.anchors):
+        return parameters, integers, vertices
+    anchors, cells = integers.anchors, systems.cells(integers.anchors)
+    # Components are apart, and each is fitted in units of its own; of 0 bits, it has none.
+    each = parameters.step * steps.ratios(integers)
+    scale = cells.least(each) if parameters.step else np.ones_like(each)
+    if parameters.interpolated:
+        y, e = systems.fit(anchors).exact(left / scale)
+        integers = with_vectors(y * scale[anchors], parameters, integers, cells, -1)
+        near = vertices - e * scale
+        fit = near[anchors]
+    else:
+        d, e = moves(systems.least_squares(anchors), cells, left / scale)
+        near = vertices + e * scale
+        fit = vertices[anchors] + d * scale[anchors]
+    parameters, integers = placed(fit, vertices, isolated, parameters, integers, origin)
     return parameters, integers, near
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import copy
-import functools
 import math
+from functools import lru_cache
 
 from deltamesh._geometry import anchors as choice
 from deltamesh._geometry.cells import Cells
@@ -43,11 +43,13 @@ class Systems:
     ) -> None:
         graph, labels = surface.graph, surface.labels
         self._least_squares = factorization(graph, solver, threads, memory)
+        self._of_choice = factorization(graph, solver, threads, memory)
         # Not of `self`: a cycle would keep all of it in memory until it is looked for.
         cells = self._cells = remembered(lambda anchors: Cells(graph, labels, anchors))
         self._interpolation = remembered(lambda anchors: Interpolation(cells(anchors)))
         self._fit = remembered(lambda anchors: Fit(cells(anchors)))
-        self._cells_apart = functools.lru_cache(maxsize=2)(
+        self._farthest = lru_cache(maxsize=1)(lambda k: choice.farthest(*graph, labels, k))
+        self._cells_apart = lru_cache(maxsize=2)(
             lambda count: Cells(graph, labels, choice.farthest(*graph, labels, count))
         )
 
@@ -57,9 +59,17 @@ class Systems:
         other.precision = precision
         return other
 
+    def farthest(self, k: int) -> Ints:
+        """Return so many anchors by farthest-point sampling, int64 (k,); see `anchors.farthest`."""
+        return self._farthest(k)
+
     def least_squares(self, anchors: Ints) -> LeastSquares:
         """Return the system [L; S], factored."""
         return self._least_squares(anchors)
+
+    def of_choice(self, anchors: Ints) -> LeastSquares:
+        """Return the system [L; S] of the anchors that a greedy choice begins with, factored."""
+        return self._of_choice(anchors)
 
     def cells(self, anchors: Ints) -> Cells:
         """Return the cells of the anchors."""

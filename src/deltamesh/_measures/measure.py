@@ -30,6 +30,8 @@ class Measured:
         Of each part; None if the mesh is one part that has all vertices.
     lost, turned : bool (m,), or None
         See `differences.Differences`.
+    area : float
+        Of the surface, over that of the reference.
     doubt : float
         How far the vertices of another decoder may be from those that were measured.
     """
@@ -38,6 +40,7 @@ class Measured:
     parts: PartErrors | None = None
     lost: Bools | None = None
     turned: Bools | None = None
+    area: float = 1.0
     doubt: float = 0.0
 
 
@@ -67,7 +70,7 @@ class Measure:
         d = self._reference.differences(W)
         errors = rounded_up(vertex_errors_of(self._reference, d))
         parts = None if self._parts is None else _rounded_up(self._parts.errors(d))
-        return Measured(errors, parts, d.lost, d.turned)
+        return Measured(errors, parts, d.lost, d.turned, d.area)
 
 
 def _rounded_up(errors: PartErrors) -> PartErrors:

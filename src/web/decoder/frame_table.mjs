@@ -1,4 +1,4 @@
-// Section FRAM: the table of the frames beyond the first, none of which is decoded (SPEC.md 5.21).
+// Section FRAM: the table of the frames beyond the first, none of which is decoded (SPEC.md 5.22).
 import { readField, readFields, readVarint, take } from "./bytes.mjs";
 import { crc32 } from "./crc32.mjs";
 import { FormatError, located, spelled } from "./errors.mjs";

@@ -45,7 +45,7 @@ def test_spec_types():
         ("5.7", [layout.CHECK_FIELDS]),
         ("5.12", [layout.COLUMN_FIELDS, layout.OPERATION_FIELDS, layout.FORMAT_FIELDS]),
         ("5.14", [layout.INTEGER_FIELDS]),
-        ("5.21", [layout.SEQUENCE_FIELDS, layout.FRAME_FIELDS, layout.MAP_FIELDS]),
+        ("5.22", [layout.SEQUENCE_FIELDS, layout.FRAME_FIELDS, layout.MAP_FIELDS]),
     ],
 )
 def test_spec_byte_tables(number, tables):
@@ -119,7 +119,7 @@ def test_spec_tables_of_codes(number, name):
             },
         ),
         (
-            "5.21",
+            "5.22",
             "`flags`",
             {
                 "key": layout.FRAME_KEY,
