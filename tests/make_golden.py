@@ -18,6 +18,7 @@ import struct
 import zlib
 from dataclasses import replace
 
+import animated
 import attributed
 import forging
 import golden_polymeshes
@@ -31,13 +32,15 @@ import stepped
 import strategies
 from graphs import tolerances_of
 from places import GOLDEN, REFUSED
+from second_opinion import assert_same
 
+from deltamesh import frames, info
 from deltamesh._codec import decode
 from deltamesh._content import digest
 from deltamesh._geometry import cartesian, highpass, lossless, steps
 from deltamesh._geometry.integers import NONE, Integers
 from deltamesh._geometry.quantize import from_grid
-from deltamesh._graph.adjacency import lowest
+from deltamesh._graph.adjacency import lowest, without_edges
 from deltamesh._options import Options
 from deltamesh._order.coding import encode_order
 from deltamesh._order.reordering import Order
@@ -51,6 +54,7 @@ from deltamesh._streams.number_formats import RAW_ONLY
 from deltamesh._streams.vectors import encode_vectors
 from deltamesh_formats import zstd_frames
 from deltamesh_formats.container.attribute_table import entries_of
+from deltamesh_formats.container.container import Section
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, LimitError
@@ -336,6 +340,19 @@ def write_triangles(name, encoded, V, F):
     (GOLDEN / f"{name}.dmesh").write_bytes(encoded.data)
     faces = decoded.triangles.astype(np.uint16)
     np.savez_compressed(GOLDEN / f"{name}.npz", vertices=decoded.vertices, faces=faces)
+
+
+def write_sequences():
+    """Frames beyond the first are compared with those of the second decoder."""
+    for name in [name for name in animated.MADE if is_missing(name)]:
+        data = animated.file_of(name)
+        assert_same(data)
+        first, *further = frames(data)
+        moved = np.stack([frame.vertices for frame in further])
+        (GOLDEN / f"{name}.dmesh").write_bytes(data)
+        faces = first.triangles.astype(np.uint16)
+        arrays = {"vertices": first.vertices, "faces": faces, "frames": moved}
+        np.savez_compressed(GOLDEN / f"{name}.npz", **arrays)
 
 
 def write_polymeshes():
@@ -899,6 +916,45 @@ def refused_cells():
     }
 
 
+def refused_tables_of_frames():
+    """Tables of frames that no encoder writes."""
+    refined, cartesian = map(animated.file_of, ("refined-sequence", "cartesian-sequence"))
+    bare = encoded(meshes.icosphere(1), bits=0, anchors=4)
+    payload = payload_of(refined, "FRAM")
+    damaged = bytearray(payload)
+    damaged[-20] ^= 1
+    first = animated.with_first
+    maps = [bytes(frame.sections["MAPS"].payload) for frame in info(refined).frames]
+    return {
+        "frames-of-0-bits": forging.forged(bare, FRAM=payload),
+        "frames-none": forging.forged(refined, FRAM=payload[:8] + b"\0"),
+        "frames-more-than-bytes": forging.forged(refined, FRAM=payload[:8] + b"\x7f" + payload[9:]),
+        "frames-cut": forging.forged(refined, FRAM=payload[:-1]),
+        "frames-and-more": forging.forged(refined, FRAM=payload + b"\0"),
+        "frames-damaged": forging.forged(refined, FRAM=bytes(damaged)),
+        "frames-rate": animated.with_frames(refined, lambda frames: frames, rate=-1.0),
+        "frames-key-first": first(refined, is_key=True),
+        "frames-finer": first(refined, finer=31),
+        "frames-step": first(refined, step=0.0),
+        "frames-step-of-grid": first(cartesian, step=1.5),
+        "frames-coarse": first(refined, coarse=0.5),
+        "frames-error": first(refined, normal=math.inf),
+        "frames-maps": first(refined, maps=1000),
+        "frames-maps-cartesian": animated.with_frames(
+            cartesian,
+            lambda frames: [
+                replace(frames[0], maps=1, sections={**frames[0].sections, **maps_of(maps[0])}),
+                *frames[1:],
+            ],
+        ),
+        "frames-unit": first(refined, unit=31),
+    }
+
+
+def maps_of(stream):
+    return {"MAPS": Section("MAPS", 0, stream)}
+
+
 def with_flags(data, flags):
     """The file with the bit of interpolated anchors as it is in these flags."""
     own = payload_of(data, "PARM")[1] & ~4
@@ -907,8 +963,7 @@ def with_flags(data, flags):
 
 def zero_vectors(count):
     """A stream of so many vectors that are 0."""
-    none = np.zeros(count + 1, dtype=np.int64), NONE
-    return encode_vectors(*none, np.zeros((count, 3), dtype=np.int64))
+    return encode_vectors(*without_edges(count), np.zeros((count, 3), dtype=np.int64))
 
 
 def cells_after_corrections():
@@ -922,7 +977,7 @@ def huge_cells():
     data = encoded((V * 1e140, F), step=1e138, anchors=3, **THROUGH)
     container = read_container(data)
     integers = read_content(container, 10**9, 2**40).integers
-    none = np.zeros(len(integers.anchors) + 1, dtype=np.int64), NONE
+    none = without_edges(len(integers.anchors))
     large = np.full((len(integers.anchors), 3), 2**20)
     return forging.consistent(forging.forged(data, CELL=b"\x40" + encode_vectors(*none, large)))
 
@@ -961,7 +1016,8 @@ def write_refused():
     known = TABLE.read_text(encoding="utf-8").splitlines()[1:] if TABLE.exists() else []
     known = {row.split("\t")[0]: row for row in known}
     rows = ["file\terror\toffset\tmessage begins with"]
-    for name, data in (refused() | refused_steps() | refused_cells() | posed.refused()).items():
+    files = refused() | refused_steps() | refused_cells() | posed.refused()
+    for name, data in (files | refused_tables_of_frames()).items():
         if not is_missing(name, REFUSED):
             rows.append(known[name])
             continue
@@ -988,6 +1044,7 @@ def main():
             path.unlink()
     write_golden()
     write_stepped()
+    write_sequences()
     write_polymeshes()
     write_attributed()
     write_posed()

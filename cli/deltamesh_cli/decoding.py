@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from deltamesh._progress import Progress
 from deltamesh_cli import files
-from deltamesh_cli.meshes import decode_container, write_mesh_file
+from deltamesh_cli.meshes import decode_container, further_frames, write_mesh_file
 from deltamesh_formats.meshfiles.formats import FORMATS, format_of_extension, written_format
 from deltamesh_formats.wrappers import without_wrapper
 
@@ -69,7 +69,8 @@ def decode_to_file(
     progress : callable
     parameters : dict
         Keywords of `deltamesh.decode`, None for those that the user did not give, and "digits",
-        the decimal places of positions in a text.
+        the decimal places of positions in a text. Without "frame", frame 0 of a sequence is
+        decoded, and the others are lost.
     partial : bool
         Whether the file may be cut.
     force : bool
@@ -90,4 +91,7 @@ def decode_to_file(
     mesh = decode_container(source, container, progress, partial=partial, **keywords)
     progress("writing")
     digits = parameters.get("digits")
-    return mesh, write_mesh_file(target, mesh, file_format, digits, force=force)
+    lost = write_mesh_file(target, mesh, file_format, digits, force=force)
+    if parameters.get("frame") is None:
+        lost += further_frames(source, container)
+    return mesh, lost

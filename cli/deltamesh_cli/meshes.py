@@ -181,10 +181,30 @@ def decode_container(
         return mesh
 
 
+def further_frames(name: str, container: Container) -> tuple[str, ...]:
+    """Return a description of the frames beyond the first, none if there is one.
+
+    Raises
+    ------
+    Failure
+        If the table of the frames is damaged.
+    """
+    with attempt(name, "cannot decode"):
+        count = container.frame_count
+    return (f"frames 1 to {count - 1} of a sequence",) if count > 1 else ()
+
+
 def load_mesh(
-    name: str, file_format: str | None, progress: Progress, **parameters: Any
+    name: str,
+    file_format: str | None,
+    progress: Progress,
+    *,
+    quiet: bool = False,
+    **parameters: Any,
 ) -> LoadedMesh:
     """Read a mesh file or decode a `.dmesh`; its first bytes decide which, not its name.
+
+    Of a sequence that is frame 0; a note says so unless it is to be `quiet`.
 
     Raises
     ------
@@ -199,6 +219,8 @@ def load_mesh(
     if data[: len(MAGIC)] == MAGIC:
         container = parse_container(name, data, "cannot decode")
         mesh = decode_container(name, container, progress, **parameters)
+        for others in () if quiet else further_frames(name, container):
+            message(f"note: {display_name(name)}: frame 0, without {others}")
         return LoadedMesh(mesh, len(raw), container)
     mesh = parse_mesh(name, data, file_format, progress)
     with attempt(name, "cannot read"):

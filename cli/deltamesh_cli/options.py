@@ -83,10 +83,14 @@ as_json: Final = click.option(
 )
 
 
-def output(default: str) -> Decorator:
-    """Add the argument OUT, `--output` and `--force`; `default` describes OUT without them."""
+def output(default: str, *, positional: bool = True) -> Decorator:
+    """Add the argument OUT, `--output` and `--force`; `default` describes OUT without them.
+
+    A command whose arguments end in OUT in some cases only takes it from them itself.
+    """
+    argument = click.argument("target", type=FILE, metavar="[OUT]", required=False)
     return combined(
-        click.argument("target", type=FILE, metavar="[OUT]", required=False),
+        *([argument] if positional else []),
         click.option(
             "-o",
             "--output",

@@ -17,6 +17,7 @@ from deltamesh_formats.container.summary import (
     header_bytes,
     polygons,
     relative,
+    worst_frame,
 )
 
 # The share of a file above which a kind of content is worth a line.
@@ -59,6 +60,7 @@ def container_object(name: str, container: Container) -> dict[str, object]:
         "attributes": [_attribute_object(entry) for entry in attributes_of(container)],
         "poses": poses_object(poses_of(container)),
         "errors": None if meta is None else errors_object(meta),
+        "sequence": _sequence_object(container),
         "encoder": None if meta is None else meta.encoder,
         "source_format": None if meta is None else meta.source or None,
         "digest": container.digest.hex() or None,
@@ -73,6 +75,33 @@ def stage_object(container: Container) -> dict[str, object]:
         "stage": stage_of(container) or None,
         "cut": container.cut or None,
         "absent": list(awaited(container)),
+    }
+
+
+def _sequence_object(container: Container) -> dict[str, object] | None:
+    """Return the frames of a sequence for `--json`; lengths are relative to their own diagonals."""
+    frames = container.frames
+    if not frames:
+        return None
+    return {
+        "count": len(frames) + 1,
+        "fps": container.fps,
+        "key_frames": [0, *(frame.index for frame in frames if frame.is_key)],
+        "worst_frame": worst_frame(frames).index,
+        "frames": [
+            {
+                "frame": frame.index,
+                "bytes": frame.size,
+                "step": frame.step,
+                "coarse": frame.coarse,
+                "maps": frame.maps,
+                "rms_relative": frame.rms,
+                "max_relative": frame.max,
+                "normal_deviation_degrees": frame.normal,
+                "dihedral_degrees": frame.dihedral,
+            }
+            for frame in frames
+        ],
     }
 
 

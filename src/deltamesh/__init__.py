@@ -2,7 +2,8 @@
 
 `encode` and `decode` take and return arrays and bytes; `save` and `load` are the same on files;
 `info` describes a file without decoding it; `verify` decodes it and checks that it is whole;
-`stages` decodes a stream as its bytes come; `view` shows a mesh in the browser, or in a notebook.
+`frames` decodes the meshes of a sequence one after the other; `stages` decodes a stream as its
+bytes come; `view` shows a mesh in the browser, or in a notebook.
 `from_arrays` makes a whole mesh, a `PolyMesh`, of polygons and attributes; `read_mesh` and
 `write_mesh` are for the files of other programs, `deltamesh.plugins` for other libraries. A name is
 imported when it is first used, and numpy and scipy with it if they are needed.
@@ -15,7 +16,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from deltamesh._codec import decode as decode, encode as encode
     from deltamesh._editing import Edited as Edited, edit as edit
-    from deltamesh._files import info as info, load as load, save as save, verify as verify
+    from deltamesh._files import (
+        frames as frames,
+        info as info,
+        load as load,
+        save as save,
+        verify as verify,
+    )
     from deltamesh._page.viewing import Page as Page, view as view
     from deltamesh._prefixes import Partial as Partial, stages as stages
     from deltamesh._version import __version__ as __version__
@@ -44,7 +51,7 @@ else:
         {
             "deltamesh._codec": ("decode", "encode"),
             "deltamesh._editing": ("Edited", "edit"),
-            "deltamesh._files": ("info", "load", "save", "verify"),
+            "deltamesh._files": ("frames", "info", "load", "save", "verify"),
             "deltamesh._page.viewing": ("Page", "view"),
             "deltamesh._prefixes": ("Partial", "stages"),
             "deltamesh._version": ("__version__",),

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Literal, TypeAlias, Unpack, overload
+from typing import Literal, TypeAlias, Unpack, cast, overload
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
@@ -15,18 +15,23 @@ from deltamesh._options import (
     DEFAULT_BITS_NORMAL,
     DEFAULT_BITS_UV,
     DEFAULT_EFFORT,
+    DEFAULT_KEY_EVERY,
     EncodeOptions,
     Options,
 )
 from deltamesh._pipeline import Encoded, decode_mesh, encode_mesh
+from deltamesh._player import decode_frames
 from deltamesh._prefixes import Partial, decode_prefix
 from deltamesh._progress import Progress, silent
+from deltamesh._sections import draft
 from deltamesh._sources import Bytes, bytes_of
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_container, read_prefix
 from deltamesh_formats.errors import MeshError, OptionError
 from deltamesh_formats.polymesh.arrays import unchecked
+from deltamesh_formats.polymesh.dropping import without
 from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.polymesh.sequences import joined
 from deltamesh_formats.polymesh.validation import checked
 
 # Triangles, quads, or polygons of any sizes.
@@ -38,11 +43,15 @@ def encode(mesh: PolyMesh, **options: Unpack[EncodeOptions]) -> bytes: ...
 
 
 @overload
+def encode(mesh: Iterable[PolyMesh], **options: Unpack[EncodeOptions]) -> bytes: ...
+
+
+@overload
 def encode(mesh: ArrayLike, faces: Faces, **options: Unpack[EncodeOptions]) -> bytes: ...
 
 
 def encode(
-    mesh: PolyMesh | ArrayLike,
+    mesh: PolyMesh | Iterable[PolyMesh] | ArrayLike,
     faces: Faces | None = None,
     *,
     method: str = "auto",
@@ -74,21 +83,29 @@ def encode(
     max_uv_error: float | None = None,
     max_attribute_error: Mapping[str, float] | None = None,
     lossless_attributes: bool = False,
+    fps: float | None = None,
+    key_every: int = DEFAULT_KEY_EVERY,
     source_format: str = "",
     progress: Progress | None = None,
 ) -> bytes:
-    """Compress a mesh: `encode(mesh)`, or `encode(vertices, faces)`.
+    """Compress a mesh, or a sequence: `encode(mesh)`, `encode(vertices, faces)`, `encode(frames)`.
 
     Connectivity is kept exactly, whatever it is, and polygons stay polygons; vertices and faces
     come back in an order of the codec's own unless `keep_order` says otherwise. Vertices at one
     position stay there, each for itself. Attributes, parts, metadata and `lost` of a mesh are kept,
     unless `drop` names them; its `format` is not, but `source_format` is.
 
+    The frames of a sequence have the same vertices and faces, in the same order, at other
+    positions. Each is predicted from the one before, as a decoder has it, and keeps all bounds for
+    itself. What is the same in all frames is kept once; attributes that differ are not kept, but
+    named in `lost`.
+
     Parameters
     ----------
-    mesh : PolyMesh, or array_like (n, 3)
-        A mesh, which `deltamesh.from_arrays` makes of arrays with attributes; or the positions of
-        the vertices, finite real numbers of any type, with `faces`.
+    mesh : PolyMesh, iterable of PolyMesh, or array_like (n, 3) or (t, n, 3)
+        A mesh, which `deltamesh.from_arrays` makes of arrays with attributes; the frames of a
+        sequence; or the positions of the vertices, of all of them or frame by frame, finite real
+        numbers of any type, with `faces`.
     faces : array_like (m, k), or a sequence of polygons
         Vertex indices from 0 of triangles, quads, or polygons of any sizes, as `from_arrays` takes
         them. Not with a `PolyMesh`.
@@ -174,6 +191,11 @@ def encode(
     lossless_attributes : bool
         Both come back bit for bit instead, as all other attributes do but colours of floats within
         0 .. 1, which get 256 levels. So it is, too, with "lossless".
+    fps : float, optional
+        Of a sequence, how many frames there are in a second. It is stored, and nothing else.
+    key_every : int
+        Of a sequence, one frame in so many, 1 to 255, is predicted from the first frame alone: a
+        frame is decoded from the first one, the key frame before it, and those in between.
     source_format : str
         Stored; the format that `deltamesh decode` writes by default.
     progress : callable, optional
@@ -187,7 +209,8 @@ def encode(
     Raises
     ------
     MeshError
-        If the arrays are not a mesh; the first element at fault is named. If decoding method
+        If the arrays are not a mesh; the first element at fault is named. If a frame has another
+        connectivity than the first one; the frame and the face are named. If decoding method
         "refined" or "highpass" would take more than twice the usual memory.
     OptionError
     TargetError
@@ -234,17 +257,51 @@ def encode(
         max_uv_error=max_uv_error,
         max_attribute_error=max_attribute_error,
         lossless_attributes=lossless_attributes,
+        fps=fps,
+        key_every=key_every,
         source_format=source_format,
     )
+    frames = _frames_of(mesh, faces)
+    if frames is not None:
+        return encode_sequence(frames, options, progress or silent).data
     return encode_checked(_mesh_of(mesh, faces), options, progress or silent).data
 
 
 def encode_checked(mesh: PolyMesh, options: Options, progress: Progress) -> Encoded:
     """Return the result of `encode` for a mesh that may be at fault, with its container."""
+    if options.fps is not None:
+        raise OptionError("fps means nothing for one mesh: give the frames of a sequence")
     return encode_mesh(checked(mesh, LARGEST), options, progress)
 
 
-def _mesh_of(mesh: PolyMesh | ArrayLike, faces: Faces | None) -> PolyMesh:
+def encode_sequence(frames: Iterable[PolyMesh], options: Options, progress: Progress) -> Encoded:
+    """Return the result of `encode` for frames that may be at fault, with the container."""
+    first, positions = joined(frames, lambda mesh: checked(without(mesh, options.drop), LARGEST))
+    sequence = draft.Sequence(positions, options.fps or 0.0, options.key_every)
+    return encode_mesh(first, options, progress, sequence)
+
+
+def _frames_of(
+    mesh: PolyMesh | Iterable[PolyMesh] | ArrayLike, faces: Faces | None
+) -> Iterable[PolyMesh] | None:
+    """Return the frames of the arguments of `encode`, not checked yet, None if it is one mesh."""
+    if isinstance(mesh, (PolyMesh, str, bytes)):
+        return None
+    if faces is None:
+        if isinstance(mesh, (list, tuple)) and not any(isinstance(one, PolyMesh) for one in mesh):
+            return None
+        is_sequence = isinstance(mesh, Iterable) and not hasattr(mesh, "__array__")
+        return cast(Iterable[PolyMesh], mesh) if is_sequence else None
+    try:
+        positions = np.asarray(mesh)
+    except ValueError:  # rows of several lengths, which are refused as such
+        return None
+    if positions.ndim != 3:
+        return None
+    return (replace(unchecked(one, faces), precision="float64") for one in positions)
+
+
+def _mesh_of(mesh: PolyMesh | Iterable[PolyMesh] | ArrayLike, faces: Faces | None) -> PolyMesh:
     """Return the mesh of the arguments of `encode`, not checked yet."""
     if isinstance(mesh, PolyMesh):
         if faces is not None:
@@ -256,13 +313,14 @@ def _mesh_of(mesh: PolyMesh | ArrayLike, faces: Faces | None) -> PolyMesh:
             "which from_arrays and deltamesh.plugins make"
         )
     # The bytes are those of the numbers, whatever type they come in.
-    return replace(unchecked(mesh, faces), precision="float64")
+    return replace(unchecked(cast(ArrayLike, mesh), faces), precision="float64")
 
 
 @overload
 def decode(
     data: Bytes | Container,
     *,
+    frame: int = 0,
     pose: str | None = None,
     partial: Literal[False] = False,
     solver: str = "auto",
@@ -277,6 +335,7 @@ def decode(
 def decode(
     data: Bytes | Container,
     *,
+    frame: int = 0,
     partial: Literal[True],
     solver: str = "auto",
     threads: int | None = None,
@@ -289,6 +348,7 @@ def decode(
 def decode(
     data: Bytes | Container,
     *,
+    frame: int = 0,
     pose: str | None = None,
     partial: bool = False,
     solver: str = "auto",
@@ -303,6 +363,9 @@ def decode(
     ----------
     data : bytes-like, or what `deltamesh.info` returned
         The whole file; a bytearray, mmap or array of bytes is not copied.
+    frame : int
+        Of a sequence, the frame, from 0. It is decoded from the first one, the key frame before it,
+        and those in between; `deltamesh.frames` decodes one after the other.
     pose : str, optional
         The name of a pose, of those that `deltamesh.edit` has added. Default: the mesh at rest.
     partial : bool
@@ -337,7 +400,7 @@ def decode(
         that solve, by the entries of the factorization.
     SolveError
     OptionError
-        If there is no such pose, or the file may be cut.
+        If there is no such pose or frame, or the file may be cut.
     TypeError
         For anything but bytes.
 
@@ -345,18 +408,43 @@ def decode(
     -----
     D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
     """
-    if partial and pose is not None:
-        raise OptionError("a pose of a file that may be cut: poses need the whole file")
-    read, run = (
-        (read_prefix, decode_prefix)
-        if partial
-        else (read_container, functools.partial(decode_mesh, pose=pose))
-    )
-    return run(
-        data if isinstance(data, Container) else read(bytes_of(data)),
+    if partial:
+        if pose is not None:
+            raise OptionError("a pose of a file that may be cut: poses need the whole file")
+        if frame:
+            raise OptionError("a file that may be cut is decoded as far as its first frame")
+        prefix = data if isinstance(data, Container) else read_prefix(bytes_of(data))
+        return decode_prefix(
+            prefix,
+            solver=solver,
+            threads=threads,
+            max_vertices=max_vertices,
+            memory=memory,
+            progress=progress or silent,
+        )
+    container = data if isinstance(data, Container) else read_container(bytes_of(data))
+    if not 0 <= frame < container.frame_count:
+        count = container.frame_count
+        raise OptionError(f"there is no frame {frame}: the file has {count}, from 0 on")
+    if pose is not None:
+        if frame:
+            raise OptionError("a pose is one of frame 0")
+        return decode_mesh(
+            container,
+            pose=pose,
+            solver=solver,
+            threads=threads,
+            max_vertices=max_vertices,
+            memory=memory,
+            progress=progress or silent,
+        )
+    frames = decode_frames(
+        container,
+        [frame],
         solver=solver,
         threads=threads,
         max_vertices=max_vertices,
         memory=memory,
         progress=progress or silent,
     )
+    return next(frames)

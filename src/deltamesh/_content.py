@@ -97,6 +97,20 @@ class Content:
 
         return reordered(mesh, self.order)
 
+    def moved(self, mesh: PolyMesh, points: Floats) -> PolyMesh:
+        """Return the mesh, one that `mesh` has made, with its vertices where those of a frame are.
+
+        Parameters
+        ----------
+        mesh : PolyMesh
+        points : float64 (p, 3)
+            The decoded positions of the frame.
+        """
+        vertices = points[self.structure.points]
+        if self.order is not None:
+            vertices = vertices[self.order.vertices]
+        return replace(mesh, vertices=vertices)
+
     def _restored(self, vertices: Floats) -> tuple[Attribute, ...]:
         if not self.attributes:
             return ()
@@ -134,11 +148,30 @@ def digest(
     bytes, 8
     """
     i = integers
-    all_of_them = (
+    return _hashed(
         *(faces, split_points, i.values, i.anchors, i.positions, i.isolated, i.refinements),
         *(i.corrections, i.formats, i.exponents, i.units, i.cells, *further),
     )
+
+
+def frame_digest(rows: Ints, integers: Integers) -> bytes:
+    """Return the checksum of a further frame (SPEC.md 5.22).
+
+    Parameters
+    ----------
+    rows : int64 (3 k, 3)
+        Of the maps.
+    integers : Integers
+        As they are coded, relative to those of another frame.
+    """
+    i = integers
+    return _hashed(
+        rows, i.values, i.positions, i.isolated, i.refinements, i.corrections, i.units, i.cells
+    )
+
+
+def _hashed(*arrays: Ints) -> bytes:
     result = hashlib.blake2b(digest_size=8)
-    for array in all_of_them:
+    for array in arrays:
         result.update(np.ascontiguousarray(array, dtype="<i8").data)
     return result.digest()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import io
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Literal, Unpack, overload
 
@@ -51,7 +51,7 @@ def verify(
     memory: int = DEFAULT_MEMORY,
     progress: Callable[[str], None] | None = None,
 ) -> Container:
-    """Decode a file and return its container; damage of any kind raises.
+    """Decode a file, all of its frames, and return its container; damage of any kind raises.
 
     Parameters
     ----------
@@ -63,27 +63,73 @@ def verify(
     ------
     FormatError, LimitError, SolveError, OSError
     """
-    from deltamesh._codec import decode
-
-    if isinstance(source, Container):
-        container = source
-    else:
-        container = read_container(read_source(source, memory))
-    decode(
+    container = _container_of(source, memory)
+    for _ in frames(
         container,
         solver=solver,
         threads=threads,
         max_vertices=max_vertices,
         memory=memory,
         progress=progress,
-    )
+    ):
+        pass
     return container
+
+
+def frames(
+    source: Source | Container,
+    *,
+    solver: str = "auto",
+    threads: int | None = None,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Callable[[str], None] | None = None,
+) -> Iterator[PolyMesh]:
+    """Decode the frames of a sequence, one after the other, as they are asked for.
+
+    A file of one mesh has one frame. The meshes share all arrays but those of their positions.
+
+    Parameters
+    ----------
+    source : path, URL, binary file object, bytes-like, or what `info` returned
+        It is read before the first frame is.
+    solver, threads, max_vertices, memory, progress
+        As in `deltamesh.decode`, which decodes one frame of any number.
+
+    Yields
+    ------
+    PolyMesh
+
+    Raises
+    ------
+    FormatError, LimitError, SolveError, OSError
+    """
+    from deltamesh._player import decode_frames
+    from deltamesh._progress import silent
+
+    container = _container_of(source, memory)
+    yield from decode_frames(
+        container,
+        range(container.frame_count),
+        solver=solver,
+        threads=threads,
+        max_vertices=max_vertices,
+        memory=memory,
+        progress=progress or silent,
+    )
+
+
+def _container_of(source: Source | Container, memory: int) -> Container:
+    if isinstance(source, Container):
+        return source
+    return read_container(read_source(source, memory))
 
 
 @overload
 def load(
     source: PathOrFile,
     *,
+    frame: int = 0,
     pose: str | None = None,
     partial: Literal[False] = False,
     solver: str = "auto",
@@ -98,6 +144,7 @@ def load(
 def load(
     source: PathOrFile,
     *,
+    frame: int = 0,
     partial: Literal[True],
     solver: str = "auto",
     threads: int | None = None,
@@ -110,6 +157,7 @@ def load(
 def load(
     source: PathOrFile,
     *,
+    frame: int = 0,
     pose: str | None = None,
     partial: bool = False,
     solver: str = "auto",
@@ -128,6 +176,8 @@ def load(
         URLs take the extra `remote`. A file object is read from where it is to its end, and need
         not be seekable. Around the file there may be gzip or zstandard; what it decompresses to is
         within `memory`, too.
+    frame : int
+        Of a sequence, the frame, from 0.
     partial : bool
         Whether the file may be cut; what is returned is a `Partial` then.
     pose, solver, threads, max_vertices, memory, progress
@@ -135,7 +185,9 @@ def load(
 
     Raises
     ------
-    FormatError, LimitError, SolveError, OptionError, OSError
+    FormatError, LimitError, SolveError, OSError
+    OptionError
+        For a frame, or a pose, that the file does not have.
     TypeError
         For anything but a path or a file that is open in binary mode.
     """
@@ -145,6 +197,7 @@ def load(
     run = functools.partial(decode, partial=True) if partial else decode
     return run(
         read_file(source, memory, partial=partial),
+        frame=frame,
         pose=pose,
         solver=solver,
         threads=threads,
@@ -154,8 +207,12 @@ def load(
     )
 
 
-def save(target: PathOrFile, mesh: PolyMesh, **options: Unpack[EncodeOptions]) -> None:
-    """Encode a mesh into a `.dmesh` file, with all its attributes, parts and metadata.
+def save(
+    target: PathOrFile, mesh: PolyMesh | Iterable[PolyMesh], **options: Unpack[EncodeOptions]
+) -> None:
+    """Encode a mesh, or the frames of a sequence, into a `.dmesh` file.
+
+    All attributes, parts and metadata of a mesh are kept, and those that are alike in all frames.
 
     A file at a path appears whole or not at all, whoever else writes it at the same time. One that
     exists is replaced and keeps its permissions; of a symbolic link, what it names. Pipes and
@@ -166,8 +223,9 @@ def save(target: PathOrFile, mesh: PolyMesh, **options: Unpack[EncodeOptions]) -
     target : path, URL or binary file object
         A path or URL that ends in ".gz" or ".zst" gets a compressed file; a file object gets
         the bytes as they are.
-    mesh : PolyMesh
-        `deltamesh.from_arrays` makes one, `deltamesh.read_mesh` reads one.
+    mesh : PolyMesh, or iterable of PolyMesh
+        `deltamesh.from_arrays` makes one, `deltamesh.read_mesh` reads one. Several are frames, of
+        the same faces.
     **options
         Those of `deltamesh.encode`.
 

@@ -10,6 +10,7 @@ from deltamesh_formats.container.layout import (
     ATTRIBUTES,
     CONNECTIVITY,
     FILLING,
+    FRAMES,
     MAX_ELEMENTS_PER_BYTE,
     POLYGONS,
     POSES,
@@ -34,6 +35,8 @@ PER_GLUED_FACE = 240  # more, where polygons are made of triangles
 # those of the surface, corner by corner.
 PER_ELEMENT = 160
 PER_NUMBER = 40
+# Of further frames, a vertex: the frame before, what it predicts, and the maps of the vertices.
+PER_MOVED_VERTEX = 600
 # Of poses: their tree, and the motions of each.
 PER_TREE_VERTEX = 320
 PER_MOTION = 160
@@ -84,6 +87,8 @@ def _memory_of_counts(container: Container) -> int:
     per_face = PER_FACE + (PER_GLUED_FACE if POLYGONS in container.sections else 0)
     needed = memory.fixed + memory.per_vertex * container.vertices
     needed += per_face * container.triangles
+    if FRAMES in container.sections:
+        needed += PER_MOVED_VERTEX * container.vertices
     needed += _memory_of_attributes(container) + PER_TEXT_BYTE * text_size(container)
     return needed + _memory_of_poses(container)
 

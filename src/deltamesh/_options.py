@@ -31,6 +31,10 @@ MIN_BITS_NORMAL, MAX_BITS_NORMAL = layout.MIN_NORMAL_BITS, layout.MAX_NORMAL_BIT
 # Options that let attributes lose what they would keep by default, or say how much.
 ATTRIBUTE_BOUNDS = ("bits_float", "max_uv_error", "max_attribute_error")
 MAX_THREADS = 1024
+# Of a sequence, a frame in so many is a key frame.
+DEFAULT_KEY_EVERY, MAX_KEY_EVERY = 16, layout.MAX_RUN
+# Options that mean nothing for one mesh.
+SEQUENCE_OPTIONS = ("fps", "key_every")
 
 
 class EncodeOptions(TypedDict, total=False):
@@ -65,6 +69,8 @@ class EncodeOptions(TypedDict, total=False):
     max_uv_error: float | None
     max_attribute_error: Mapping[str, float] | None
     lossless_attributes: bool
+    fps: float | None
+    key_every: int
     source_format: str
     progress: Callable[[str], None] | None
 
@@ -108,6 +114,8 @@ class Options:
     max_uv_error: float | None = None
     max_attribute_error: Mapping[str, float] | None = None
     lossless_attributes: bool = False
+    fps: float | None = None
+    key_every: int = DEFAULT_KEY_EVERY
     source_format: str = ""
 
     def __post_init__(self) -> None:
@@ -137,6 +145,9 @@ class Options:
         _require_within("seed", self.seed, 0, (1 << 64) - 1)
         if self.threads is not None:
             _require_within("threads", self.threads, 1, MAX_THREADS)
+        if self.fps is not None:
+            _require_above_0("fps", self.fps)
+        _require_within("key_every", self.key_every, 1, MAX_KEY_EVERY)
         most = layout.STRING_MAX_BYTES
         fits = self.source_format.isprintable() and len(self.source_format.encode()) <= most
         _require(fits, f"source_format must be printable, and at most {most} bytes")

@@ -19,13 +19,13 @@ from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.systems import Systems
 from deltamesh._limits import check_limits, check_pose, filling, memory_to_solve
 from deltamesh._measures.metrics import diagonal
-from deltamesh._methods import LOSSLESS
-from deltamesh._options import Options
+from deltamesh._methods import AUTO, CARTESIAN, LOSSLESS, REFINED
+from deltamesh._options import DEFAULT_QUALITY, Options
 from deltamesh._posing import check_name, in_pose, pose_named, posed_points, posing_system
 from deltamesh._progress import Progress, silent
-from deltamesh._sections.draft import Draft, begin
-from deltamesh._sections.geometry import has_scale
+from deltamesh._sections.draft import ALONE, Draft, Sequence, begin
 from deltamesh._sections.table import SECTIONS
+from deltamesh._sections.trials import has_scale
 from deltamesh._shape.announced import announced
 from deltamesh._shape.surface import Surface
 from deltamesh._version import __version__
@@ -37,13 +37,21 @@ from deltamesh_formats.container.layout import (
     ATTRIBUTES,
     CHECK,
     FILLING,
+    FRAMES,
     MAX_COUNT,
     PARAMETERS,
     STRING_MAX_BYTES,
 )
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_container
-from deltamesh_formats.errors import FormatError, LimitError, TargetError
+from deltamesh_formats.errors import (
+    FormatError,
+    LimitError,
+    MeshError,
+    OptionError,
+    SolveError,
+    TargetError,
+)
 from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.printing import shortened
 
@@ -95,8 +103,12 @@ class Encoded:
         return corners - self.draft.mesh.offsets[self.face_order]
 
 
-def encode_mesh(mesh: PolyMesh, options: Options, progress: Progress = silent) -> Encoded:
-    """Compress a checked mesh; see `deltamesh.encode`."""
+def encode_mesh(
+    mesh: PolyMesh, options: Options, progress: Progress = silent, sequence: Sequence = ALONE
+) -> Encoded:
+    """Compress a checked mesh, or a sequence that begins with it; see `deltamesh.encode`."""
+    if sequence.positions:
+        return _encoded_sequence(mesh, options, progress, sequence)
     try:
         return _encoded(mesh, options, progress)
     except TargetError:
@@ -105,9 +117,36 @@ def encode_mesh(mesh: PolyMesh, options: Options, progress: Progress = silent) -
     return _encoded(mesh, replace(options, method=LOSSLESS.name, coarse=None), progress)
 
 
-def _encoded(mesh: PolyMesh, options: Options, progress: Progress) -> Encoded:
+def _encoded_sequence(
+    mesh: PolyMesh, options: Options, progress: Progress, sequence: Sequence
+) -> Encoded:
+    """Compress a sequence; "auto" is refined, and Cartesian where that cannot keep the bounds.
+
+    Raises
+    ------
+    OptionError
+        If the method, or 0 bits, cannot have several frames.
+    """
+    if options.exact or options.bits == 0:
+        what = f"method {options.method}" if options.exact else "0 bits"
+        raise OptionError(f"{what} cannot have several frames: encode each for itself")
+    if options.method != AUTO:
+        return _encoded(mesh, options, progress, sequence)
+    asked = replace(options, quality=DEFAULT_QUALITY) if options.asks_nothing else options
+    try:
+        return _encoded(mesh, replace(asked, method=REFINED.name), progress, sequence)
+    except (MeshError, SolveError, TargetError):
+        if not options.asks_nothing and not options.is_bounded:
+            raise
+        other = replace(asked, method=CARTESIAN.name, coarse=None)
+        return _encoded(mesh, other, progress, sequence)
+
+
+def _encoded(
+    mesh: PolyMesh, options: Options, progress: Progress, sequence: Sequence = ALONE
+) -> Encoded:
     """Compress a checked mesh by the methods that the options allow."""
-    draft = begin(mesh, options, progress)
+    draft = begin(mesh, options, progress, sequence)
     payloads: dict[str, bytes] = {}
     for section in SECTIONS:
         if section.applies(draft):
@@ -142,7 +181,12 @@ def proven(data: bytes) -> Container:
     """
     try:
         container = read_container(data)
-        proven_content(container, max_vertices=MAX_COUNT, memory=sys.maxsize)
+        content = proven_content(container, max_vertices=MAX_COUNT, memory=sys.maxsize)
+        if FRAMES in container.sections:
+            from deltamesh._sections.frames import frame_integers
+
+            for frame in container.frames:
+                frame_integers(container, content, frame)
     except (FormatError, LimitError) as error:
         raise RuntimeError(f"the encoded file cannot be decoded: {error}") from error
     return container
@@ -243,10 +287,14 @@ def points_at_rest(
     progress("positions")
     parameters = container.parameters
     systems = Systems(surface, solver, threads, memory_to_solve(container, memory))
-    if ATTRIBUTES in container.sections:
-        systems = systems.to_precision(FINER)
     coder = geometry_codec(parameters.method)
-    return coder.reconstruct(surface, parameters, integers.pop(), systems)
+    precise = to_precision_of(container, systems)
+    return coder.reconstruct(surface, parameters, integers.pop(), precise)
+
+
+def to_precision_of(container: Container, systems: Systems) -> Systems:
+    """Return systems that solve for the mesh of a file as exactly as its attributes need it."""
+    return systems.to_precision(FINER) if ATTRIBUTES in container.sections else systems
 
 
 def proven_content(

@@ -98,6 +98,10 @@ export interface About {
   /** Errors that the encoder measured, its name, and its source; null if the file has none. */
   meta: { [name: string]: number | string } | null;
   sections: { id: string; bytes: number }[];
+  /** Frames of a sequence, of which the first is decoded; 1 for one mesh. */
+  frames: number;
+  /** Frames a second, as far as that is known. */
+  fps: number | null;
   attributes: { name: string; domain: string; type: string; width: number }[];
   parts: { kind: string; names: string[] }[];
   metadata: Map<string, string[]>;

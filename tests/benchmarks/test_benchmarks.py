@@ -45,6 +45,7 @@ SCRIPTS = (
     "bounds",
     "parts",
     "partial",
+    "sequences",
     "readers",
     "large",
 )

@@ -12,7 +12,7 @@ import click
 import pytest
 from commandline import cli
 
-from deltamesh._options import ATTRIBUTE_BOUNDS, Options
+from deltamesh._options import ATTRIBUTE_BOUNDS, SEQUENCE_OPTIONS, Options
 from deltamesh_cli.bench_options import labels_of
 from deltamesh_cli.commands.bench import command
 from deltamesh_cli.commands.encode import command as encode
@@ -82,8 +82,8 @@ def test_labels_are_all_methods_with_all_rates():
 
 def test_every_option_of_encoding_is_an_option_here():
     names = {one.name for one in command.params}
-    # Meshes are measured without attributes.
-    ours = {field.name for field in fields(Options)} - {*ATTRIBUTE_BOUNDS}
+    # Meshes are measured without attributes, and each for itself.
+    ours = {field.name for field in fields(Options)} - {*ATTRIBUTE_BOUNDS, *SEQUENCE_OPTIONS}
     assert names >= ours - {"source_format"}
     assert names >= {one.name for one in encode.params} & ours
     assert not names & {*ATTRIBUTE_BOUNDS}

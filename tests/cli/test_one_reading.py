@@ -18,9 +18,9 @@ def readings(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     sizes: list[int] = []
     original = reader._read_sections
 
-    def counting(view: memoryview, position: int) -> object:
+    def counting(view: memoryview, position: int, **options: bool) -> object:
         sizes.append(len(view))
-        return original(view, position)
+        return original(view, position, **options)
 
     monkeypatch.setattr(reader, "_read_sections", counting)
     return sizes

@@ -65,6 +65,7 @@ def container(data, cut=False):
     needed = [name for name in after if name in sections]
     further = [[], ["CELL", "FIXS"]][method not in (b"\1", b"\3")]
     further += ["ATTR", "PART", "ORDR"] + (["POSE"] if "CELL" in further else []) + ["FILL"]
+    further += ["FRAM"] if method != b"\3" else []
     further = [name for name in further if name in sections]
     order = ["PARM", "CONN", *needed, *geometry, *further, *meta]
     names, following = list(sections), data[file.at :][:4].decode("ascii")
@@ -1368,8 +1369,8 @@ def normals(x, faces, step):
     return s / (np.linalg.norm(s, axis=1, keepdims=True) + 1e-3 * (m + step**2))
 
 
-def positions(p, faces, near, exact):
-    """§5.3 to §5.6, §5.19: the positions that the integers stand for."""
+def positions(p, faces, near, exact, expected=None):
+    """§5.3 to §5.6, §5.19, §5.22: the positions that the integers stand for."""
     origin, step = np.array([p["x"], p["y"], p["z"]]), p["step"]
     if p["method"] == LOSSLESS:
         return np.array(exact["vectors"], np.int64).view(np.float64)
@@ -1405,6 +1406,8 @@ def positions(p, faces, near, exact):
         return least_squares(delta, *system)
 
     delta = vectors * (p["coarse"] * step * r)
+    if expected is not None:
+        delta += expected
     x = solved(delta, 0)
     if p["method"] == REFINED:
         delta += fine * (step * r) * normals(x, faces, p["coarse"] * step * r)
@@ -1428,7 +1431,8 @@ def decode(data, cut=False, pose=None):
 
     Vertices are those of a pose, where one is named; attributes those at rest. The integers are
     those of the digest; "attributes" are `spec_attributes.Decoded`; "told" is what PART
-    tells, with the precision of the source; "stage" is that of a file which may be cut.
+    tells, with the precision of the source; "stage" is that of a file which may be cut; "frames"
+    are the vertices of further frames.
     """
     import spec_attributes  # which is made of what is here
 
@@ -1533,6 +1537,13 @@ def decode(data, cut=False, pose=None):
     check("CHEK" not in sections or digest == sections["CHEK"], "digest")
     exact["stage"] = stage
     rest = positions(p, surface, near, exact)
+    exact["frames"] = []
+    if "FRAM" in sections:
+        import spec_frames  # likewise
+
+        mesh = surface, near + [[] for _ in range(p["isolated"])], inner
+        found = spec_frames.frames(sections["FRAM"], p, near, mesh, surface, exact, rest)
+        exact["frames"] = [frame[list(points)] for frame in found]
     x = rest[list(points)]
     exact["attributes"] = [one.decoded(x) for one in exact["attributes"]]
     if pose is not None:
@@ -1543,6 +1554,7 @@ def decode(data, cut=False, pose=None):
         sources = spec_attributes.sources(kept, rows)
         exact["attributes"] = [one.taken(sources) for one in exact["attributes"]]
         x, names = x[order], {v: i for i, v in enumerate(order)}
+        exact["frames"] = [frame[order] for frame in exact["frames"]]
         pairs = zip(polygon_order, begins, strict=True)
         rows = [[names[v] for v in rows[i][k:] + rows[i][:k]] for i, k in pairs]
         divisions = [(*part[:2], [part[2][i] for i in polygon_order], part[3]) for part in told[0]]

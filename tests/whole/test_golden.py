@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import animated
 import golden_polymeshes
 import numpy as np
 import posed
@@ -10,7 +11,7 @@ from graphs import FREE_SOLVERS as SOLVERS
 from graphs import tolerances_of
 from places import GOLDEN, REFUSED
 
-from deltamesh import decode, info, verify
+from deltamesh import decode, frames, info, verify
 from deltamesh_formats import errors
 from deltamesh_formats.container.attribute_table import entries_of
 from deltamesh_formats.container.pose_table import entries_of as poses_of
@@ -28,7 +29,7 @@ def test_the_folders_are_complete() -> None:
     assert len(names(GOLDEN)) >= 20
     assert names(REFUSED) == sorted(row.split("\t")[0] for row in TABLE)
     size = sum(path.stat().st_size for folder in (GOLDEN, REFUSED) for path in folder.iterdir())
-    assert size < 425_000
+    assert size < 445_000
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -55,6 +56,19 @@ def test_golden_file_decodes(name: str, solver: str) -> None:
         assert len(entries) == sum(key.startswith("values") for key in expected)
         for i, (entry, attribute) in enumerate(zip(entries, mesh.attributes, strict=True)):
             assert_expected(entry, attribute, expected, i)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("name", animated.MADE)
+def test_golden_sequence_decodes(name: str, solver: str) -> None:
+    data = (GOLDEN / f"{name}.dmesh").read_bytes()
+    with np.load(GOLDEN / f"{name}.npz") as expected:
+        first, *further = frames(data, solver=solver)
+        np.testing.assert_array_equal(first.triangles, expected["faces"])
+        assert len(further) == len(expected["frames"])
+        for i, mesh in enumerate(further, 1):
+            error = np.abs(mesh.vertices - expected["frames"][i - 1])
+            assert (error <= (i + 1) * tolerances_of(data, mesh)).all()
 
 
 def assert_expected(entry, attribute, expected, i) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import tracemalloc
 
+import animated
 import attributed
 import forging
 import golden_polymeshes
@@ -55,6 +56,8 @@ FILES = {
     "parts": encode(
         golden_polymeshes.with_parts(polygon_meshes.quads(3, 4)), method="cartesian", bits=6
     ),
+    "sequence": animated.file_of("refined-sequence"),
+    "Cartesian sequence": animated.file_of("cartesian-sequence"),
     "genus 2 of two": encode(
         *meshes.union(meshes.double_torus(), meshes.tetrahedron()), method="highpass"
     ),

@@ -185,7 +185,8 @@ def command(
     Files, folders, patterns, lists and output folders may be URLs, such as s3://bucket/scans, with
     the extra `remote`. Workers read and write them themselves, and need share no disk.
 
-    All options of deltamesh encode apply, or with -d all options of deltamesh decode.
+    All options of deltamesh encode apply, or with -d all options of deltamesh decode, but those of
+    sequences: each mesh file becomes a file of its own, and of a sequence, frame 0 is decoded.
     """
     context = click.get_current_context()
     refuse_two_of(context, "flat", "mirror")

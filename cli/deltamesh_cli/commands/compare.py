@@ -107,8 +107,8 @@ def command(
         if page is not None:
             files.check_output(name, page, force=force, text=True)
         with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
-            a = load_mesh(name, input_format, progress, **parameters)
-            b = load_mesh(other, input_format, progress, **parameters)
+            a = load_mesh(name, input_format, progress, quiet=quiet, **parameters)
+            b = load_mesh(other, input_format, progress, quiet=quiet, **parameters)
             with attempt(other, f"cannot compare with {display_name(name)}"):
                 comparison = interruptible(lambda: compare_meshes(a, b, progress))
             if page is not None:

@@ -108,10 +108,10 @@ def command(
     def render(name: str) -> None:
         files.check_output(name, target, force=force)
         with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
-            mesh = load_mesh(name, input_format, progress, **parameters)
+            mesh = load_mesh(name, input_format, progress, quiet=quiet, **parameters)
             errors = None
             if original is not None:
-                other = load_mesh(original, input_format, progress, **parameters)
+                other = load_mesh(original, input_format, progress, quiet=quiet, **parameters)
                 with attempt(original, f"cannot be compared with {display_name(name)}"):
                     errors = interruptible(lambda: _errors(mesh, other, progress))
             progress("picture")

@@ -80,10 +80,10 @@ def command(
     def view(name: str) -> None:
         files.check_output(name, target, force=force, text=True)
         with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
-            mesh = load_mesh(name, input_format, progress, **parameters)
+            mesh = load_mesh(name, input_format, progress, quiet=quiet, **parameters)
             make = partial(page_of_mesh, name)
             if original is not None:
-                other = load_mesh(original, input_format, progress, **parameters)
+                other = load_mesh(original, input_format, progress, quiet=quiet, **parameters)
                 make = partial(_beside, name, original, other)
             with attempt(name, "cannot show"):
                 page = interruptible(lambda: make(mesh, progress))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from deltamesh_formats.container.layout import (
     CHECK,
@@ -21,6 +22,9 @@ from deltamesh_formats.container.layout import (
     RANDOM,
     ZONE_UNIT,
 )
+
+if TYPE_CHECKING:
+    from deltamesh_formats.container.frame_table import Frame
 
 
 @dataclass(frozen=True)
@@ -221,6 +225,31 @@ class Container:
     def margin(self) -> float:
         """How far each decoded coordinate may be rounded; see `Meta.room`."""
         return 0.0 if self.meta is None else self.meta.room
+
+    @property
+    def frame_count(self) -> int:
+        """Frames of a sequence; 1 for a mesh that does not move.
+
+        Raises
+        ------
+        FormatError
+            If the table of the frames is damaged; so do `frames` and `fps`.
+        """
+        return 1 + len(self.frames)
+
+    @property
+    def frames(self) -> tuple[Frame, ...]:
+        """The frames of a sequence beyond the first, to which `parameters` and `meta` belong."""
+        from deltamesh_formats.container.frame_table import frames_of
+
+        return frames_of(self)[1]
+
+    @property
+    def fps(self) -> float | None:
+        """Frames a second, as far as that is known."""
+        from deltamesh_formats.container.frame_table import frames_of
+
+        return frames_of(self)[0] or None
 
     def __str__(self) -> str:
         from deltamesh_formats.container.summary import container_text

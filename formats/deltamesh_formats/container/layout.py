@@ -90,13 +90,14 @@ PARTS: Final = "PART"
 ORDER: Final = "ORDR"
 POSES: Final = "POSE"
 FILLING: Final = "FILL"
+FRAMES: Final = "FRAM"
 EXACT: Final = "EXAC"
 CORRECTIONS: Final = "FIXS"
 META: Final = "meta"
 CHECK: Final = "CHEK"
 # Sections that follow `CONN`, and those that follow the geometry, in this order, where needed.
 AFTER_CONNECTIVITY: Final = (STITCHES, SPLIT_VERTICES, POLYGONS, STEPS)
-AFTER_GEOMETRY: Final = (ATTRIBUTES, PARTS, ORDER, POSES, FILLING)
+AFTER_GEOMETRY: Final = (ATTRIBUTES, PARTS, ORDER, POSES, FILLING, FRAMES)
 
 
 @dataclass(frozen=True)
@@ -147,12 +148,13 @@ class MethodLayout:
 
     @property
     def further(self) -> tuple[str, ...]:
-        """The sections that may follow these, in this order."""
+        """The sections that may follow these, in this order: an exact method has one frame."""
         cells, corrections = (
             (CELLS,) if self.anchored else (),
             (CORRECTIONS,) if self.corrected else (),
         )
-        after = (name for name in AFTER_GEOMETRY if name != POSES or self.anchored)
+        left_out = {POSES: not self.anchored, FRAMES: self.exact}
+        after = (name for name in AFTER_GEOMETRY if not left_out.get(name, False))
         return (*cells, *corrections, *after)
 
 
@@ -390,6 +392,36 @@ POSE_FIELDS: Final = (
     Field("size", "varint"),
 )
 MOST_OCTAVES: Final = 24
+
+# SPEC.md#522-fram
+
+SEQUENCE_FIELDS: Final = (Field("rate", "f64"), Field("count", "varint"))
+FRAME_FIELDS: Final = (
+    Field("flags", "u8"),
+    Field("finer", "u8"),
+    Field("step", "f64"),
+    Field("coarse", "f32"),
+    Field("rms", "f32"),
+    Field("max", "f32"),
+    Field("normal", "f32"),
+    Field("dihedral", "f32"),
+    Field("digest", "bytes8"),
+    Field("maps", "varint"),
+)
+# Where there are maps.
+MAP_FIELDS: Final = (Field("rounds", "u8"), Field("unit", "u8"))
+# Bits of `flags`: a key frame; vectors of cells; corrections.
+FRAME_KEY: Final = 1
+FRAME_CELLS: Final = 2
+FRAME_CORRECTIONS: Final = 4
+# The stream of the maps, beside those that are named as the sections of frame 0 are.
+MAPS: Final = "MAPS"
+# How often the grid of a frame may halve that of frame 0.
+MAX_FINER: Final = 30
+# The finest unit of the numbers of a map, 2^-unit, and the largest of them, in units of 1.
+MAX_MAP_UNIT: Final = 30
+# Frames in a row that are predicted from the frame before.
+MAX_RUN: Final = 255
 
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:

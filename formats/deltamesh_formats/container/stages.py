@@ -27,6 +27,7 @@ from deltamesh_formats.container.layout import (
     CONNECTIVITY,
     CORRECTIONS,
     DELTAS,
+    FRAMES,
     ID_SIZE,
     METHODS,
     NORMALS,
@@ -51,6 +52,7 @@ _WORDS: Final = {
     PARTS: "names, parts and metadata",
     ORDER: "order of the source",
     POSES: "poses",
+    FRAMES: "frames beyond the first",
 }
 
 

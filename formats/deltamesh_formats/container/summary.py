@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from deltamesh_formats.container.container import Container, Meta, Parameters
 from deltamesh_formats.container.layout import (
     ATTRIBUTES,
+    FRAMES,
     METHODS,
     ORDER,
     PER_OCTAVE,
@@ -28,6 +29,10 @@ from deltamesh_formats.printing import html_table, number, printable, table
 
 if TYPE_CHECKING:
     from deltamesh_formats.container.attribute_table import Entry
+    from deltamesh_formats.container.frame_table import Frame
+
+# Key frames that are listed.
+_MOST_KEYS = 8
 
 
 def bits_per_vertex(size: int, vertices: int) -> float:
@@ -69,12 +74,14 @@ def finest_step(container: Container) -> float:
 
 
 def counts(container: Container) -> str:
-    """Return vertices, faces and bits per vertex, in words."""
-    rate = bits_per_vertex(container.size, container.vertices)
+    """Return vertices, faces and bits per vertex, in words; of a sequence, per vertex and frame."""
+    frames = container.frame_count
+    rate = bits_per_vertex(container.size, container.vertices * frames)
     faces = f"{container.triangles} faces"
     if POLYGONS in container.sections:
         faces = f"{polygons(container)} polygons ({container.triangles} triangles)"
-    return f"{container.vertices} vertices, {faces}, {rate:.2f} bits per vertex"
+    each = " and frame" if frames > 1 else ""
+    return f"{container.vertices} vertices, {faces}, {rate:.2f} bits per vertex{each}"
 
 
 def achieved(meta: Meta) -> str:
@@ -91,6 +98,44 @@ def achieved_in_worst_part(meta: Meta) -> str:
     return (
         f"worst of {meta.parts} parts: {printable(meta.part)}, normals"
         f" {number(meta.part_normal)} degrees, RMS {number(meta.part_rms)} of its own diagonal"
+    )
+
+
+def worst_frame(frames: Sequence[Frame]) -> Frame:
+    """Return the frame beyond the first that is kept worst, of normals and RMS as they count alike.
+
+    A bound of quality 5 is 1 degree for normals, and 1.5e-3 of the diagonal for the RMS distance.
+    """
+    return max(frames, key=lambda frame: max(frame.normal / 1.0, frame.rms / 1.5e-3))
+
+
+def frame_lines(container: Container) -> Iterator[str]:
+    """Yield lines about the frames of a sequence, in words; none for one mesh.
+
+    Raises
+    ------
+    FormatError
+        If the table of the frames is damaged.
+    """
+    frames = container.frames
+    if not frames:
+        return
+    rate = "" if container.fps is None else f" at {number(container.fps)} a second"
+    keys = [0, *(frame.index for frame in frames if frame.is_key)]
+    shown = ", ".join(map(str, keys[:_MOST_KEYS])) + (" ..." if len(keys) > _MOST_KEYS else "")
+    yield f"frames: {len(frames) + 1}{rate}, key frames {shown}"
+    sizes = [frame.size for frame in frames]
+    mean = sum(sizes) / len(sizes)
+    most = f", {min(sizes)} to {max(sizes)}" if min(sizes) < max(sizes) else ""
+    yield (
+        f"bytes of a further frame: {mean:.0f}{most};"
+        f" {bits_per_vertex(round(mean), container.vertices):.2f} bits per vertex"
+    )
+    worst = worst_frame(frames)
+    yield (
+        f"worst further frame: {worst.index}, RMS {number(worst.rms)} and max {number(worst.max)}"
+        f" of its diagonal, normals {number(worst.normal)} and dihedral angles"
+        f" {number(worst.dihedral)} degrees"
     )
 
 
@@ -123,6 +168,7 @@ def _headline(container: Container) -> str:
 def _lines(container: Container) -> Iterator[str]:
     meta = container.meta
     yield from _described(container.parameters, finest_step(container))
+    yield from frame_lines(container)
     yield from _stages(container)
     if ORDER in container.sections:
         yield "order of vertices and faces: that of the source"
@@ -131,7 +177,8 @@ def _lines(container: Container) -> Iterator[str]:
     if meta is not None:
         source = f", from {meta.source}" if meta.source else ""
         source += ", positions in float32" if container.parameters.single else ""
-        yield f"errors: {achieved(meta)}"
+        whose = "errors of frame 0" if FRAMES in container.sections else "errors"
+        yield f"{whose}: {achieved(meta)}"
         if meta.parts > 1:
             yield achieved_in_worst_part(meta)
         if meta.lost or meta.turned:

@@ -45,7 +45,7 @@ def write_header(version: int, vertices: int, triangles: int) -> bytes:
         "vertices": vertices,
         "triangles": triangles,
     }
-    return _with_crc(write_fields(layout.HEADER_FIELDS[:-1], values))
+    return with_crc(write_fields(layout.HEADER_FIELDS[:-1], values))
 
 
 def write_parameters(parameters: Parameters) -> bytes:
@@ -142,8 +142,9 @@ def write_fields(fields: tuple[Field, ...], values: Mapping[str, Any]) -> bytes:
 
 def _section(section: Section) -> bytes:
     length = write_varint(len(section.payload))
-    return _with_crc(section.id.encode("ascii") + length + section.payload)
+    return with_crc(section.id.encode("ascii") + length + section.payload)
 
 
-def _with_crc(raw: bytes) -> bytes:
+def with_crc(raw: bytes) -> bytes:
+    """Return bytes with their CRC-32 after them."""
     return raw + _field(zlib.crc32(raw), "u32")

@@ -7,12 +7,15 @@ of all vertices, which has the others as seen from there.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from deltamesh._geometry import steps
 from deltamesh._geometry.integers import NONE, Integers, Quantized
+from deltamesh._geometry.prediction import Prediction, halvings
 from deltamesh._geometry.quantize import check_size, from_grid, grid_step, to_grid
 from deltamesh._geometry.systems import Systems
 from deltamesh._graph.adjacency import lowest
@@ -37,13 +40,17 @@ def quantize(
     isolated: Floats,
     settings: Settings,
     systems: Systems,
+    predicted: Prediction | None = None,
 ) -> Quantized:
     """Choose the grid, and round to its points.
 
     Each component has the finest of the steps of its vertices, and the step of the parameters is
-    that of the coarsest component, or of more than one.
+    that of the coarsest component, or of more than one. A predicted frame has the grid of the first
+    one, halved until its step is not above that of the settings.
     """
     everything = np.concatenate([vertices, isolated])
+    if predicted is not None:
+        return _on_grid(surface, everything, settings, systems, predicted)
     origin = everything.min(axis=0)
     step = settings.step or grid_step(everything, settings.bits or 1)
     exponents, coarsest = _of_components(surface, steps.exponents_of(settings, surface, step))
@@ -63,6 +70,25 @@ def quantize(
     return parameters, integers, reconstruct(surface, parameters, integers, systems)
 
 
+def _on_grid(
+    surface: Surface,
+    everything: Floats,
+    settings: Settings,
+    systems: Systems,
+    predicted: Prediction,
+) -> Quantized:
+    """Round the vertices of a predicted frame to points of its grid."""
+    first, exponents = predicted.first, predicted.reference.integers.exponents
+    step = math.ldexp(first.step, -halvings(first.step, settings.step or first.step))
+    parameters = replace(first, step=step)
+    extra = steps.extra_bits(exponents, len(everything))[:, None]
+    each = step * steps.ratios(predicted.reference.integers)
+    integers = Integers(
+        to_grid(everything, np.array(first.origin), each, extra), exponents=exponents
+    )
+    return parameters, integers, reconstruct(surface, parameters, integers, systems)
+
+
 def _of_components(surface: Surface, exponents: Ints) -> tuple[Ints, int]:
     """Return the largest exponent of each vertex's component, less the least of these, and that."""
     if not len(exponents):
@@ -76,7 +102,11 @@ def _of_components(surface: Surface, exponents: Ints) -> tuple[Ints, int]:
 
 
 def reconstruct(
-    surface: Surface, parameters: Parameters, integers: Integers, systems: Systems
+    surface: Surface,
+    parameters: Parameters,
+    integers: Integers,
+    systems: Systems,
+    predicted: Prediction | None = None,
 ) -> Floats:
     """Return the grid points; there is nothing to solve."""
     each = parameters.step * steps.ratios(integers)
@@ -102,6 +132,20 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
             raise FormatError("the first vertex of a component is not where its root is", at)
         values[: surface.vertex_count] += roots[surface.labels]
         return Integers(values, exponents=exponents)
+
+
+def encode_frame(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
+    """Return the payload of a further frame, whose grid points are relative to another's."""
+    return {layout.CARTESIAN: encode_three(surface.elements, integers.values)}
+
+
+def decode_frame(
+    surface: Surface, parameters: Parameters, sections: Mapping[str, Section], first: Integers
+) -> Integers:
+    """Return the grid points of a further frame, with the exponents of the first one."""
+    with payload_of(sections[layout.CARTESIAN]) as payload:
+        values = decode_three(payload, surface.elements)
+    return Integers(values, exponents=first.exponents)
 
 
 def _decode_exponents(

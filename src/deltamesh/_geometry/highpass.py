@@ -14,7 +14,7 @@ import numpy as np
 from deltamesh._geometry import anchors as choice
 from deltamesh._geometry import steps
 from deltamesh._geometry.cells import Cells
-from deltamesh._geometry.integers import Integers, Quantized
+from deltamesh._geometry.integers import NO_POINTS, Integers, Quantized
 from deltamesh._geometry.positions import (
     UNITS,
     all_positions,
@@ -24,9 +24,10 @@ from deltamesh._geometry.positions import (
     placed,
     solved,
 )
+from deltamesh._geometry.prediction import Prediction
 from deltamesh._geometry.quantize import Rounding, delta_step, quantize_delta, to_delta, to_grid
 from deltamesh._geometry.systems import Systems
-from deltamesh._graph.adjacency import Graph
+from deltamesh._graph.adjacency import without_edges
 from deltamesh._kernels.coding import points
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.mesh import laplacian
@@ -56,9 +57,12 @@ def quantize(
     isolated: Floats,
     settings: Settings,
     systems: Systems,
+    predicted: Prediction | None = None,
 ) -> Quantized:
     """Choose steps and anchors, and round deltas and anchors."""
     delta = laplacian.apply(*surface.graph, vertices)
+    expected: Floats | float = 0.0 if predicted is None else predicted.deltas
+    delta -= expected
     step = step_of(vertices, delta, settings)
     values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
     integers = Integers(values, exponents=steps.exponents_of(settings, surface, step))
@@ -69,20 +73,29 @@ def quantize(
         )
         values = quantize_delta(delta, surface.graph, each, rounding)
         integers = replace(integers, values=values)
-    parameters, integers = anchored(surface, vertices, isolated, integers, step, settings, systems)
+    parameters, integers = anchored(
+        surface, vertices, isolated, integers, step, settings, systems, predicted
+    )
     rounded = deltas(parameters, integers)
     parameters, integers, start = fitted(
-        delta - rounded, vertices, isolated, parameters, integers, systems
+        delta - rounded, vertices, isolated, parameters, integers, systems, origin_of(predicted)
     )
-    W = solved(rounded, parameters, integers, systems, start=start)
+    W = solved(rounded + expected, parameters, integers, systems, start=start)
     return corrected(W, vertices, parameters, integers, settings)
 
 
 def reconstruct(
-    surface: Surface, parameters: Parameters, integers: Integers, systems: Systems
+    surface: Surface,
+    parameters: Parameters,
+    integers: Integers,
+    systems: Systems,
+    predicted: Prediction | None = None,
 ) -> Floats:
     """Solve [L; S] x = [delta'; c] in the least-squares sense, and add the corrections."""
-    W = solved(deltas(parameters, integers), parameters, integers, systems)
+    delta, start = deltas(parameters, integers), None
+    if predicted is not None:
+        delta, start = delta + predicted.deltas, predicted.positions.copy()
+    W = solved(delta, parameters, integers, systems, start=start)
     return all_positions(W, parameters, integers)
 
 
@@ -94,8 +107,20 @@ def anchored(
     step: float,
     settings: Settings,
     systems: Systems,
+    predicted: Prediction | None = None,
 ) -> tuple[Parameters, Integers]:
-    """Choose the anchors of quantized deltas, and round their positions."""
+    """Choose the anchors of quantized deltas, and round their positions.
+
+    Those of a predicted frame are the same as in the frame before, on its grid or a finer one.
+    """
+    if predicted is not None:
+        grid = predicted.anchor_step(step / ANCHOR_REFINEMENT)
+        parameters = replace(
+            predicted.first, step=step, coarse=_coarse_of(settings), anchor_step=grid
+        )
+        integers = replace(integers, anchors=predicted.reference.integers.anchors)
+        origin, where = origin_of(predicted), vertices[integers.anchors]
+        return placed(where, vertices, isolated, parameters, integers, origin)
     anchor_method, k = _how_many(surface, settings)
     parameters = Parameters(
         method=settings.method,
@@ -106,13 +131,18 @@ def anchored(
         anchor_step=_anchor_step(np.concatenate([vertices, isolated]), step),
         seed=settings.seed if anchor_method == layout.RANDOM else 0,
         isolated=surface.isolated_count,
-        coarse=settings.coarse if settings.layout.coarse else 1.0,
+        coarse=_coarse_of(settings),
         interpolated=settings.interpolated,
     )
     anchors = _choose(surface, vertices, parameters, integers, k, systems)
     integers = replace(integers, anchors=anchors)
     parameters = replace(parameters, anchor_count=len(anchors))
     return placed(vertices[anchors], vertices, isolated, parameters, integers)
+
+
+def origin_of(predicted: Prediction | None) -> Floats | None:
+    """Return the origin of the grids of all frames, float64 (3,), None for the first frame."""
+    return None if predicted is None else np.array(predicted.first.origin)
 
 
 def corrected(
@@ -155,6 +185,10 @@ def step_of(vertices: Floats, delta: Floats, settings: Settings) -> float:
         return delta_step(delta, settings.bits) if settings.bits else 0.0
     assert settings.step is not None
     return settings.step
+
+
+def _coarse_of(settings: Settings) -> float:
+    return settings.coarse if settings.layout.coarse else 1.0
 
 
 def _anchor_step(vertices: Floats, step: float) -> float:
@@ -208,14 +242,31 @@ def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict
     They are ANCH and DELT; STEP, where steps differ; CELL, where cells have lost anything; FIXS, if
     positions are corrected.
     """
-    payloads = {
+    return {
         **steps.encode(surface, integers.exponents),
         layout.ANCHORS: _encode_anchors(surface, parameters, integers),
+        **_encode_vectors(surface, parameters, integers),
+    }
+
+
+def encode_frame(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
+    """Return the payloads of a further frame, whose positions are relative to another's."""
+    points = np.concatenate([integers.positions, integers.isolated])
+    return {
+        layout.ANCHORS: encode_vectors(*without_edges(len(points)), points),
+        **_encode_vectors(surface, parameters, integers),
+    }
+
+
+def _encode_vectors(
+    surface: Surface, parameters: Parameters, integers: Integers
+) -> dict[str, bytes]:
+    payloads = {
         layout.DELTAS: encode_vectors(*surface.graph, integers.values) if parameters.step else b"",
     }
     if len(integers.cells):
         rows = integers.cells.reshape(-1, 3)
-        stream = encode_vectors(*_without_edges(len(rows)), rows)
+        stream = encode_vectors(*without_edges(len(rows)), rows)
         payloads[layout.CELLS] = bytes((integers.units - layout.LEAST_UNIT).tolist()) + stream
     if len(integers.corrections):
         payloads[layout.CORRECTIONS] = encode_vectors(*surface.graph, integers.corrections)
@@ -228,6 +279,25 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
     extra = steps.extra_bits(exponents, surface.vertex_count)
     with payload_of(sections[layout.ANCHORS]) as payload:
         anchors, positions, isolated = _decode_anchors(surface, parameters, payload, extra)
+    still = Integers(NO_POINTS, anchors, positions, isolated, exponents=exponents)
+    return _decode_vectors(surface, parameters, sections, still)
+
+
+def decode_frame(
+    surface: Surface, parameters: Parameters, sections: Mapping[str, Section], first: Integers
+) -> Integers:
+    """Return the integers of a further frame, with anchors and exponents of the first one."""
+    k = len(first.anchors)
+    with payload_of(sections[layout.ANCHORS]) as payload:
+        points = decode_vectors(*without_edges(k + len(first.isolated)), payload)
+    still = Integers(NO_POINTS, first.anchors, points[:k], points[k:], exponents=first.exponents)
+    return _decode_vectors(surface, parameters, sections, still)
+
+
+def _decode_vectors(
+    surface: Surface, parameters: Parameters, sections: Mapping[str, Section], still: Integers
+) -> Integers:
+    """Return the integers with deltas, vectors of cells, and corrections."""
     values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
     if layout.DELTAS in sections:  # which a prefix may lack
         with payload_of(sections[layout.DELTAS]) as payload:
@@ -235,9 +305,9 @@ def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Sect
                 values = decode_vectors(*surface.graph, payload)
             elif len(payload):
                 raise FormatError("deltas in a file of 0 bits", 0)
-    integers = Integers(values, anchors, positions, isolated, exponents=exponents)
+    integers = replace(still, values=values)
     if layout.CELLS in sections:
-        units, cells = _decode_cells(surface, parameters, anchors, sections[layout.CELLS])
+        units, cells = _decode_cells(surface, parameters, still.anchors, sections[layout.CELLS])
         integers = replace(integers, units=units, cells=cells)
     if layout.CORRECTIONS not in sections:
         return integers
@@ -259,16 +329,11 @@ def _decode_cells(
         if units.max() > layout.MOST_UNIT:
             raise FormatError(f"a unit of 2^{units.max()} steps", int(np.argmax(units)))
         values = decode_vectors(
-            *_without_edges(stages * len(shared)), payload[stages:], offset=stages
+            *without_edges(stages * len(shared)), payload[stages:], offset=stages
         )
         if not values.any():
             raise FormatError("no cell has lost anything", stages)
     return units, values.reshape(stages, len(shared), 3)
-
-
-def _without_edges(n: int) -> Graph:
-    """Return the neighbours of n vertices that have none."""
-    return np.zeros(n + 1, dtype=np.int32), np.zeros(0, dtype=np.int32)
 
 
 def _encode_anchors(surface: Surface, parameters: Parameters, integers: Integers) -> bytes:

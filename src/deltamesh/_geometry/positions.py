@@ -103,6 +103,7 @@ def placed(
     isolated: Floats,
     parameters: Parameters,
     integers: Integers,
+    origin: Floats | None = None,
 ) -> tuple[Parameters, Integers]:
     """Return both with the positions of the anchors and of the isolated vertices, on grids.
 
@@ -111,17 +112,30 @@ def placed(
     positions : float64 (k, 3)
         Of the anchors.
     vertices, isolated : float64 (n, 3), (i, 3)
+    origin : float64 (3,), optional
+        Of the grids. Default: the least corner of all.
     """
     grid, extra = parameters.anchor_step, steps.extra_bits(integers.exponents, len(vertices))
-    origin = np.concatenate([vertices, isolated]).min(axis=0)
-    # Anchors may be outside of the box. By whole steps, its corner is no result of a solver.
-    if len(positions):
-        origin = origin - grid * np.ceil(np.maximum(origin - positions.min(axis=0), 0.0) / grid)
+    if origin is None:
+        origin = _corner(np.concatenate([vertices, isolated]), positions, grid)
     each = grid * steps.anchor_ratios(integers)
     anchors = to_grid(positions, origin, each, extra[integers.anchors, None])
     integers = replace(integers, positions=anchors, isolated=to_grid(isolated, origin, grid))
     x, y, z = map(float, origin)
     return replace(parameters, origin=(x, y, z)), integers
+
+
+def _corner(vertices: Floats, positions: Floats, grid: float) -> Floats:
+    """Return the least corner of vertices and of positions of anchors, which may be outside.
+
+    By whole steps from that of the vertices, it is no result of a solver.
+    """
+    corner = vertices.min(axis=0)
+    if not len(positions):
+        return np.asarray(corner)
+    return np.asarray(
+        corner - grid * np.ceil(np.maximum(corner - positions.min(axis=0), 0.0) / grid)
+    )
 
 
 def fitted(
@@ -131,6 +145,7 @@ def fitted(
     parameters: Parameters,
     integers: Integers,
     systems: Systems,
+    origin: Floats | None = None,
 ) -> tuple[Parameters, Integers, Floats]:
     """Return both with anchors that fit the deltas and, interpolated, vectors of the last stage.
 
@@ -139,6 +154,8 @@ def fitted(
     left : float64 (n, 3)
         What quantization has left of the deltas.
     vertices, isolated : float64 (n, 3), (i, 3)
+    origin : float64 (3,), optional
+        See `placed`.
 
     Returns
     -------
@@ -161,7 +178,7 @@ def fitted(
         d, e = moves(systems.least_squares(anchors), cells, left / scale)
         near = vertices + e * scale
         fit = vertices[anchors] + d * scale[anchors]
-    parameters, integers = placed(fit, vertices, isolated, parameters, integers)
+    parameters, integers = placed(fit, vertices, isolated, parameters, integers, origin)
     return parameters, integers, near
 
 

@@ -21,6 +21,7 @@ from deltamesh._geometry import highpass, steps
 from deltamesh._geometry.integers import Integers, Quantized, without_deltas
 from deltamesh._geometry.normals import vertex_normals
 from deltamesh._geometry.positions import all_positions, fitted, smoothed, solved
+from deltamesh._geometry.prediction import Prediction
 from deltamesh._geometry.quantize import Rounding, quantize_delta
 from deltamesh._geometry.systems import Systems
 from deltamesh._kernels.coding import residual
@@ -60,10 +61,13 @@ def quantize(
     isolated: Floats,
     settings: Settings,
     systems: Systems,
+    predicted: Prediction | None = None,
 ) -> Quantized:
     """Quantize as `highpass.quantize` does, coarsely; then the remainder along the normals."""
-    graph = surface.graph
+    graph, origin = surface.graph, highpass.origin_of(predicted)
     delta = laplacian.apply(*graph, vertices)
+    if predicted is not None:
+        delta -= predicted.deltas
     step = highpass.step_of(vertices, delta, settings)
     integers = Integers(np.zeros_like(delta, dtype=np.int64))
     integers = replace(integers, exponents=steps.exponents_of(settings, surface, step))
@@ -77,22 +81,26 @@ def quantize(
     values = quantize_delta(delta, graph, coarse_step, roundings[0], normals=N)
     integers = replace(integers, values=values)
     parameters, integers = highpass.anchored(
-        surface, vertices, isolated, integers, step, settings, systems
+        surface, vertices, isolated, integers, step, settings, systems, predicted
     )
     parameters = replace(parameters, dead_zone=COARSE.zone, normal_dead_zone=FINE.zone)
     coarse = highpass.deltas(parameters, integers)
     left = np.subtract(delta, coarse, out=delta)
     if parameters.interpolated:
         integers = smoothed(left, parameters, integers, systems)
-    W, N = _bent(surface, systems, parameters, integers, vertices.copy(), ROUGHLY)
+    W, N = _bent(surface, systems, parameters, integers, predicted, vertices.copy(), ROUGHLY)
     fine = quantize_delta(left, graph, each, roundings[1], normals=N, along=True)
     integers = replace(integers, refinements=fine)
     left -= (each * fine) * N
-    parameters, integers, near = fitted(left, vertices, isolated, parameters, integers, systems)
+    parameters, integers, near = fitted(
+        left, vertices, isolated, parameters, integers, systems, origin
+    )
     # The anchors have moved a little, and the normals with them.
-    _, N = _bent(surface, systems, parameters, integers, W)
+    _, N = _bent(surface, systems, parameters, integers, predicted, W)
     W = near
     coarse += (each * fine) * N
+    if predicted is not None:
+        coarse += predicted.deltas
     W = solved(coarse, parameters, integers, systems, start=W)
     return highpass.corrected(W, vertices, parameters, integers, settings)
 
@@ -113,12 +121,17 @@ def _coarse_rounding(
 
 
 def reconstruct(
-    surface: Surface, parameters: Parameters, integers: Integers, systems: Systems
+    surface: Surface,
+    parameters: Parameters,
+    integers: Integers,
+    systems: Systems,
+    predicted: Prediction | None = None,
 ) -> Floats:
     """Solve for the coarse deltas, correct them along the normals, and solve again."""
-    W, fine = _bent(surface, systems, parameters, integers)
+    start = None if predicted is None else predicted.positions.copy()
+    W, fine = _bent(surface, systems, parameters, integers, predicted, start)
     fine *= parameters.step * steps.ratios(integers) * integers.refinements
-    fine += highpass.deltas(parameters, integers)
+    fine += _coarse(parameters, integers, predicted)
     integers = without_deltas(integers)
     W = solved(fine, parameters, integers, systems, start=W)
     return all_positions(W, parameters, integers)
@@ -129,29 +142,61 @@ def _bent(
     systems: Systems,
     parameters: Parameters,
     integers: Integers,
+    predicted: Prediction | None,
     start: Floats | None = None,
     tolerance: float | None = None,
 ) -> tuple[Floats, Floats]:
     """Return the surface that the coarse deltas make, and its normals; see `solved`."""
-    coarse = highpass.deltas(parameters, integers)
+    coarse = _coarse(parameters, integers, predicted)
     W = solved(coarse, parameters, integers, systems, stage=0, start=start, tolerance=tolerance)
     return W, vertex_normals(W, surface.faces, highpass.coarse_steps(parameters, integers))
 
 
+def _coarse(parameters: Parameters, integers: Integers, predicted: Prediction | None) -> Floats:
+    """Return the deltas before any refinement."""
+    coarse = highpass.deltas(parameters, integers)
+    if predicted is not None:
+        coarse += predicted.deltas
+    return coarse
+
+
 def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
-    """Return the payloads of ANCH, DELT and NORM."""
+    """Return the payloads of the high-pass method, and of NORM."""
+    payloads = highpass.encode(surface, parameters, integers)
+    return {**payloads, NORMALS: _encode_refinements(surface, integers)}
+
+
+def encode_frame(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
+    """Return the payloads of a further frame, as `highpass.encode_frame` does."""
+    payloads = highpass.encode_frame(surface, parameters, integers)
+    return {**payloads, NORMALS: _encode_refinements(surface, integers)}
+
+
+def _encode_refinements(surface: Surface, integers: Integers) -> bytes:
     values = integers.refinements.copy()
-    stream = encode_with(
+    return encode_with(
         residual.MODEL,
         surface.vertex_count,
         lambda coder: code_refinements(coder, *surface.graph, integers.values, values),
     )
-    return {**highpass.encode(surface, parameters, integers), NORMALS: stream}
 
 
 def decode(surface: Surface, parameters: Parameters, sections: Mapping[str, Section]) -> Integers:
     """Return the integers of the high-pass method, and the refinements."""
-    integers = highpass.decode(surface, parameters, sections)
+    return _with_refinements(surface, sections, highpass.decode(surface, parameters, sections))
+
+
+def decode_frame(
+    surface: Surface, parameters: Parameters, sections: Mapping[str, Section], first: Integers
+) -> Integers:
+    """Return the integers of a further frame: the mirror of `encode_frame`."""
+    integers = highpass.decode_frame(surface, parameters, sections, first)
+    return _with_refinements(surface, sections, integers)
+
+
+def _with_refinements(
+    surface: Surface, sections: Mapping[str, Section], integers: Integers
+) -> Integers:
     refinements = np.zeros((surface.vertex_count, 1), dtype=np.int64)
     with payload_of(sections[NORMALS]) as payload:
         decode_with(

@@ -117,10 +117,10 @@ def smallest(
         raise TargetError("no quantization step that fits the mesh is small enough")
     if options.method != AUTO and not options.is_bounded:
         return missed[-1]
-    raise _missed(bounds, missed[-1].measured, name_of)
+    raise missed_bounds(bounds, missed[-1].measured, name_of)
 
 
-def _missed(bounds: Bounds, measured: Measured, name_of: Callable[[int], str]) -> TargetError:
+def missed_bounds(bounds: Bounds, measured: Measured, name_of: Callable[[int], str]) -> TargetError:
     """Return the error to raise where no trial has smaller errors than these."""
     one = bounds.binding(measured)
     where = "" if one.part is None else f" in {name_of(one.part)}"

@@ -49,6 +49,9 @@ class Systems:
         self._interpolation = remembered(lambda anchors: Interpolation(cells(anchors)))
         self._fit = remembered(lambda anchors: Fit(cells(anchors)))
         self._farthest = lru_cache(maxsize=1)(lambda k: choice.farthest(*graph, labels, k))
+        self._cells_apart = lru_cache(maxsize=2)(
+            lambda count: Cells(graph, labels, choice.farthest(*graph, labels, count))
+        )
 
     def to_precision(self, precision: float) -> Systems:
         """Return the same systems, with another factor of the tolerances."""
@@ -71,6 +74,10 @@ class Systems:
     def cells(self, anchors: Ints) -> Cells:
         """Return the cells of the anchors."""
         return self._cells(anchors)
+
+    def cells_apart(self, count: int) -> Cells:
+        """Return the cells of so many vertices that are the farthest apart."""
+        return self._cells_apart(count)
 
     def interpolation(self, anchors: Ints) -> Interpolation:
         """Return the system that goes through the anchors."""

@@ -61,6 +61,11 @@ def adjacency(faces: Ints, n: int) -> Graph:
     return adjacency_between(*ends(faces), n)
 
 
+def without_edges(n: int) -> Graph:
+    """Return the neighbours of n vertices that have none."""
+    return np.zeros(n + 1, dtype=np.int32), np.zeros(0, dtype=np.int32)
+
+
 def adjacency_between(a: Ints, b: Ints, n: int) -> Graph:
     """Return the neighbours of every vertex along half-edges from a to b, int64 (h,)."""
     if max(len(a), n) > MOST:

@@ -138,6 +138,11 @@ def angles_rounded_up(angle: Floats) -> Floats:
     return np.where(single >= wanted, single, above).astype(np.float64)
 
 
+def single_above(x: float) -> float:
+    """Return the least number of binary32 that is not below x."""
+    return float(angles_rounded_up(np.array([x]))[0])
+
+
 def diagonal(V: Floats) -> float:
     """Return the length of the bounding box's diagonal, 0 without vertices."""
     return math.hypot(*sides(V))

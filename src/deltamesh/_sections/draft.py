@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 from deltamesh._content import NOTHING, Content
+from deltamesh._geometry.systems import Systems
 from deltamesh._geometry.trial import Trial
+from deltamesh._measures.measure import Measured
 from deltamesh._measures.report import Report
 from deltamesh._options import Options
 from deltamesh._parts import Annotations, annotations_of
@@ -38,6 +41,46 @@ class Cost:
 
 
 @dataclass(frozen=True)
+class Sequence:
+    """Frames of a sequence beyond the first, as they are to be encoded.
+
+    Attributes
+    ----------
+    positions : tuple of float64 (n, 3)
+        Of the vertices of the mesh, frame by frame.
+    rate : float
+        Frames a second; 0 if that is unknown.
+    key_every : int
+        Every so many frames, one is predicted from the first frame alone.
+    """
+
+    positions: tuple[Floats, ...] = ()
+    rate: float = 0.0
+    key_every: int = 1
+
+
+@dataclass(frozen=True)
+class FrameResult:
+    """A further frame that was encoded.
+
+    Attributes
+    ----------
+    index : int
+    measured : Measured
+    cost : Cost or None
+        As in `Draft`, of this frame.
+    """
+
+    index: int
+    measured: Measured
+    cost: Cost | None
+
+
+# One frame.
+ALONE: Final = Sequence()
+
+
+@dataclass(frozen=True)
 class Draft:
     """State of an encoder between two sections.
 
@@ -49,6 +92,10 @@ class Draft:
     progress : callable
         Called with the name of each stage as it begins.
     shape : ShapeDraft
+    sequence : Sequence
+        The further frames.
+    systems : Systems or None
+        What positions are solved from, once there is a geometry.
     trial : Trial or None
         The geometry that was chosen.
     report : Report or None
@@ -57,6 +104,8 @@ class Draft:
         The bound that cost the bytes; None where there were no bounds.
     margin : int
         How far a writer may round decoded positions, as `Meta.margin` has it.
+    frames : tuple of FrameResult
+        What became of the further frames.
     content : Content
         As a decoder knows it after the same sections.
     """
@@ -65,10 +114,13 @@ class Draft:
     options: Options
     progress: Progress
     shape: ShapeDraft
+    sequence: Sequence = ALONE
+    systems: Systems | None = None
     trial: Trial | None = None
     report: Report | None = None
     cost: Cost | None = None
     margin: int = 0
+    frames: tuple[FrameResult, ...] = ()
     content: Content = NOTHING
 
     @property
@@ -80,7 +132,18 @@ class Draft:
     @property
     def positions(self) -> Floats:
         """The input's position of each point, float64 (p, 3)."""
-        return self.mesh.vertices[self.shape.triangle_provenance.points]
+        return self.of_points(self.mesh.vertices)
+
+    @property
+    def costliest(self) -> Cost | None:
+        """The bound that cost the bytes, in the frame that comes the nearest to it."""
+        costs = [self.cost, *(frame.cost for frame in self.frames)]
+        found = [cost for cost in costs if cost is not None]
+        return max(found, key=lambda cost: cost.error / (cost.bound or 1.0), default=None)
+
+    def of_points(self, vertices: Floats) -> Floats:
+        """Return the rows of the points, float64 (p, 3), of those of the vertices, (n, 3)."""
+        return vertices[self.shape.triangle_provenance.points]
 
     @cached_property
     def annotations(self) -> Annotations | None:
@@ -88,7 +151,9 @@ class Draft:
         return annotations_of(self.mesh, self.shape.provenance.polygons)
 
 
-def begin(mesh: PolyMesh, options: Options, progress: Progress) -> Draft:
+def begin(
+    mesh: PolyMesh, options: Options, progress: Progress, sequence: Sequence = ALONE
+) -> Draft:
     """Return the draft before the first section.
 
     Raises
@@ -102,5 +167,6 @@ def begin(mesh: PolyMesh, options: Options, progress: Progress) -> Draft:
         raise MeshError("the mesh has no faces")
     progress("topology")
     exact, drop_isolated = options.exact, options.drop_isolated
-    shape = first_draft(mesh.vertices, triangles, drop_isolated=drop_isolated, exact=exact)
-    return Draft(mesh, options, progress, shape)
+    frames = sequence.positions
+    shape = first_draft(mesh.vertices, triangles, frames, drop_isolated=drop_isolated, exact=exact)
+    return Draft(mesh, options, progress, shape, sequence)

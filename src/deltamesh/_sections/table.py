@@ -174,6 +174,16 @@ def _decode_order(payload: memoryview, container: Container, content: Content) -
     return replace(content, order=order)
 
 
+def _encode_frames(draft: Draft) -> tuple[bytes, Draft]:
+    from deltamesh._sections import frames
+
+    return frames.encode(draft)
+
+
+def _decode_frames(payload: memoryview, container: Container, content: Content) -> Content:
+    return content  # `frames` decodes those that are asked for
+
+
 def _encode_poses(draft: Draft) -> tuple[bytes, Draft]:
     return poses.encode(draft.content), draft
 
@@ -212,5 +222,12 @@ SECTIONS: Final = (
         lambda draft: bool(draft.content.poses),
         _encode_poses,
         poses.decode,
+    ),
+    _single(
+        layout.FRAMES,
+        "frames",
+        lambda draft: bool(draft.sequence.positions),
+        _encode_frames,
+        _decode_frames,
     ),
 )

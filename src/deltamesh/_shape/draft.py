@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -85,7 +86,12 @@ class ShapeDraft:
 
 
 def first_draft(
-    vertices: Floats, triangles: Triangles, *, drop_isolated: bool, exact: bool
+    vertices: Floats,
+    triangles: Triangles,
+    frames: Sequence[Floats] = (),
+    *,
+    drop_isolated: bool,
+    exact: bool,
 ) -> ShapeDraft:
     """Weld the vertices of triangles and cut these into a manifold.
 
@@ -93,12 +99,17 @@ def first_draft(
     ----------
     vertices : float64 (n, 3)
     triangles : Triangles
+    frames : sequence of float64 (n, 3)
+        Other positions of the vertices: where two are at one position, they are so in all of them.
     drop_isolated : bool
         Leave out the vertices that are in no face.
     exact : bool
         Whether 0.0 and -0.0 are different positions.
     """
     first, points = weld(vertices, exact=exact)
+    for positions in frames:
+        if (positions != positions[first[points]]).any():
+            first, points = weld(np.column_stack([points, positions]))
     in_face = np.zeros(len(vertices), dtype=bool)
     in_face[triangles.faces] = True
     kept = in_face if drop_isolated else np.ones(len(vertices), dtype=bool)

@@ -6,6 +6,7 @@ import { readContainer } from "./container.mjs";
 import { decodeCopies } from "./copies.mjs";
 import { digested, digestOf } from "./digest.mjs";
 import { DeltameshError, FormatError } from "./errors.mjs";
+import { framesOf } from "./frame_table.mjs";
 import { checkScale, decodeGeometry, reconstructed } from "./geometry.mjs";
 import { inverse, largest } from "./integers.mjs";
 import { announced, checkLimits, checkPose, MAX_VERTICES, MEMORY } from "./limits.mjs";
@@ -34,6 +35,8 @@ export function inspect(bytes) {
     parameters: { ...parameters, method: parameters.method.name },
     meta,
     sections: [...sections.values()].map(({ id, offset, end }) => ({ id, bytes: end - offset })),
+    frames: framesOf(container).frames.length + 1,
+    fps: framesOf(container).rate || null,
     attributes: entriesOf(container),
     parts: (texts?.divisions ?? []).map(({ kind, names }) => ({ kind, names })),
     metadata: texts?.metadata ?? new Map(),
@@ -43,7 +46,7 @@ export function inspect(bytes) {
 }
 
 /**
- * Decode a file, a Uint8Array, with a core of `loadCore`; return its mesh.
+ * Decode a file, a Uint8Array, with a core of `loadCore`; return its mesh, of a sequence frame 0.
  *
  * `maxVertices` and `memory`, in bytes, are the limits, `pose` the name of one of its poses. Of the mesh, `positions` has three numbers
  * a vertex; `corners` and `offsets` the vertices of each polygon; `triangles` those of each
@@ -53,6 +56,7 @@ export function inspect(bytes) {
 export function decode(core, bytes, options = {}) {
   const { maxVertices = MAX_VERTICES, memory = MEMORY, pose = null } = options;
   const container = readContainer(bytes);
+  framesOf(container); // their table has to be right; only the first one is decoded
   if (pose !== null) {
     if (!posesOf(container).some(({ name }) => name === pose)) {
       throw new DeltameshError(`there is no pose '${pose}'`);

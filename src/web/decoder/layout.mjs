@@ -19,7 +19,7 @@ export const HEADER_FIELDS = [
 
 // Sections that follow CONN, and those that follow the geometry, in this order, where needed.
 export const AFTER_CONNECTIVITY = ["STCH", "COPY", "POLY", "STEP"];
-export const AFTER_GEOMETRY = ["ATTR", "PART", "ORDR", "POSE", "FILL"];
+export const AFTER_GEOMETRY = ["ATTR", "PART", "ORDR", "POSE", "FILL", "FRAM"];
 export const METHODS = [
   {
     name: "highpass",
@@ -160,12 +160,39 @@ export const POSE_FIELDS = [
   ["size", "varint"],
 ];
 export const QUARTERS = [1, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605];
+export const SEQUENCE_FIELDS = [
+  ["rate", "f64"],
+  ["count", "varint"],
+];
+export const FRAME_FIELDS = [
+  ["flags", "u8"],
+  ["finer", "u8"],
+  ["step", "f64"],
+  ["coarse", "f32"],
+  ["rms", "f32"],
+  ["max", "f32"],
+  ["normal", "f32"],
+  ["dihedral", "f32"],
+  ["digest", "bytes8"],
+  ["maps", "varint"],
+];
+export const MAP_FIELDS = [
+  ["rounds", "u8"],
+  ["unit", "u8"],
+];
+export const FRAME_KEY = 1;
+export const FRAME_CELLS = 2;
+export const FRAME_CORRECTIONS = 4;
+export const MAX_FINER = 30;
+export const MAX_MAP_UNIT = 30;
+export const MAX_RUN = 255;
 
 /** Return the sections that a file of a method begins with, where those `present` are. */
 export function required(method, present) {
   const after = AFTER_CONNECTIVITY.filter((id) => id !== "STEP" || !method.exact);
   const cells = method.anchored ? ["CELL"] : [];
-  const last = AFTER_GEOMETRY.filter((id) => id !== "POSE" || method.anchored);
+  const leftOut = { POSE: !method.anchored, FRAM: method.exact };
+  const last = AFTER_GEOMETRY.filter((id) => !leftOut[id]);
   const further = [...cells, ...(method.corrected ? ["FIXS"] : []), ...last];
   const there = (ids) => ids.filter((id) => present.has(id));
   return ["PARM", "CONN", ...there(after), ...method.geometry, ...there(further)];

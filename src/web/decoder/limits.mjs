@@ -11,6 +11,7 @@ export const PER_FACE = 120;
 export const PER_TEXT_BYTE = 24;
 export const PER_TRANSFORM = 400;
 export const PER_GLUED_FACE = 240;
+export const PER_MOVED_VERTEX = 600;
 export const PER_ELEMENT = 160;
 export const PER_NUMBER = 40;
 export const PER_TREE_VERTEX = 320;
@@ -82,6 +83,7 @@ function memoryOfCounts(container) {
   const bySolution = parameters.interpolated ? INTERPOLATED : LEAST_SQUARES;
   const { memory, memoryPerVertex } = parameters.method.anchored ? bySolution : parameters.method;
   let needed = memory + memoryPerVertex * n + perFace * m;
+  if (sections.has("FRAM")) needed += PER_MOVED_VERTEX * n;
   const counts = { vertex: n, corner: 3 * m, face: m };
   for (const entry of entriesOf(container)) {
     const columns = 3 * Math.ceil(entry.columns / 3);

@@ -45,6 +45,7 @@ def test_spec_types():
         ("5.7", [layout.CHECK_FIELDS]),
         ("5.12", [layout.COLUMN_FIELDS, layout.OPERATION_FIELDS, layout.FORMAT_FIELDS]),
         ("5.14", [layout.INTEGER_FIELDS]),
+        ("5.22", [layout.SEQUENCE_FIELDS, layout.FRAME_FIELDS, layout.MAP_FIELDS]),
     ],
 )
 def test_spec_byte_tables(number, tables):
@@ -115,6 +116,15 @@ def test_spec_tables_of_codes(number, name):
                 "mixed": layout.MIXED,
                 "coding": 3 << layout.CODING_AT,
                 "first_none": layout.FIRST_NONE,
+            },
+        ),
+        (
+            "5.22",
+            "`flags`",
+            {
+                "key": layout.FRAME_KEY,
+                "cells": layout.FRAME_CELLS,
+                "corrections": layout.FRAME_CORRECTIONS,
             },
         ),
         (

@@ -83,7 +83,8 @@ def test_what_has_not_come_is_named() -> None:
     def absent(name: str, more: int = 0) -> tuple[str, ...]:
         return awaited(read_prefix(data[: at(data, name) + more]))
 
-    last = "attributes", "names, parts and metadata", "order of the source", "poses"
+    last: tuple[str, ...] = "attributes", "names, parts and metadata", "order of the source"
+    last += ("poses", "frames beyond the first")
     assert absent("PARM") == ("deltas", "vectors of cells", "corrections", *last)
     assert absent("ANCH", 9) == absent("PARM")
     assert absent("DELT") == ("vectors of cells", "corrections", *last)
@@ -95,7 +96,8 @@ def test_what_has_not_come_is_named() -> None:
     assert absent("meta") == absent("CHEK") == ()
     assert prefix_text(read_prefix(data[: at(data, "ATTR") + 7])) == (
         f"stage positions, {at(data, 'ATTR')} bytes, then ORDR is cut;"
-        " not there yet, if the file has them: order of the source, poses"
+        " not there yet, if the file has them: order of the source, poses,"
+        " frames beyond the first"
     )
     text = container_text(read_prefix(data[: at(data, "CONN")]))
     assert f"no positions yet, {at(data, 'CONN')} bytes; not there yet" in text

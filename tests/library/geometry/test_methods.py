@@ -8,14 +8,22 @@ from collections.abc import Callable
 
 import pytest
 
-from deltamesh._geometry.methods import GeometryCodec, geometry_codec
+from deltamesh._geometry.methods import (
+    FrameCodec,
+    GeometryCodec,
+    frame_codec,
+    geometry_codec,
+)
 from deltamesh._methods import METHODS
 from deltamesh._options import Options
 from deltamesh_formats.container import layout
 
-FUNCTIONS = {
-    name: value for name, value in vars(GeometryCodec).items() if inspect.isfunction(value)
-}
+
+def functions(protocol: type) -> dict[str, Callable[..., object]]:
+    return {name: value for name, value in vars(protocol).items() if inspect.isfunction(value)}
+
+
+ONE, FRAMES = functions(GeometryCodec), functions(FrameCodec)
 
 
 def taken(function: Callable[..., object]) -> list[tuple[str, object]]:
@@ -24,13 +32,22 @@ def taken(function: Callable[..., object]) -> list[tuple[str, object]]:
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("name", ["quantize", "reconstruct", "encode", "decode"])
+@pytest.mark.parametrize(
+    "name", ["quantize", "reconstruct", "encode", "decode", "encode_frame", "decode_frame"]
+)
 def test_a_module_has_the_functions_of_the_protocol(method: str, name: str) -> None:
-    function = getattr(geometry_codec(method), name)
-    assert taken(function) == taken(FUNCTIONS[name])
-    expected = inspect.signature(FUNCTIONS[name]).return_annotation
+    """Those of frames, too, but for the exact method."""
+    known = ONE if METHODS[method].layout.exact else ONE | FRAMES
+    function = getattr(geometry_codec(method), name, None)
+    if name not in known:
+        assert function is None
+        return
+    assert function is not None
+    assert taken(function) == taken(known[name])
+    expected = inspect.signature(known[name]).return_annotation
     assert inspect.signature(function).return_annotation == expected
     assert function.__doc__
+    assert frame_codec(method) is geometry_codec(method)
 
 
 def test_the_codec_knows_the_methods_of_the_container() -> None:

@@ -10,11 +10,25 @@ import pytest
 from containers import CARTESIAN
 
 from deltamesh import encode, info
+from deltamesh._content import NOTHING
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.interpolation import Interpolation
 from deltamesh._mesh import LARGEST
-from deltamesh._sections.geometry import has_scale
+from deltamesh._pipeline import read_content
+from deltamesh._sections import geometry
+from deltamesh._sections.trials import has_scale
 from deltamesh_formats.errors import MeshError, SolveError
+
+
+def test_the_section_gives_back_its_integers() -> None:
+    container = info(encode(*meshes.torus(9, 7), method="refined", step=0.05))
+    content = read_content(container, 2**40, 2**50)
+    bare = replace(content, integers=NOTHING.integers)
+    found = geometry.decode(container, bare).integers
+    assert found.values.any()
+    for name, array in vars(content.integers).items():
+        np.testing.assert_array_equal(getattr(found, name), array)
+
 
 ONES = np.ones((2, 3), dtype=np.int64)
 
