@@ -73,6 +73,7 @@ def encode(
     max_uv_error: float | None = None,
     max_attribute_error: Mapping[str, float] | None = None,
     lossless_attributes: bool = False,
+    importance: str | ArrayLike | None = None,
     source_format: str = "",
     progress: Progress | None = None,
 ) -> bytes:
@@ -170,6 +171,13 @@ def encode(
     lossless_attributes : bool
         Both come back bit for bit instead, as all other attributes do but colours of floats within
         0 .. 1, which get 256 levels. So it is, too, with "lossless".
+    importance : str or array_like (n,), optional
+        Of each vertex, from 0 to 1; or the name of an attribute of the vertices that has it.
+        Bounds hold where it is 1. Elsewhere they are divided by it: one half allows twice the
+        error, and takes a bit less, and 0 allows any and takes none. The error of a face, or of
+        an edge, counts times the least importance of its corners; means are weighted by it. The
+        file has the errors of both regions, and, roughly, the importance, in its steps. Not with
+        "lossless"; "cartesian" has one step for each component, for the most important vertex.
     source_format : str
         Stored; the format that `deltamesh decode` writes by default.
     progress : callable, optional
@@ -230,6 +238,7 @@ def encode(
         max_uv_error=max_uv_error,
         max_attribute_error=max_attribute_error,
         lossless_attributes=lossless_attributes,
+        importance=importance,
         source_format=source_format,
     )
     return encode_checked(_mesh_of(mesh, faces), options, progress or silent).data

@@ -77,21 +77,21 @@ class Method:
 REFINED: Final = Method(
     layout.METHODS["refined"],
     memory=None,
-    options=(*RATES, *BOUNDS, *ANCHORING, "coarse"),
+    options=(*RATES, *BOUNDS, *ANCHORING, "coarse", "importance"),
     solution=layout.INTERPOLATED,
     first_step=0.117,
 )
 HIGHPASS: Final = Method(
     layout.METHODS["highpass"],
     memory=None,
-    options=(*RATES, *BOUNDS, *ANCHORING),
+    options=(*RATES, *BOUNDS, *ANCHORING, "importance"),
     solution=layout.LEAST_SQUARES,
     first_step=0.12,
 )
 CARTESIAN: Final = Method(
     layout.METHODS["cartesian"],
     memory=Memory(192 << 20, 400),
-    options=(*RATES, *BOUNDS),
+    options=(*RATES, *BOUNDS, "importance"),
     first_step=0.03,
 )
 LOSSLESS: Final = Method(

@@ -6,12 +6,15 @@ import math
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from numbers import Integral
-from typing import TypedDict
+from typing import TYPE_CHECKING, TypedDict
 
 from deltamesh._methods import AUTO, BOUNDS, METHOD_OPTIONS, METHODS, RATES
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.layout import MethodLayout
 from deltamesh_formats.errors import OptionError
+
+if TYPE_CHECKING:  # which imports numpy
+    from numpy.typing import ArrayLike
 
 CHOICES = (AUTO, *METHODS)
 ANCHOR_METHODS = tuple(sorted(filter(None, layout.ANCHOR_METHODS)))
@@ -65,6 +68,7 @@ class EncodeOptions(TypedDict, total=False):
     max_uv_error: float | None
     max_attribute_error: Mapping[str, float] | None
     lossless_attributes: bool
+    importance: str | ArrayLike | None
     source_format: str
     progress: Callable[[str], None] | None
 
@@ -108,6 +112,7 @@ class Options:
     max_uv_error: float | None = None
     max_attribute_error: Mapping[str, float] | None = None
     lossless_attributes: bool = False
+    importance: str | ArrayLike | None = None
     source_format: str = ""
 
     def __post_init__(self) -> None:
@@ -142,7 +147,7 @@ class Options:
 
     def _check_rate(self) -> None:
         # Options with defaults may be left as they are with any method.
-        names = (*RATES, *BOUNDS, *ATTRIBUTE_BOUNDS, "coarse")
+        names = (*RATES, *BOUNDS, *ATTRIBUTE_BOUNDS, "coarse", "importance")
         given = [name for name in names if getattr(self, name) is not None]
         given += [name for name in ("only", "lossless_attributes") if getattr(self, name)]
         check_together(self.method, given)
@@ -155,6 +160,8 @@ class Options:
             # Of 0 bits, the connectivity and the anchors make a surface; nothing else does.
             bare = self.method == AUTO or METHODS[self.method].layout.bare
             _require_within("bits", self.bits, 0 if bare else 1, MAX_BITS)
+            told = self.bits > 0 or self.importance is None
+            _require(told, "importance means nothing with 0 bits")
 
     @property
     def asks_nothing(self) -> bool:
@@ -236,6 +243,11 @@ class Settings:
     exponents : bytes
         Of the step of each vertex of the faces in coding order, in quarters of an octave below
         `step`; the smallest is 0. None: all vertices have the same step.
+    coarser : bytes
+        By how many quarters of an octave the step of each of these vertices is coarser than that,
+        since it is less important; the smallest is 0. None: all are important.
+    no_bits : bytes
+        Whether each of these vertices has no importance at all, 0 or 1. None: all have some.
     """
 
     method: str
@@ -249,6 +261,8 @@ class Settings:
     interpolated: bool = False
     largest: float = math.inf
     exponents: bytes = b""
+    coarser: bytes = b""
+    no_bits: bytes = b""
 
     @property
     def layout(self) -> MethodLayout:

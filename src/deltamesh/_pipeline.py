@@ -37,9 +37,11 @@ from deltamesh_formats.container.layout import (
     FILLING,
     MAX_COUNT,
     PARAMETERS,
+    REGIONS,
     STRING_MAX_BYTES,
 )
 from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.container.regions import write_regions
 from deltamesh_formats.container.writer import write_container
 from deltamesh_formats.errors import FormatError, LimitError, TargetError
 from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -100,7 +102,8 @@ def encode_mesh(mesh: PolyMesh, options: Options, progress: Progress = silent) -
     except TargetError:
         if not options.asks_nothing:
             raise
-    return _encoded(mesh, replace(options, method=LOSSLESS.name, coarse=None), progress)
+    exact = replace(options, method=LOSSLESS.name, coarse=None, importance=None)
+    return _encoded(mesh, exact, progress)
 
 
 def _encoded(mesh: PolyMesh, options: Options, progress: Progress) -> Encoded:
@@ -121,6 +124,8 @@ def _encoded(mesh: PolyMesh, options: Options, progress: Progress) -> Encoded:
         meta=_meta(draft),
         digest=draft.content.digest(),
     )
+    if draft.regions is not None:
+        payloads[REGIONS] = write_regions(draft.regions)
     container = build(payloads)
     lacking = filling(container, announced(container))
     if lacking:

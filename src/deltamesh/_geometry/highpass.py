@@ -14,6 +14,7 @@ import numpy as np
 from deltamesh._geometry import anchors as choice
 from deltamesh._geometry import steps
 from deltamesh._geometry.cells import Cells
+from deltamesh._geometry.importance import RINGS, around, largest_distances, without_bits
 from deltamesh._geometry.integers import NONE, Integers, Quantized
 from deltamesh._geometry.positions import (
     UNITS,
@@ -46,6 +47,8 @@ from deltamesh_formats.polymesh.permutations import distinct
 ANCHOR_REFINEMENT = 8
 # ... and at least as fine as that fraction of the longest side, which alone counts for 0 bits.
 ANCHOR_GRID_BITS = 16
+# Anchors whose indices are stored.
+GREEDY = "greedy"
 
 
 def quantize(
@@ -57,18 +60,18 @@ def quantize(
 ) -> Quantized:
     """Choose steps and anchors, and round deltas and anchors."""
     delta = laplacian.apply(*surface.graph, vertices)
-    step = step_of(vertices, delta, settings)
+    step, exponents = steps.chosen(settings, surface, step_of(vertices, delta, settings))
     values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
-    integers = Integers(values, exponents=steps.exponents_of(settings, surface, step))
+    integers, none = Integers(values, exponents=exponents), without_bits(settings)
     if step:
         share, each = float(settings.diffusion), step * steps.ratios(integers)
-        values = quantize_delta(delta, surface.graph, each, (share, share))
+        values = quantize_delta(delta, surface.graph, each, (share, share), none=none)
         integers = replace(integers, values=values)
     parameters, integers = anchored(surface, vertices, isolated, integers, step, settings, systems)
     rounded, start = deltas(parameters, integers), vertices
     if settings.interpolated:
         parameters, integers, start = fitted(
-            delta - rounded, vertices, isolated, parameters, integers, systems
+            delta - rounded, vertices, isolated, parameters, integers, systems, none
         )
     W = solved(rounded, parameters, integers, systems, start=start)
     return corrected(W, vertices, parameters, integers, settings)
@@ -91,20 +94,26 @@ def anchored(
     settings: Settings,
     systems: Systems,
 ) -> tuple[Parameters, Integers]:
-    """Choose the anchors of quantized deltas, and round their positions."""
+    """Choose the anchors of quantized deltas, and round their positions.
+
+    Where vertices have no bits, there are further ones around, and all are listed.
+    """
+    none = without_bits(settings)
     parameters = Parameters(
         method=settings.method,
         diffusion=settings.diffusion,
-        anchor_method=settings.anchor_method,
+        anchor_method=settings.anchor_method if none is None else GREEDY,
         bits=settings.bits,
         step=step,
         anchor_step=_anchor_step(np.concatenate([vertices, isolated]), step),
-        seed=settings.seed if settings.anchor_method == layout.RANDOM else 0,
+        seed=settings.seed if none is None and settings.anchor_method == layout.RANDOM else 0,
         isolated=surface.isolated_count,
         coarse=settings.coarse if settings.layout.coarse else 1.0,
         interpolated=settings.interpolated,
     )
     anchors = _choose(surface, vertices, parameters, integers, settings, systems)
+    if none is not None:
+        anchors = np.union1d(anchors, around(surface.graph, none, RINGS[settings.interpolated]))
     integers = replace(integers, anchors=anchors)
     parameters = replace(parameters, anchor_count=len(anchors))
     return placed(vertices[anchors], vertices, isolated, parameters, integers)
@@ -125,7 +134,7 @@ def corrected(
         If a correction takes more than 2^30 steps.
     """
     error = vertices - W
-    far = safe_lengths(error) > settings.largest - doubt(parameters)
+    far = safe_lengths(error) > largest_distances(settings) - doubt(parameters)
     if parameters.step and far.any():
         each = parameters.step * steps.ratios(integers)
         fixes = to_grid(np.where(far[:, None], error, 0.0), np.zeros(3), each)
@@ -174,7 +183,7 @@ def _choose(
         k = choice.count_anchors(settings.anchors, surface.vertex_count, components)
     except ValueError as error:
         raise OptionError(str(error)) from None
-    if settings.anchor_method != "greedy":
+    if settings.anchor_method != GREEDY:
         return _computed(surface, settings.anchor_method, k, settings.seed)
     delta, fixed = deltas(parameters, integers), grid_points(vertices, parameters, integers)
     system = systems.least_squares
@@ -262,7 +271,7 @@ def _encode_anchors(surface: Surface, parameters: Parameters, integers: Integers
     bits = steps.grid_bits(integers.positions, extra, integers.isolated)
 
     def run(coder: Coder) -> None:
-        if parameters.anchor_method == "greedy":
+        if parameters.anchor_method == GREEDY:
             points.code_gaps(coder, integers.anchors.copy(), surface.vertex_count)
         points.code_points(coder, integers.positions.copy(), np.array(bits), extra)
         if len(integers.isolated):  # most meshes have none, and need not wait for this kernel
@@ -282,7 +291,7 @@ def _decode_anchors(
         anchors = np.zeros(k, dtype=np.int64)
         positions = np.zeros((k, 3), dtype=np.int64)
         isolated = np.zeros((surface.isolated_count, 3), dtype=np.int64)
-        if parameters.anchor_method == "greedy":
+        if parameters.anchor_method == GREEDY:
             if not points.code_gaps(coder, anchors, n):
                 raise FormatError("an anchor beyond the last vertex", 3)
         else:

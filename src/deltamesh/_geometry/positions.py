@@ -18,7 +18,7 @@ from deltamesh._geometry.integers import NO_CELLS, NONE, Integers
 from deltamesh._geometry.interpolation import NORMAL_TOLERANCE, TOLERANCE
 from deltamesh._geometry.quantize import check_size, from_grid, to_grid
 from deltamesh._geometry.systems import Systems
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.container.container import Parameters
 
 # Units of what a cell has lost, by the stages of a method, in octaves above the step; that of the
@@ -125,6 +125,7 @@ def fitted(
     parameters: Parameters,
     integers: Integers,
     systems: Systems,
+    none: Bools | None = None,
 ) -> tuple[Parameters, Integers, Floats]:
     """Return both with the vectors of the last stage, and the anchors that go with them.
 
@@ -133,6 +134,8 @@ def fitted(
     left : float64 (n, 3)
         What quantization has left of the deltas.
     vertices, isolated : float64 (n, 3), (i, 3)
+    none : bool (n,), optional
+        Vertices without bits, of whose deltas all is left: they do not move the others.
 
     Returns
     -------
@@ -142,11 +145,21 @@ def fitted(
     """
     cells = systems.cells(integers.anchors)
     scale = cells.least(parameters.step * steps.ratios(integers))
-    y, e = systems.fit(integers.anchors).exact(left / scale)
+    fit = systems.fit(integers.anchors)
+    y, e = fit.exact(kept(left, none) / scale)
+    if none is not None:
+        further, far = fit.exact(left / scale)
+        y = np.where(none[integers.anchors, None], further, y)
+        e = np.where(none[:, None], far, e)
     integers = with_vectors(y * scale[integers.anchors], parameters, integers, cells, -1)
     near = vertices - e * scale
     parameters, integers = placed(near[integers.anchors], vertices, isolated, parameters, integers)
     return parameters, integers, near
+
+
+def kept(left: Floats, none: Bools | None) -> Floats:
+    """Return what is left of deltas, float64 (n, 3), without that of vertices without bits."""
+    return left if none is None else np.where(none[:, None], 0.0, left)
 
 
 def smoothed(

@@ -12,7 +12,7 @@ import numpy as np
 
 from deltamesh._kernels.coding import delta as kernels
 from deltamesh._vectors import largest, sides
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.container.layout import MAX_GRID_BITS
 from deltamesh_formats.errors import MeshError
 
@@ -72,6 +72,7 @@ def quantize_delta(
     normals: Floats | None = None,
     zone: float = 0.0,
     along: bool = False,
+    none: Bools | None = None,
 ) -> Ints:
     """Round delta / step, or its component along the normals, diffusing the error.
 
@@ -94,6 +95,8 @@ def quantize_delta(
         Dead zone: round to 0 up to 0.5 + zone steps.
     along : bool
         Whether to round the component along the normals alone.
+    none : bool (n,), optional
+        Vertices that are rounded to 0, and hand no error on.
 
     Returns
     -------
@@ -104,12 +107,17 @@ def quantize_delta(
     MeshError
         If a step is too small for the deltas: a file holds up to 2^30 steps.
     """
+    delta = delta.copy()
+    if none is not None:
+        delta[none] = 0
     with np.errstate(divide="ignore", invalid="ignore"):
         check_size(delta / step, step)
     N = np.zeros_like(delta) if normals is None else normals
     steps = np.broadcast_to(step, (len(delta), 1))[:, 0].copy()
     out = np.empty((len(delta), 1 if along else 3), dtype=np.int64)
-    kernels.diffuse(*graph, delta.copy(), N, steps, zone, carry[0], carry[1], out)
+    kernels.diffuse(*graph, delta, N, steps, zone, carry[0], carry[1], out)
+    if none is not None:  # what others have handed on to them
+        out[none] = 0
     return out
 
 

@@ -18,9 +18,10 @@ from dataclasses import replace
 import numpy as np
 
 from deltamesh._geometry import highpass, steps
+from deltamesh._geometry.importance import without_bits
 from deltamesh._geometry.integers import Integers, Quantized
 from deltamesh._geometry.normals import vertex_normals
-from deltamesh._geometry.positions import all_positions, fitted, smoothed, solved
+from deltamesh._geometry.positions import all_positions, fitted, kept, smoothed, solved
 from deltamesh._geometry.quantize import quantize_delta
 from deltamesh._geometry.systems import Systems
 from deltamesh._kernels.coding import residual
@@ -61,13 +62,14 @@ def quantize(
     graph = surface.graph
     delta = laplacian.apply(*graph, vertices)
     step = highpass.step_of(vertices, delta, settings)
-    integers = Integers(np.zeros_like(delta, dtype=np.int64))
-    integers = replace(integers, exponents=steps.exponents_of(settings, surface, step))
+    step, exponents = steps.chosen(settings, surface, step)
+    integers = Integers(np.zeros_like(delta, dtype=np.int64), exponents=exponents)
+    none = without_bits(settings)
     each = step * steps.ratios(integers)
     N = vertex_normals(vertices, surface.faces, each)
     carries = (COARSE_CARRY, FINE_CARRY) if settings.diffusion else (PLAIN, PLAIN)
     values = quantize_delta(
-        delta, graph, settings.coarse * each, carries[0], normals=N, zone=DEAD_ZONE
+        delta, graph, settings.coarse * each, carries[0], normals=N, zone=DEAD_ZONE, none=none
     )
     integers = replace(integers, values=values)
     parameters, integers = highpass.anchored(
@@ -77,15 +79,17 @@ def quantize(
     coarse = highpass.deltas(parameters, integers)
     left = np.subtract(delta, coarse, out=delta)
     if parameters.interpolated:
-        integers = smoothed(left, parameters, integers, systems)
+        integers = smoothed(kept(left, none), parameters, integers, systems)
     W, N = _bent(surface, systems, parameters, integers, vertices.copy(), ROUGHLY)
     fine = quantize_delta(
-        left, graph, each, carries[1], normals=N, zone=NORMAL_DEAD_ZONE, along=True
+        left, graph, each, carries[1], normals=N, zone=NORMAL_DEAD_ZONE, along=True, none=none
     )
     integers = replace(integers, refinements=fine)
     if parameters.interpolated:
         left -= (each * fine) * N
-        parameters, integers, near = fitted(left, vertices, isolated, parameters, integers, systems)
+        parameters, integers, near = fitted(
+            left, vertices, isolated, parameters, integers, systems, none
+        )
         # The anchors have moved a little, and the normals with them.
         _, N = _bent(surface, systems, parameters, integers, W)
         W = near

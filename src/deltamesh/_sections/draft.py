@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from deltamesh._content import NOTHING, Content
+from deltamesh._geometry.importance import importance_of
 from deltamesh._geometry.trial import Trial
 from deltamesh._measures.report import Report
 from deltamesh._options import Options
@@ -14,6 +15,7 @@ from deltamesh._shape.diagonals import cut_polygons
 from deltamesh._shape.draft import ShapeDraft, first_draft
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.caching import cached_property
+from deltamesh_formats.container.regions import Regions
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.dropping import without
 from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -55,6 +57,10 @@ class Draft:
         What became of the shape.
     cost : Cost or None
         The bound that cost the bytes; None where there were no bounds.
+    importance : float64 (n,), or None
+        Of each vertex of the input; None where all are alike.
+    regions : Regions or None
+        What became of the vertices of importance 1, and of the others, where they are not alike.
     margin : int
         How far a writer may round decoded positions, as `Meta.margin` has it.
     content : Content
@@ -68,6 +74,8 @@ class Draft:
     trial: Trial | None = None
     report: Report | None = None
     cost: Cost | None = None
+    importance: Floats | None = None
+    regions: Regions | None = None
     margin: int = 0
     content: Content = NOTHING
 
@@ -94,8 +102,12 @@ def begin(mesh: PolyMesh, options: Options, progress: Progress) -> Draft:
     Raises
     ------
     MeshError
-        If the mesh has no faces.
+        If the mesh has no faces, or a vertex an importance outside of 0..1.
+    OptionError
+        If there is no such importance.
     """
+    given = options.importance
+    importance = None if given is None else importance_of(mesh, given)
     mesh = without(mesh, options.drop)
     triangles = cut_polygons(mesh)
     if len(triangles.faces) == 0:
@@ -103,4 +115,4 @@ def begin(mesh: PolyMesh, options: Options, progress: Progress) -> Draft:
     progress("topology")
     exact, drop_isolated = options.exact, options.drop_isolated
     shape = first_draft(mesh.vertices, triangles, drop_isolated=drop_isolated, exact=exact)
-    return Draft(mesh, options, progress, shape)
+    return Draft(mesh, options, progress, shape, importance=importance)

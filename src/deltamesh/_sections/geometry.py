@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from typing import Final
 
 import numpy as np
 
 from deltamesh._content import Content
 from deltamesh._geometry.bounds import Binding, Bounds, bounds_of, furthest_at_rate
+from deltamesh._geometry.importance import important, of_points
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.interpolation import FINER
 from deltamesh._geometry.methods import geometry_codec
@@ -20,7 +22,7 @@ from deltamesh._geometry.systems import Systems
 from deltamesh._geometry.trial import ScaleError, Trial
 from deltamesh._limits import memory_to_encode
 from deltamesh._measures.margins import margin_of
-from deltamesh._measures.measure import Measure, Measured
+from deltamesh._measures.measure import Measure, Measured, errors_by_importance
 from deltamesh._measures.metrics import diagonal
 from deltamesh._measures.named_parts import NamedParts, named_parts
 from deltamesh._measures.report import report_of
@@ -32,7 +34,16 @@ from deltamesh._shape.complexes import distinct_faces
 from deltamesh._vectors import largest
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.container import Container, Parameters
+from deltamesh_formats.container.regions import Regions
 from deltamesh_formats.errors import LimitError, MeshError, SolveError
+
+# Errors as regions have them, and as measures do.
+_ERRORS: Final = {
+    "rms": "rms",
+    "max": "max",
+    "normal": "normal_deviation",
+    "dihedral": "dihedral",
+}
 
 
 def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
@@ -46,6 +57,13 @@ def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
         return _encode(draft, replace(options, method=CARTESIAN.name, coarse=None))
 
 
+def _importance(draft: Draft) -> Floats | None:
+    """Return the importance of each point, float64 (p,); None where all are alike."""
+    if draft.importance is None:
+        return None
+    return of_points(draft.importance, draft.shape.points, len(draft.positions))
+
+
 def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
     structure, V = draft.shape.structure, draft.positions
     surface, used = structure.surface, structure.complex.used
@@ -55,14 +73,16 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
     faces, polygons = _measured(draft)
     component = np.pad(surface.labels, (0, len(V) - used), constant_values=-1)
     named = named_parts(draft.mesh, faces, polygons, component)
-    measure = Measure(V, faces, named.parts)
+    importance = _importance(draft)
+    measure = Measure(V, faces, named.parts, importance)
+    weighted = partial(important, surface, importance, solution=options.solution)
 
     def attempt(settings: Settings) -> Trial:
         draft.progress(f"geometry, {settings.method}")
         coder = geometry_codec(settings.method)
         try:
             parameters, integers, decoded = coder.quantize(
-                surface, V[:used], V[used:], settings, systems
+                surface, V[:used], V[used:], weighted(settings), systems
             )
         except SolveError as error:
             if bounds is None:
@@ -93,13 +113,31 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
     decoded = as_decoded(trial)
     if bounds is not None and bounds.excess(decoded.measured) > 1 >= bounds.excess(trial.measured):
         decoded = search(lambda settings: as_decoded(attempt(settings)))
-    trial = decoded
-    report = report_of(trial.measured, named)
-    cost = None if bounds is None else _cost(bounds.binding(trial.measured), named)
-    content = replace(draft.content, integers=trial.integers)
+    trial, regions = decoded, None
     margin = 0 if options.exact else _margin(measure, trial, scale, bounds)
+    cost = None if bounds is None else _cost(bounds.binding(trial.measured), named)
+    if importance is not None:
+        # What a file and a report tell is not weighted.
+        told = replace(Measure(V, faces, named.parts)(trial.vertices), doubt=trial.measured.doubt)
+        trial = replace(trial, encode=partial(dict, trial.payloads), measured=told)
+        regions = _regions(V, faces, trial.vertices, importance, used)
+    report = report_of(trial.measured, named)
+    content = replace(draft.content, integers=trial.integers)
     made = replace(draft, trial=trial, report=report, cost=cost, margin=margin, content=content)
-    return trial.payloads, made
+    return trial.payloads, replace(made, regions=regions)
+
+
+def _regions(V: Floats, F: Ints, W: Floats, importance: Floats, used: int) -> Regions:
+    """Return what became of what is important, and of the rest."""
+    full, reduced = errors_by_importance(V, F, W, importance)
+    here = importance[:used]
+    return Regions(
+        full=int((here == 1).sum()),
+        reduced=int(((here > 0) & (here < 1)).sum()),
+        none=int((here == 0).sum()),
+        **{f"{name}_full": getattr(full, field) for name, field in _ERRORS.items()},
+        **{f"{name}_reduced": getattr(reduced, field) for name, field in _ERRORS.items()},
+    )
 
 
 def _margin(measure: Measure, trial: Trial, scale: float, bounds: Bounds | None) -> int:
