@@ -26,8 +26,8 @@ from deltamesh_formats.polymesh.mesh import PolyMesh
 # Levels, in quarters of an octave, are whole octaves: finer ones cost more in STEP than they save.
 LEVEL: Final = PER_OCTAVE
 MOST: Final = 24 * PER_OCTAVE
-# By default, that share of the vertices are anchors where steps differ: errors of the coarse side
-# drift into the fine one. With 0.1 %, files of a bunny and a horse were a tenth larger.
+# By default, that share of the vertices are interpolated anchors where steps differ: errors of the
+# coarse side drift into the fine one. With 0.1 %, files of a bunny and a horse were a tenth larger.
 ANCHORS: Final = 0.004
 # How much coarser a neighbour may be: an octave every two edges.
 SLOPE: Final = PER_OCTAVE // 2
@@ -142,7 +142,8 @@ def important(
         return settings
     levels, no_bits = coarser(surface, importance[: surface.vertex_count])
     through = bool(no_bits) and solution is None and settings.layout.anchored
-    anchors = ANCHORS if levels and settings.anchors is None else settings.anchors
+    drifts = settings.interpolated and bool(levels) and settings.anchors is None
+    anchors = ANCHORS if drifts else settings.anchors
     return replace(
         settings,
         coarser=levels,

@@ -145,12 +145,11 @@ def fitted(
     """
     cells = systems.cells(integers.anchors)
     scale = cells.least(parameters.step * steps.ratios(integers))
-    fit = systems.fit(integers.anchors)
-    y, e = fit.exact(kept(left, none) / scale)
+    fit, left = systems.fit(integers.anchors), left / scale
+    y, e = fit.exact(kept(left, none))
     if none is not None:
-        further, far = fit.exact(left / scale)
-        y = np.where(none[integers.anchors, None], further, y)
-        e = np.where(none[:, None], far, e)
+        further, far = fit.exact(left)
+        y, e = balanced(y, further, left, none, cells), np.where(none[:, None], far, e)
     integers = with_vectors(y * scale[integers.anchors], parameters, integers, cells, -1)
     near = vertices - e * scale
     parameters, integers = placed(near[integers.anchors], vertices, isolated, parameters, integers)
@@ -162,12 +161,47 @@ def kept(left: Floats, none: Bools | None) -> Floats:
     return left if none is None else np.where(none[:, None], 0.0, left)
 
 
+def balanced(y: Floats, further: Floats, left: Floats, none: Bools, cells: Cells) -> Floats:
+    """Return vectors of the cells with which the deltas of each component have no mean.
+
+    A decoder takes that off everywhere, and what vertices without bits lack would be felt by all.
+
+    Parameters
+    ----------
+    y, further : float64 (k, 3)
+        Those of the cells if nothing is left where there are no bits; and if all is: of anchors
+        there.
+    left : float64 (n, 3)
+    none : bool (n,)
+    cells : Cells
+    """
+    has_none = none[cells.anchors]
+    y = np.where(has_none[:, None], further, y)
+    sums = cells.sums(left) - y * cells.sizes
+    count = np.bincount(cells.of, none, len(cells.anchors))
+    of_component = cells.labels[cells.anchors]
+
+    def total(x: Floats) -> Floats:
+        return np.stack([np.bincount(of_component, c)[of_component] for c in x.T], axis=1)
+
+    own = np.where(has_none, count, 0.0)[:, None]
+    share = np.where(total(own) > 0, own, count[:, None])
+    return y + total(sums) * share / np.maximum(total(share), 1) / cells.sizes
+
+
 def smoothed(
-    left: Floats, parameters: Parameters, integers: Integers, systems: Systems
+    left: Floats,
+    parameters: Parameters,
+    integers: Integers,
+    systems: Systems,
+    none: Bools | None = None,
 ) -> Integers:
-    """Return the integers with vectors of the first stage that need no solve."""
-    y = systems.fit(integers.anchors).smooth(left)
-    return with_vectors(y, parameters, integers, systems.cells(integers.anchors), 0)
+    """Return the integers with vectors of the first stage that need no solve; see `fitted`."""
+    fit, cells = systems.fit(integers.anchors), systems.cells(integers.anchors)
+    y = fit.smooth(kept(left, none))
+    if none is not None:
+        y = balanced(y, fit.smooth(left), left, none, cells)
+    return with_vectors(y, parameters, integers, cells, 0)
 
 
 def doubt(parameters: Parameters) -> float:

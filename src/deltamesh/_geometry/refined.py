@@ -21,7 +21,7 @@ from deltamesh._geometry import highpass, steps
 from deltamesh._geometry.importance import without_bits
 from deltamesh._geometry.integers import Integers, Quantized
 from deltamesh._geometry.normals import vertex_normals
-from deltamesh._geometry.positions import all_positions, fitted, kept, smoothed, solved
+from deltamesh._geometry.positions import all_positions, fitted, smoothed, solved
 from deltamesh._geometry.quantize import quantize_delta
 from deltamesh._geometry.systems import Systems
 from deltamesh._kernels.coding import residual
@@ -79,7 +79,7 @@ def quantize(
     coarse = highpass.deltas(parameters, integers)
     left = np.subtract(delta, coarse, out=delta)
     if parameters.interpolated:
-        integers = smoothed(kept(left, none), parameters, integers, systems)
+        integers = smoothed(left, parameters, integers, systems, none)
     W, N = _bent(surface, systems, parameters, integers, vertices.copy(), ROUGHLY)
     fine = quantize_delta(
         left, graph, each, carries[1], normals=N, zone=NORMAL_DEAD_ZONE, along=True, none=none
