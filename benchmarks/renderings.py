@@ -203,7 +203,7 @@ def importance() -> list[list[Panel]]:
         degrees = f"normals {found.normals[0]:.2f}° inside, {found.normals[1]:.1f}° outside"
         text = f"importance {outside:g} outside the head\n{found.bytes:,} bytes\n{degrees}"
         row.append(Panel(decoded, mesh, look, text))
-    camel, side = hole(), Look((0.1, 0.25, 1), height=1.1)
+    camel, side = hole(), Look((1, 0.25, 0.5), height=1.1)
     text = f"{int(camel.none.sum()):,} of {len(camel.none):,} vertices\nwithout bits (dark)\n"
     row.append(Panel(camel.original, camel.original, side, text, np.where(camel.none, 0.0, 1.0)))
     text = f"from connectivity and anchors\n{camel.bytes:,} bytes of {camel.whole:,}\n"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 from deltamesh_cli.output import display_name
 from deltamesh_formats.container.container import Container, Meta, Parameters
 from deltamesh_formats.container.layout import ATTRIBUTES, ORDER, PARTS
+from deltamesh_formats.container.regions import regions_of
 from deltamesh_formats.container.stages import awaited, stage_of, stages_of
 from deltamesh_formats.container.summary import (
     attributes_of,
@@ -57,6 +58,7 @@ def container_object(name: str, container: Container) -> dict[str, object]:
         ],
         "attributes": [_attribute_object(entry) for entry in attributes_of(container)],
         "errors": None if meta is None else errors_object(meta),
+        "importance": _regions_object(container),
         "encoder": None if meta is None else meta.encoder,
         "source_format": None if meta is None else meta.source or None,
         "digest": container.digest.hex() or None,
@@ -72,6 +74,22 @@ def stage_object(container: Container) -> dict[str, object]:
         "cut": container.cut or None,
         "absent": list(awaited(container)),
     }
+
+
+def _regions_object(container: Container) -> dict[str, object] | None:
+    """Return the errors of what is important and of the rest, None where all is."""
+    regions = regions_of(container)
+    if regions is None:
+        return None
+    found = vars(regions)
+    counts = {f"vertices_{name}": found[name] for name in ("full", "reduced", "none")}
+    kinds = {"rms": "rms", "max": "max"}
+    kinds |= {"normal": "normal_deviation_degrees", "dihedral": "dihedral_degrees"}
+    errors = {
+        name: {kind: found[f"{field}_{name}"] for field, kind in kinds.items()}
+        for name in ("full", "reduced")
+    }
+    return {**counts, **errors}
 
 
 def _attribute_object(entry: Entry) -> dict[str, object]:

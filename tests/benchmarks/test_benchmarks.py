@@ -41,6 +41,7 @@ SCRIPTS = (
     "batch",
     "renderings",
     "bounds",
+    "importance",
     "parts",
     "partial",
     "readers",

@@ -123,7 +123,9 @@ def test_what_needs_a_mesh_that_is_absent_is_skipped(call: Any) -> None:
     assert done.exit_code == 0, done.output
     assert drawn == ["sphere.png"]
     skipped = [line.split(":")[0] for line in done.stderr.splitlines()]
-    assert skipped == ["model skipped", "stream skipped", "equal_bytes skipped"]
+    assert skipped == [
+        f"{figure} skipped" for figure in ("model", "stream", "importance", "equal_bytes")
+    ]
 
 
 def test_without_pyvista_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -28,7 +28,10 @@ if TYPE_CHECKING:
 
 # The encode options that may be lists here, and those that have another meaning here or none.
 _LISTS: Final = ("method", *RATES, *BOUNDS)
-_NOT_SHARED: Final = ("solver", "threads", "source_format", "drop_isolated", *ATTRIBUTE_BOUNDS)
+_NOT_SHARED: Final = (
+    *("solver", "threads", "source_format", "drop_isolated", "importance"),
+    *ATTRIBUTE_BOUNDS,
+)
 
 _COLUMNS: Final = """\
 Columns:

@@ -174,7 +174,7 @@ METHODS: Final[Mapping[str, MethodLayout]] = {
     )
 }
 KNOWN: Final = frozenset(
-    {META, CHECK, *AFTER_CONNECTIVITY}.union(
+    {META, REGIONS, CHECK, *AFTER_CONNECTIVITY}.union(
         *({*method.required, *method.further} for method in METHODS.values())
     )
 )

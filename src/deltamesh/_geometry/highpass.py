@@ -14,7 +14,7 @@ import numpy as np
 from deltamesh._geometry import anchors as choice
 from deltamesh._geometry import steps
 from deltamesh._geometry.cells import Cells
-from deltamesh._geometry.importance import RINGS, around, largest_distances, without_bits
+from deltamesh._geometry.importance import holding, largest_distances, without_bits
 from deltamesh._geometry.integers import NONE, Integers, Quantized
 from deltamesh._geometry.positions import (
     UNITS,
@@ -113,7 +113,7 @@ def anchored(
     )
     anchors = _choose(surface, vertices, parameters, integers, settings, systems)
     if none is not None:
-        anchors = np.union1d(anchors, around(surface.graph, none, RINGS[settings.interpolated]))
+        anchors = np.union1d(anchors, holding(surface, none, settings.interpolated))
     integers = replace(integers, anchors=anchors)
     parameters = replace(parameters, anchor_count=len(anchors))
     return placed(vertices[anchors], vertices, isolated, parameters, integers)

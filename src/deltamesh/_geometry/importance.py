@@ -158,14 +158,32 @@ def without_bits(settings: Settings) -> Bools | None:
     return np.frombuffer(settings.no_bits, dtype=bool) if settings.no_bits else None
 
 
-def around(graph: tuple[Ints, Ints], none: Bools, rings: int) -> Ints:
-    """Return the vertices within so many edges of those without bits, ascending, int64."""
-    indptr, head = graph
+def holding(surface: Surface, none: Bools, interpolated: bool) -> Ints:
+    """Return the anchors that hold the rest where vertices have no bits, ascending, int64.
+
+    They are in rings around, and, in each component, one is among the vertices without bits, as far
+    inside as it can be: its cell takes what their deltas lack in all.
+    """
+    indptr, head = surface.graph
     tail = np.repeat(np.arange(len(none)), np.diff(indptr))
     near = none.copy()
-    for _ in range(rings):
+    for _ in range(RINGS[interpolated]):
         near[tail[near[head]]] = True
-    return np.flatnonzero(near & ~none)
+    edges = np.zeros(len(none), dtype=np.int64)  # to the nearest vertex with bits
+    reached = ~none
+    while True:
+        new = np.zeros_like(none)
+        new[tail[reached[head]]] = True
+        new &= ~reached
+        if not new.any():
+            break
+        reached |= new
+        edges[none & ~reached] += 1
+        edges[new] += 1
+    inside = np.flatnonzero(none)
+    inside = inside[np.argsort(-edges[inside], kind="stable")]
+    _, first = np.unique(surface.labels[inside], return_index=True)
+    return np.union1d(np.flatnonzero(near & ~none), inside[first])
 
 
 def largest_distances(settings: Settings) -> Floats | float:
