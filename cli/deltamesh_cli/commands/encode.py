@@ -36,7 +36,7 @@ deltamesh encode part.3mf --max-error 0.05mm
 deltamesh encode scan.ply --rms-error 0.05%      of the diagonal
 deltamesh encode scan.obj --method highpass --bits 6
 deltamesh encode scan.obj --step 0.01 --anchors 500
-deltamesh encode face.ply --importance quality   more bits where quality is 1
+deltamesh encode face.ply --importance quality   more bits where it is 1
 deltamesh encode rig.obj --keep-order            keeps vertex numbers
 deltamesh encode part.obj --lossless             keeps every bit
 deltamesh encode part.obj --drop all             keeps the shape alone
