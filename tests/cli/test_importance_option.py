@@ -12,7 +12,8 @@ from commandline import cli
 
 import deltamesh
 
-V, F = meshes.torus(30, 20)
+V, F = meshes.torus(60, 40)
+V = V + 0.003 * np.random.default_rng(2).normal(size=V.shape)
 
 
 @pytest.fixture
