@@ -15,7 +15,7 @@ static int can_code(const dm_coder *c)
 }
 
 /* Code `values` (n, 3), filled in when decoding; neighbours ascend in the rows of the graph. */
-int dm_code_deltas(dm_coder *c, const int64_t *indptr, int64_t n, const int64_t *indices,
+int dm_code_deltas(dm_coder *c, const int32_t *indptr, int64_t n, const int32_t *indices,
                    int64_t entries, int64_t *values)
 {
     if (!can_code(c) || !dm_is_graph(indptr, n, indices, entries))
@@ -49,7 +49,7 @@ static int64_t size_of(const int64_t *v)
 }
 
 /* Code `values` (n,), filled in when decoding, where the `deltas` (n, 3) are known. */
-int dm_code_refinements(dm_coder *c, const int64_t *indptr, int64_t n, const int64_t *indices,
+int dm_code_refinements(dm_coder *c, const int32_t *indptr, int64_t n, const int32_t *indices,
                         int64_t entries, const int64_t *deltas, int64_t *values)
 {
     if (!can_code(c) || !dm_is_graph(indptr, n, indices, entries))
@@ -101,12 +101,12 @@ static inline double rounded(double steps, double zone)
    error is passed on, in equal parts, to the neighbours that are still to come, into `delta` (n, 3),
    which is used up: the share `normal` of its component along the normal, the share `tangential` of
    the rest. Neighbours ascend in the rows of the graph. */
-int dm_diffuse(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+int dm_diffuse(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                double *restrict delta, const double *restrict normals,
                const double *restrict steps, double zone, double tangential, double normal,
                int64_t columns, int64_t *restrict out)
 {
-    if ((columns != 1 && columns != 3) || !dm_are_bounds(indptr, n, entries))
+    if ((columns != 1 && columns != 3) || !dm_are_short_bounds(indptr, n, entries))
         return DM_INVALID;
     for (int64_t i = 0; i < n; i++) {
         const double step = steps[i];
@@ -137,7 +137,7 @@ int dm_diffuse(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t
         y = (tangential * (y - along * ny) + across * ny) / count;
         z = (tangential * (z - along * nz) + across * nz) / count;
         for (int64_t at = first; at < end; at++) {
-            double *const next = delta + 3 * indices[at];
+            double *const next = delta + INT64_C(3) * indices[at];
             next[0] += x, next[1] += y, next[2] += z;
         }
     }

@@ -103,12 +103,12 @@ DM_API int dm_signed(dm_coder *c, int64_t value, int64_t axis, const int64_t *le
                      int64_t *coded);
 
 /* delta.c */
-DM_API int dm_code_deltas(dm_coder *c, const int64_t *indptr, int64_t n, const int64_t *indices,
+DM_API int dm_code_deltas(dm_coder *c, const int32_t *indptr, int64_t n, const int32_t *indices,
                           int64_t entries, int64_t *values);
-DM_API int dm_code_refinements(dm_coder *c, const int64_t *indptr, int64_t n,
-                               const int64_t *indices, int64_t entries, const int64_t *deltas,
+DM_API int dm_code_refinements(dm_coder *c, const int32_t *indptr, int64_t n,
+                               const int32_t *indices, int64_t entries, const int64_t *deltas,
                                int64_t *values);
-DM_API int dm_diffuse(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+DM_API int dm_diffuse(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                       double *delta, const double *normals, const double *steps, double zone,
                       double tangential, double normal, int64_t columns, int64_t *out);
 
@@ -119,17 +119,17 @@ DM_API int dm_code_points(dm_coder *c, int64_t *points, int64_t count, const int
 DM_API int dm_code_sorted_points(dm_coder *c, int64_t *points, int64_t count, const int64_t *bits);
 
 /* parallelogram.c */
-DM_API int dm_code_positions(dm_coder *c, const int64_t *indptr, int64_t n, const int64_t *indices,
-                             int64_t entries, const int64_t *first, const int64_t *corners,
-                             int64_t count, const int64_t *within, int64_t *values,
+DM_API int dm_code_positions(dm_coder *c, const int32_t *indptr, int64_t n, const int32_t *indices,
+                             int64_t entries, const int32_t *first, const int32_t *corners,
+                             int64_t count, const int32_t *within, int64_t *values,
                              int64_t *residuals);
-DM_API int dm_predict(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
-                      const int64_t *first, const int64_t *corners, int64_t count,
-                      const int64_t *within, const int64_t *values, int64_t i,
+DM_API int dm_predict(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
+                      const int32_t *first, const int32_t *corners, int64_t count,
+                      const int32_t *within, const int64_t *values, int64_t i,
                       int64_t *predictions, int64_t *positions, int64_t *hints, int64_t *kind);
 
 /* labels.c */
-DM_API int dm_code_labels(dm_coder *c, const int64_t *indptr, int64_t n, const int64_t *indices,
+DM_API int dm_code_labels(dm_coder *c, const int32_t *indptr, int64_t n, const int32_t *indices,
                           int64_t entries, int64_t *labels, int64_t *followers, int64_t *seen);
 
 /* remaining.c */
@@ -164,15 +164,15 @@ DM_API int dm_code_wedges(dm_coder *c, const int64_t *opposite, int64_t halfedge
 DM_API int dm_code_isolated(dm_coder *c, int64_t *isolated, int64_t points, int64_t total);
 
 /* stitching.c */
-DM_API int dm_code_stitches(dm_coder *c, const int64_t *indptr, int64_t n, const int64_t *indices,
+DM_API int dm_code_stitches(dm_coder *c, const int32_t *indptr, int64_t n, const int32_t *indices,
                             int64_t entries, const uint8_t *boundary, int64_t *points,
                             int64_t *latest, int64_t *earlier, int64_t *beside, int64_t *count);
 DM_API int dm_code_reversed(dm_coder *c, const int64_t *opposite, int64_t faces,
                             uint8_t *reversed);
 DM_API int dm_code_repeats(dm_coder *c, const int64_t *opposite, int64_t faces, int64_t *repeats,
                            int64_t total);
-DM_API int dm_code_degenerate(dm_coder *c, const int64_t *indptr, int64_t used,
-                              const int64_t *indices, int64_t entries, int64_t *pairs,
+DM_API int dm_code_degenerate(dm_coder *c, const int32_t *indptr, int64_t used,
+                              const int32_t *indices, int64_t entries, int64_t *pairs,
                               int64_t count, int64_t n);
 
 /* hidden_edges.c */
@@ -229,7 +229,7 @@ DM_API int dm_grow(dm_coder *c, dm_front *front, dm_halfedge *halfedges, int64_t
                    int64_t loops, int64_t loop_start);
 
 /* vertex_order.c, face_order.c */
-DM_API int dm_code_vertices(dm_coder *c, const int64_t *indptr, int64_t n, const int64_t *indices,
+DM_API int dm_code_vertices(dm_coder *c, const int32_t *indptr, int64_t n, const int32_t *indices,
                             int64_t entries, const int64_t *mirror, int64_t newest,
                             int64_t *order, int64_t margin, int64_t stop, int64_t *sums,
                             int64_t *onwards, int64_t *after, int64_t *before, int64_t *start,
@@ -247,8 +247,8 @@ DM_API int dm_point_of(const int64_t *format, int64_t index, int64_t *point);
 DM_API int dm_in_units(const int64_t *format, int64_t unit, int64_t size, int64_t *units);
 
 /* exact.c */
-DM_API int dm_code_exact(dm_coder *c, const int64_t *indptr, int64_t n, const int64_t *indices,
-                         int64_t entries, const int64_t *first, const int64_t *corners,
+DM_API int dm_code_exact(dm_coder *c, const int32_t *indptr, int64_t n, const int32_t *indices,
+                         int64_t entries, const int32_t *first, const int32_t *corners,
                          int64_t count, const int64_t *axes, const int64_t *formats,
                          int64_t format_count, int64_t width, int64_t *choices, int64_t *values,
                          int64_t *grid, int64_t *errors);
@@ -300,17 +300,17 @@ DM_API int dm_face_changes(const double *normals, const double *areas,
                            const double *other_normals, const double *other_areas, int64_t m,
                            double least, double most, double *angles, uint8_t *lost,
                            uint8_t *turned);
-DM_API int dm_dihedral_angles(const double *points, int64_t n, const double *normals, int64_t m,
-                              const int64_t *edges, const int64_t *left, const int64_t *right,
-                              const uint8_t *same, int64_t count, double *angles);
+DM_API int dm_dihedral_angles(const double *points, int64_t n, const double *normals,
+                              const int64_t *faces, int64_t m, const int32_t *pairs,
+                              int64_t count, double *angles);
 
 /* distance.c */
-DM_API int dm_farthest_points(const int64_t *indptr, int64_t n, const int64_t *indices,
+DM_API int dm_farthest_points(const int32_t *indptr, int64_t n, const int32_t *indices,
                               int64_t entries, const int64_t *first, int64_t first_count,
                               int64_t *anchors, int64_t count, int64_t *distance, int64_t *queue);
-DM_API int dm_nearest(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+DM_API int dm_nearest(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                       const int64_t *sources, int64_t count, int64_t *nearest, int64_t *queue);
-DM_API int dm_local_maxima(const int64_t *indptr, int64_t n, const int64_t *indices,
+DM_API int dm_local_maxima(const int32_t *indptr, int64_t n, const int32_t *indices,
                            int64_t entries, const double *value, uint8_t *is_maximum);
 DM_API int dm_subtract_product(double *block, int64_t n, int64_t width, const double *W,
                                int64_t row, int64_t count, const int64_t *rows, double *columns);
@@ -330,13 +330,13 @@ DM_API int dm_product_entries(const int64_t *rows, int64_t m, const int64_t *row
                               int64_t *count);
 
 /* laplacian.c */
-DM_API int dm_apply_laplacian(const int64_t *indptr, int64_t n, const int64_t *indices,
+DM_API int dm_apply_laplacian(const int32_t *indptr, int64_t n, const int32_t *indices,
                               int64_t entries, const double *x, int64_t columns, double *out);
-DM_API int dm_smooth(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+DM_API int dm_smooth(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                      double *x, int64_t columns, int64_t rounds, double *shares);
-DM_API int dm_normal_bounds(const int64_t *indptr, int64_t n, const int64_t *indices,
+DM_API int dm_normal_bounds(const int32_t *indptr, int64_t n, const int32_t *indices,
                             int64_t entries, int64_t *bounds, int64_t *seen);
-DM_API int dm_normal_matrix(const int64_t *indptr, int64_t n, const int64_t *indices,
+DM_API int dm_normal_matrix(const int32_t *indptr, int64_t n, const int32_t *indices,
                             int64_t entries, const int64_t *anchors, int64_t anchor_count,
                             const int64_t *bounds, int64_t *columns, double *values,
                             int64_t filled, int64_t *place);
@@ -351,6 +351,7 @@ DM_API int dm_coarsen(const int32_t *indptr, int64_t n, const int32_t *indices, 
                       int32_t *members, int32_t *starts, int32_t *place);
 DM_API int dm_factor_dense(double *factor, int64_t n);
 DM_API int dm_solve_poisson(const int64_t *sizes, const int64_t *entries, int64_t levels,
+                            const int32_t *near, const int32_t *neighbours,
                             const int32_t *indptr, const int32_t *indices, const float *weights,
                             const float *diagonal, const float *inverse, const int32_t *aggregate,
                             const double *factor, int64_t dense, const double *b, double *x,
@@ -385,9 +386,9 @@ DM_API int dm_minimum_degree(const int64_t *indptr, int64_t n, const int64_t *in
 
 /* neighbours.c */
 DM_API int dm_gather_neighbours(const int64_t *a, const int64_t *b, int64_t count, int64_t n,
-                                int64_t *indptr, int32_t *indices, int64_t *entries,
-                                int32_t *rows, int64_t *place);
-DM_API int dm_label_components(const int64_t *indptr, int64_t n, const int64_t *indices,
+                                int32_t *indptr, int32_t *indices, int64_t *entries,
+                                int32_t *rows, int32_t *place);
+DM_API int dm_label_components(const int32_t *indptr, int64_t n, const int32_t *indices,
                                int64_t entries, int64_t *label, int64_t *queue, int64_t *count);
 
 /* normals.c */
@@ -396,11 +397,11 @@ DM_API int dm_vertex_normals(const double *points, int64_t n, const int64_t *fac
                              double *normals, double *areas);
 
 /* rotations.c */
-DM_API int dm_fit_rotations(const int64_t *indptr, int64_t n, const int64_t *indices,
+DM_API int dm_fit_rotations(const int32_t *indptr, int64_t n, const int32_t *indices,
                             int64_t entries, const double *from, const double *to, int64_t rings,
                             double *turns, double *moments, double *wider);
 DM_API int dm_nearest_rotations(const double *matrices, int64_t n, double *turns);
-DM_API int dm_turned_deltas(const int64_t *indptr, int64_t n, const int64_t *indices,
+DM_API int dm_turned_deltas(const int32_t *indptr, int64_t n, const int32_t *indices,
                             int64_t entries, const double *points, const double *turns,
                             double *out);
 
@@ -412,5 +413,8 @@ DM_API int dm_walk_outlines(const int64_t *merged, int64_t faces, int64_t *corne
 /* halfedges.c */
 DM_API int64_t dm_halfedge_after(int64_t h);
 DM_API int64_t dm_halfedge_before(int64_t h);
+DM_API int dm_group_by_edge(const int64_t *start, const int64_t *end, int64_t count, int64_t n,
+                            int64_t *order, int64_t *bounds, int64_t *edges, int32_t *by_higher,
+                            int64_t *place);
 
 #endif

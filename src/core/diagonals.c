@@ -11,7 +11,7 @@ int dm_choose_diagonals(const int64_t *start, int64_t quads, const int64_t *near
                         const int64_t *unlike, int64_t entries, int64_t *cut, int64_t *votes,
                         uint8_t *queued, int64_t *queue)
 {
-    if (!dm_is_graph(start, quads, near, entries) || !dm_all_in(unlike, entries, 0, 2) ||
+    if (!dm_is_matrix(start, quads, near, entries) || !dm_all_in(unlike, entries, 0, 2) ||
         !dm_all_in(cut, quads, -1, 2))
         return DM_INVALID;
     for (int64_t q = 0; q < quads; q++)

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "graphs.h"
+#include "halfedges.h"
 #include "vectors.h"
 
 /* Powers of two from 2^-1000 to 2^1000 are taken: the inverses of all of them are doubles, too. */
@@ -99,22 +100,24 @@ int dm_face_changes(const double *normals, const double *areas, const double *ot
     return DM_OK;
 }
 
-/* Set `angles` (count,) from the normals of the left faces to those of the right ones at the edges
-   (count, 2) over points (n, 3): positive where the surface is convex.
+/* Set `angles` (count,) from the normals of the left faces to those of the right ones at edges of
+   the faces (m, 3) over points (n, 3): positive where the surface is convex.
 
-   `normals` (m, 3) are those of the faces. `same` marks the edges that both faces run through in the
-   same direction: then one of the two is turned over. */
-int dm_dihedral_angles(const double *points, int64_t n, const double *normals, int64_t m,
-                       const int64_t *edges, const int64_t *left, const int64_t *right,
-                       const uint8_t *same, int64_t count, double *angles)
+   `normals` (m, 3) are those of the faces. An edge is a pair of half-edges, in `pairs` (count, 2), of
+   the left face and of the right one. Where both run in the same direction, one of the two faces is
+   turned over. */
+int dm_dihedral_angles(const double *points, int64_t n, const double *normals,
+                       const int64_t *faces, int64_t m, const int32_t *pairs, int64_t count,
+                       double *angles)
 {
-    if (!dm_all_in(edges, 2 * count, 0, n) || !dm_all_in(left, count, 0, m) ||
-        !dm_all_in(right, count, 0, m))
+    if (!dm_all_in(faces, 3 * m, 0, n) || !dm_are_shorts_in(pairs, 2 * count, 0, 3 * m))
         return DM_INVALID;
     for (int64_t e = 0; e < count; e++) {
-        const double *const a = points + 3 * edges[2 * e], *const b = points + 3 * edges[2 * e + 1];
-        const dm_vector normal = dm_row(normals, left[e]);
-        const dm_vector other = dm_multiple(dm_row(normals, right[e]), same[e] ? -1.0 : 1.0);
+        const int64_t left = pairs[2 * e], right = pairs[2 * e + 1];
+        const int64_t start = faces[left], same = start == faces[right];
+        const double *const a = points + 3 * start, *const b = points + 3 * faces[dm_next(left)];
+        const dm_vector normal = dm_row(normals, left / 3);
+        const dm_vector other = dm_multiple(dm_row(normals, right / 3), same ? -1.0 : 1.0);
         const dm_vector axis = dm_cross(normal, other);
         const double angle = angle_between(normal, other);
         angles[e] = dm_dot(axis, dm_from_to(a, b)) < 0.0 ? -angle : angle;

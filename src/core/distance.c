@@ -8,7 +8,7 @@
    A breadth-first search that goes on from the vertices it lowers only: where the new source is not
    nearer, neither is it beyond. A vertex enters the queue once, since the first distance that the
    search gives it is the final one. */
-static void relax(const int64_t *indptr, const int64_t *indices, int64_t source, int64_t *distance,
+static void relax(const int32_t *indptr, const int32_t *indices, int64_t source, int64_t *distance,
                   int64_t *queue)
 {
     int64_t head = 0, tail = 1;
@@ -30,7 +30,7 @@ static void relax(const int64_t *indptr, const int64_t *indices, int64_t source,
    Distances only fall, so the vertices at the present maximum are taken in one ascending scan: a
    vertex joins that level never, and has left it if its distance is less by the time the scan comes
    to it. Scratch: distance, queue (n,). */
-int dm_farthest_points(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+int dm_farthest_points(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                        const int64_t *first, int64_t first_count, int64_t *anchors, int64_t count,
                        int64_t *distance, int64_t *queue)
 {
@@ -63,7 +63,7 @@ int dm_farthest_points(const int64_t *indptr, int64_t n, const int64_t *indices,
 
    A breadth-first search from all sources at once, in their order: of equally near ones, the vertex
    takes that of the neighbour which the search came to first. Scratch: queue (n,). */
-int dm_nearest(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+int dm_nearest(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                const int64_t *sources, int64_t count, int64_t *nearest, int64_t *queue)
 {
     if (!dm_is_graph(indptr, n, indices, entries) || !dm_all_in(sources, count, 0, n))
@@ -89,7 +89,7 @@ int dm_nearest(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t
 }
 
 /* Mark the vertices whose value no neighbour exceeds; of equal neighbours the lowest index. */
-int dm_local_maxima(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+int dm_local_maxima(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                     const double *value, uint8_t *is_maximum)
 {
     if (!dm_is_graph(indptr, n, indices, entries))

@@ -62,7 +62,7 @@ int dm_breadth(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t
                int64_t *part, int64_t *level, int64_t *queue, double *breadth)
 {
     const graph g = {indptr, indices, part, level, queue};
-    if (!dm_is_graph(indptr, n, indices, entries))
+    if (!dm_is_matrix(indptr, n, indices, entries))
         return DM_INVALID;
     for (int64_t v = 0; v < n; v++)
         part[v] = 0, level[v] = -1;
@@ -175,7 +175,7 @@ int dm_dissect(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t
                int64_t *begins, int64_t *ends)
 {
     const graph g = {indptr, indices, part, level, queue};
-    if (!dm_is_graph(indptr, n, indices, entries))
+    if (!dm_is_matrix(indptr, n, indices, entries))
         return DM_INVALID;
     const double root = DENSE * sqrt((double)n), dense = root > 100.0 ? root : 100.0;
     int64_t first = 0, last = n;
@@ -218,7 +218,7 @@ int dm_factor_entries(const int64_t *indptr, int64_t n, const int64_t *indices, 
                       const int64_t *order, int64_t most, int64_t *rank, int64_t *parent,
                       int64_t *ancestor, int64_t *seen, int64_t *count)
 {
-    if (!dm_is_graph(indptr, n, indices, entries) || !dm_fill_ranks(order, n, rank))
+    if (!dm_is_matrix(indptr, n, indices, entries) || !dm_fill_ranks(order, n, rank))
         return DM_INVALID;
     dm_eliminate(indptr, n, indices, order, rank, parent, ancestor);
     for (int64_t i = 0; i < n; i++)

@@ -16,7 +16,7 @@
 enum { WINDOW = 8 }; /* levels distinguish sizes down to 2^-8 of the usual */
 
 typedef struct {
-    const int64_t *indptr, *indices, *first, *corners;
+    const int32_t *indptr, *indices, *first, *corners;
     const int64_t *axes, *formats;
     int64_t width;
     int64_t *choices, *values, *grid;
@@ -41,9 +41,10 @@ static int64_t predict(const exact_mesh *m, int64_t i, int axis, int64_t *spread
     int64_t total = 0, low = 4 * DM_EXACT_BOUND, high = -4 * DM_EXACT_BOUND;
     int64_t count = dm_min(m->first[i + 1] - m->first[i], DM_MOST);
     for (int64_t at = m->first[i]; at < m->first[i] + count; at++) {
-        const int64_t *const corner = m->corners + 3 * at;
-        const int64_t point = grid[3 * corner[0] + axis] + grid[3 * corner[1] + axis] -
-                              grid[3 * corner[2] + axis];
+        const int32_t *const corner = m->corners + 3 * at;
+        const int64_t point = grid[INT64_C(3) * corner[0] + axis] +
+                              grid[INT64_C(3) * corner[1] + axis] -
+                              grid[INT64_C(3) * corner[2] + axis];
         total += point;
         low = dm_min(low, point), high = dm_max(high, point);
     }
@@ -56,7 +57,7 @@ static int64_t predict(const exact_mesh *m, int64_t i, int axis, int64_t *spread
     for (int64_t at = m->indptr[i]; at < m->indptr[i + 1]; at++) {
         if (m->indices[at] >= i || count == DM_MOST)
             break; /* neighbours ascend */
-        total += grid[3 * m->indices[at] + axis];
+        total += grid[INT64_C(3) * m->indices[at] + axis];
         count++;
     }
     if (count > 0)
@@ -278,8 +279,8 @@ static int are_tables(const exact_mesh *m, int64_t format_count)
    A value is an index or, where it is raw, `width` bits. Neighbours ascend in the rows of the graph,
    parallelograms are as of `dm_code_positions`; axes (3, 4) and formats (format_count, 4) are tables.
  */
-int dm_code_exact(dm_coder *c, const int64_t *indptr, int64_t n, const int64_t *indices,
-                  int64_t entries, const int64_t *first, const int64_t *corners, int64_t count,
+int dm_code_exact(dm_coder *c, const int32_t *indptr, int64_t n, const int32_t *indices,
+                  int64_t entries, const int32_t *first, const int32_t *corners, int64_t count,
                   const int64_t *axes, const int64_t *formats, int64_t format_count, int64_t width,
                   int64_t *choices, int64_t *values, int64_t *grid, int64_t *errors)
 {
@@ -287,8 +288,8 @@ int dm_code_exact(dm_coder *c, const int64_t *indptr, int64_t n, const int64_t *
                           width,  choices, values, grid,   errors};
     if (!dm_has_memory(c, FORMATS_AT + format_count * FORMAT_SLOTS,
                        3 * DM_AXIS_CHOICE_MIXERS + format_count * DM_FORMAT_MIXERS) ||
-        !dm_is_graph(indptr, n, indices, entries) || !dm_are_bounds(first, n, count) ||
-        !dm_all_in(corners, 3 * count, 0, n) || !are_tables(&m, format_count) ||
+        !dm_is_graph(indptr, n, indices, entries) || !dm_are_short_bounds(first, n, count) ||
+        !dm_are_shorts_in(corners, 3 * count, 0, n) || !are_tables(&m, format_count) ||
         !dm_all_in(choices, 3 * n, 0, DM_NEGATIVE_ZERO + 1))
         return DM_INVALID;
     for (int64_t k = 0; k < 3 * n; k++)

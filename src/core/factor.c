@@ -181,7 +181,7 @@ int dm_factor(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t 
               int64_t *first, double *block, double *packed, int64_t *pivot)
 {
     const dm_factor_plan *p = plan;
-    if (p->n != n || !dm_is_graph(indptr, n, indices, entries) || !is_plan(p) ||
+    if (p->n != n || !dm_is_matrix(indptr, n, indices, entries) || !is_plan(p) ||
         !dm_fill_ranks(p->order, n, rank) || !dm_all_in(parent, n, -1, n) ||
         !dm_all_in(of, n, 0, p->supernodes) ||
         !fill_rows(indptr, indices, rank, p, parent, of, from, next))

@@ -23,7 +23,7 @@ enum {
 enum { CANDIDATE = 0, NEW = 8, DIGIT = 12, FOLLOWER = 16 };
 
 typedef struct {
-    const int64_t *indptr, *indices;
+    const int32_t *indptr, *indices;
     int64_t *labels;
 } labelled;
 
@@ -199,7 +199,7 @@ static void follow(const labelled *e, int64_t i, surroundings *s, int64_t *follo
 
    They are numbered in the order of their first elements. Neighbours ascend in the rows of the
    graph. `followers` (DM_FOLLOWERS,) is scratch. */
-int dm_code_labels(dm_coder *c, const int64_t *indptr, int64_t n, const int64_t *indices,
+int dm_code_labels(dm_coder *c, const int32_t *indptr, int64_t n, const int32_t *indices,
                    int64_t entries, int64_t *labels, int64_t *followers, int64_t *seen)
 {
     if (!dm_has_memory(c, DM_LABEL_SLOTS, DM_DIGIT_MIXER + DM_LABEL_DIGITS) ||

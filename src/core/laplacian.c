@@ -8,7 +8,7 @@
 #include "graphs.h"
 
 /* Set out (n, columns) to L x, each sum in the order of the indices: bytes depend on it. */
-int dm_apply_laplacian(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+int dm_apply_laplacian(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                        const double *x, int64_t columns, double *out)
 {
     if (!dm_is_graph(indptr, n, indices, entries))
@@ -35,7 +35,7 @@ int dm_apply_laplacian(const int64_t *indptr, int64_t n, const int64_t *indices,
 /* Smooth x (n, columns) in place, keeping the sum of each column over a component: in every round a
    vertex keeps half of its value and hands the rest on to its neighbours, in equal parts.
    Scratch: shares (n, columns). */
-int dm_smooth(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries, double *x,
+int dm_smooth(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries, double *x,
               int64_t columns, int64_t rounds, double *shares)
 {
     if (!dm_is_graph(indptr, n, indices, entries) || columns < 0)
@@ -58,7 +58,7 @@ int dm_smooth(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t 
 }
 
 /* Set the bounds (n + 1,) of the rows of L^T L. Scratch: seen (n,). */
-int dm_normal_bounds(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+int dm_normal_bounds(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                      int64_t *bounds, int64_t *seen)
 {
     if (!dm_is_graph(indptr, n, indices, entries))
@@ -106,7 +106,7 @@ static int add(row *r, int64_t column, double value)
 /* Fill in L^T L + S^T S by rows, the columns of each in no order: integers, all of them exact.
 
    `bounds` are those of dm_normal_bounds; S selects the anchors. Scratch: place (n,). */
-int dm_normal_matrix(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+int dm_normal_matrix(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                      const int64_t *anchors, int64_t anchor_count, const int64_t *bounds,
                      int64_t *columns, double *values, int64_t filled, int64_t *place)
 {

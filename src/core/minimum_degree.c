@@ -245,7 +245,7 @@ static int64_t eliminate(quotient *q, int64_t pivot, int64_t left, int64_t *leas
 int dm_minimum_degree(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
                       int64_t *order, int64_t *lists, int64_t *memory)
 {
-    if (!dm_is_graph(indptr, n, indices, entries))
+    if (!dm_is_matrix(indptr, n, indices, entries))
         return DM_INVALID;
     int64_t *arrays[ARRAYS];
     for (int64_t k = 0; k < ARRAYS; k++)

@@ -16,6 +16,7 @@
 #include <stddef.h>
 
 #include "deltamesh_core.h"
+#include "graphs.h"
 #include "multigrid.h"
 
 enum { COORDINATES = DM_COORDINATES, LANES = DM_LANES, BARRIER = LANES - 1 };
@@ -30,17 +31,6 @@ enum { RESTARTS = 3 };
 /* The bound where a number is infinite or none: no iteration mends that. */
 #define OVERFLOWN (-1.0)
 
-/* Whether rows of neighbours are those of a graph of n nodes. */
-static int is_graph(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries)
-{
-    int good = n >= 0 && n < INT32_MAX && indptr[0] == 0 && indptr[n] == entries;
-    for (int64_t i = 0; i < n; i++)
-        good &= indptr[i] <= indptr[i + 1];
-    for (int64_t at = 0; at < entries; at++)
-        good &= indices[at] >= 0 && indices[at] < n;
-    return good;
-}
-
 /* Put the free nodes into aggregates, each a node with all of its neighbours, or what such ones
    left of them beside the aggregate of a neighbour: -1 for fixed nodes and for those without free
    neighbours, which a sweep solves exactly. Each aggregate has two nodes or more.
@@ -49,7 +39,7 @@ static int is_graph(const int32_t *indptr, int64_t n, const int32_t *indices, in
 int dm_aggregate(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                  const float *inverse, int32_t *aggregate, int64_t *count)
 {
-    if (!is_graph(indptr, n, indices, entries))
+    if (!dm_is_graph(indptr, n, indices, entries))
         return DM_INVALID;
     int32_t found = 0;
     for (int64_t i = 0; i < n; i++)
@@ -98,7 +88,7 @@ int dm_coarsen(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t
                float *coarse_diagonal, int64_t *coarse_entries, int32_t *members, int32_t *starts,
                int32_t *place)
 {
-    if (!is_graph(indptr, n, indices, entries) || m < 0 || m > n)
+    if (!dm_is_graph(indptr, n, indices, entries) || m < 0 || m > n)
         return DM_INVALID;
     for (int64_t c = 0; c <= m; c++)
         starts[c] = 0, place[c] = -1;
@@ -393,12 +383,14 @@ static int64_t descend(hierarchy *h, double *x, double *w, double *r, double *p,
    their x. Without `barrier`, the first solve with a tolerance finds it.
 
    It ends when `bound`, on the error of each coordinate, is at most the tolerance, or after `most`
-   iterations, which it counts. The levels follow each other in each array; sizes and entries
-   (levels,) count their nodes and entries. `factor` (dense, dense) is of the coarsest level, where
+   iterations, which it counts. The rows of the finest level, `near` and `neighbours`, are those of a
+   graph; the other levels follow each other in each array, and in those of numbers all do. Sizes and
+   entries (levels,) count their nodes and entries. `factor` (dense, dense) is of the coarsest level, where
    that has so few nodes. Scratch: w (n,); r, p, q (n, LANES); the cycle's b and x of all levels but
    the finest, which has them in q: nothing needs both at once. */
 int dm_solve_poisson(const int64_t *sizes, const int64_t *entries, int64_t levels,
-                     const int32_t *indptr, const int32_t *indices, const float *weights,
+                     const int32_t *near, const int32_t *neighbours, const int32_t *indptr,
+                     const int32_t *indices, const float *weights,
                      const float *diagonal, const float *inverse, const int32_t *aggregate,
                      const double *factor, int64_t dense, const double *b, double *x,
                      double tolerance, int64_t most, double *barrier, double *bound,
@@ -410,7 +402,8 @@ int dm_solve_poisson(const int64_t *sizes, const int64_t *entries, int64_t level
         return DM_INVALID;
     for (int64_t at = 0; at < levels; at++) {
         const int64_t n = sizes[at];
-        if (n < 0 || entries[at] < 0 || !is_graph(indptr, n, indices, entries[at]))
+        const int32_t *const rows = at ? indptr : near, *const columns = at ? indices : neighbours;
+        if (n < 0 || entries[at] < 0 || !dm_is_graph(rows, n, columns, entries[at]))
             return DM_INVALID;
         if (at + 1 < levels)
             for (int64_t i = 0; i < n; i++)
@@ -418,17 +411,19 @@ int dm_solve_poisson(const int64_t *sizes, const int64_t *entries, int64_t level
                     return DM_INVALID;
         float *const finest = (float *)q;
         h.levels[at] = (level){n,
-                               indptr,
-                               indices,
+                               rows,
+                               columns,
                                aggregate,
                                at ? weights : NULL,
                                diagonal,
                                inverse,
                                at ? cycle_b : finest,
                                at ? cycle_x : finest + n * LANES};
-        indptr += n + 1, indices += entries[at], diagonal += n, inverse += n, aggregate += n;
-        if (at)
-            weights += entries[at], cycle_b += n * LANES, cycle_x += n * LANES;
+        diagonal += n, inverse += n, aggregate += n;
+        if (at) {
+            indptr += n + 1, indices += entries[at], weights += entries[at];
+            cycle_b += n * LANES, cycle_x += n * LANES;
+        }
     }
     const level *const l = &h.levels[0];
     const double one = tolerance > 0.0 && *barrier == 0.0 ? 1.0 : 0.0;

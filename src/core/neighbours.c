@@ -9,19 +9,20 @@
    Two passes sort without comparing: in the second one, vertices come to the rows of their
    neighbours in ascending order. */
 int dm_gather_neighbours(const int64_t *a, const int64_t *b, int64_t count, int64_t n,
-                         int64_t *indptr, int32_t *indices, int64_t *entries, int32_t *rows,
-                         int64_t *place)
+                         int32_t *indptr, int32_t *indices, int64_t *entries, int32_t *rows,
+                         int32_t *place)
 {
-    if (n < 0 || n > INT32_MAX || !dm_all_in(a, count, 0, n) || !dm_all_in(b, count, 0, n))
+    if (n < 0 || n >= INT32_MAX || count > INT32_MAX / 2 || !dm_all_in(a, count, 0, n) ||
+        !dm_all_in(b, count, 0, n))
         return DM_INVALID;
     for (int64_t v = 0; v <= n; v++)
         indptr[v] = 0;
     for (int64_t h = 0; h < count; h++)
         if (a[h] != b[h])
             indptr[a[h]]++, indptr[b[h]]++;
-    int64_t begin = 0;
+    int32_t begin = 0;
     for (int64_t v = 0; v <= n; v++) {
-        const int64_t size = indptr[v];
+        const int32_t size = indptr[v];
         indptr[v] = begin;
         begin += size;
     }
@@ -40,11 +41,11 @@ int dm_gather_neighbours(const int64_t *a, const int64_t *b, int64_t count, int6
             if (place[w] == indptr[w] || indices[place[w] - 1] != v)
                 indices[place[w]++] = (int32_t)v;
         }
-    int64_t end = 0;
+    int32_t end = 0;
     for (int64_t v = 0; v < n; v++) {
-        const int64_t first = indptr[v];
+        const int32_t first = indptr[v];
         indptr[v] = end;
-        for (int64_t k = first; k < place[v]; k++)
+        for (int32_t k = first; k < place[v]; k++)
             indices[end++] = indices[k];
     }
     indptr[n] = end;
@@ -55,7 +56,7 @@ int dm_gather_neighbours(const int64_t *a, const int64_t *b, int64_t count, int6
 /* Label the connected components (n,) in the order of their lowest vertices; set how many there are.
 
    Scratch: queue (n,). */
-int dm_label_components(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+int dm_label_components(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                         int64_t *label, int64_t *queue, int64_t *count)
 {
     if (!dm_is_graph(indptr, n, indices, entries))

@@ -24,7 +24,8 @@ enum { DECAY = 8, MARGIN = 3 };
 
 /* The mesh that positions are coded on. */
 typedef struct {
-    const int64_t *indptr, *indices, *first, *corners, *within, *values;
+    const int32_t *indptr, *indices, *first, *corners, *within;
+    const int64_t *values;
 } grid_mesh;
 
 /* What is predicted at a vertex: the predictions, the candidates' positions, and the class. */
@@ -69,7 +70,7 @@ static int64_t neighbour_mean(const grid_mesh *mesh, int64_t i, int axis)
     int64_t total = 0, count = 0;
     for (int64_t at = mesh->indptr[i]; at < mesh->indptr[i + 1]; at++) {
         if (mesh->indices[at] < i) {
-            total = dm_add(total, mesh->values[3 * mesh->indices[at] + axis]);
+            total = dm_add(total, mesh->values[INT64_C(3) * mesh->indices[at] + axis]);
             count++;
         }
     }
@@ -82,7 +83,7 @@ static int64_t find_gate(const grid_mesh *mesh, int64_t first, int64_t end, int6
     int64_t gate = first;
     *shape = -1;
     for (int64_t at = first; at < end; at++) {
-        const int64_t *const corner = mesh->corners + 3 * at;
+        const int32_t *const corner = mesh->corners + 3 * at;
         const int64_t one = distance(mesh->values, corner[0], corner[2]);
         const int64_t other = distance(mesh->values, corner[1], corner[2]);
         const int64_t found = 8 * dm_min(one, other) / dm_max(dm_max(one, other), 1);
@@ -130,7 +131,7 @@ static void predict(const grid_mesh *mesh, int64_t i, dm_known *known, predictio
     }
     const int64_t inside = mesh->within[i], best = inside > 0 ? inside : count;
     int64_t shape;
-    const int64_t *const gate = mesh->corners + 3 * find_gate(mesh, begin, begin + best, &shape);
+    const int32_t *const gate = mesh->corners + 3 * find_gate(mesh, begin, begin + best, &shape);
     const int64_t o = gate[2];
     const int turned = distance(values, gate[1], o) < distance(values, gate[0], o);
     const int64_t a = gate[turned ? 1 : 0], b = gate[turned ? 0 : 1];
@@ -138,9 +139,10 @@ static void predict(const grid_mesh *mesh, int64_t i, dm_known *known, predictio
     for (int axis = 0; axis < 3; axis++) {
         int64_t total = 0, some = 0, low = 4 * DM_GRID_BOUND, high = -4 * DM_GRID_BOUND;
         for (int64_t at = begin; at < begin + count; at++) {
-            const int64_t *const corner = mesh->corners + 3 * at;
-            const int64_t point = values[3 * corner[0] + axis] + values[3 * corner[1] + axis] -
-                                  values[3 * corner[2] + axis];
+            const int32_t *const corner = mesh->corners + 3 * at;
+            const int64_t point = values[INT64_C(3) * corner[0] + axis] +
+                                  values[INT64_C(3) * corner[1] + axis] -
+                                  values[INT64_C(3) * corner[2] + axis];
             total = dm_add(total, point);
             if (at - begin < best)
                 some = dm_add(some, point);
@@ -215,7 +217,8 @@ static void code_position(dm_coder *c, const prediction *p, const dm_known *know
 static int is_mesh(const grid_mesh *mesh, int64_t n, int64_t entries, int64_t count)
 {
     int good = dm_is_graph(mesh->indptr, n, mesh->indices, entries) &&
-               dm_are_bounds(mesh->first, n, count) && dm_all_in(mesh->corners, 3 * count, 0, n);
+               dm_are_short_bounds(mesh->first, n, count) &&
+               dm_are_shorts_in(mesh->corners, 3 * count, 0, n);
     for (int64_t i = 0; good && i < n; i++)
         good = mesh->within[i] >= 0 && mesh->within[i] <= mesh->first[i + 1] - mesh->first[i];
     return good;
@@ -226,9 +229,9 @@ static int is_mesh(const grid_mesh *mesh, int64_t n, int64_t entries, int64_t co
    corners[first[i]] to corners[first[i + 1]] (count, 3) are the vertices (a, b, o), all below i, of
    the triangles (a, b, o) across an edge of a triangle (a, b, i); the first within[i] are quads
    (a, o, b, i) of the mesh. Neighbours ascend in the rows of the graph. */
-int dm_code_positions(dm_coder *c, const int64_t *indptr, int64_t n, const int64_t *indices,
-                      int64_t entries, const int64_t *first, const int64_t *corners, int64_t count,
-                      const int64_t *within, int64_t *values, int64_t *residuals)
+int dm_code_positions(dm_coder *c, const int32_t *indptr, int64_t n, const int32_t *indices,
+                      int64_t entries, const int32_t *first, const int32_t *corners, int64_t count,
+                      const int32_t *within, int64_t *values, int64_t *residuals)
 {
     const grid_mesh mesh = {indptr, indices, first, corners, within, values};
     if (!dm_has_memory(c, DM_HASH_SLOTS, 3 * DM_AXIS_MIXERS) || !is_mesh(&mesh, n, entries, count))
@@ -248,8 +251,8 @@ int dm_code_positions(dm_coder *c, const int64_t *indptr, int64_t n, const int64
 }
 
 /* Predict one vertex: predictions (3, 5), positions (3, 3), hints (3,) and the class, for tests. */
-int dm_predict(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
-               const int64_t *first, const int64_t *corners, int64_t count, const int64_t *within,
+int dm_predict(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
+               const int32_t *first, const int32_t *corners, int64_t count, const int32_t *within,
                const int64_t *values, int64_t i, int64_t *predictions, int64_t *positions,
                int64_t *hints, int64_t *kind)
 {

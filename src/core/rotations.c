@@ -91,7 +91,7 @@ static void turn_of(const double *moments, double *turn)
 }
 
 /* Set the moments (11,) of the edges around vertex i of points `from` and `to`, in their extents. */
-static void gather(const int64_t *indptr, const int64_t *indices, int64_t i, const double *from,
+static void gather(const int32_t *indptr, const int32_t *indices, int64_t i, const double *from,
                    double extent, const double *to, double other_extent, double *moments)
 {
     for (int m = 0; m < MOMENTS; m++)
@@ -112,7 +112,7 @@ static void gather(const int64_t *indptr, const int64_t *indices, int64_t i, con
    (n, 3) to those in the points `to` (n, 3), with those of neighbours `rings` edges away.
 
    Scratch: moments (n, 11), and wider (n, 11). */
-int dm_fit_rotations(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+int dm_fit_rotations(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                      const double *from, const double *to, int64_t rings, double *turns,
                      double *moments, double *wider)
 {
@@ -128,7 +128,7 @@ int dm_fit_rotations(const int64_t *indptr, int64_t n, const int64_t *indices, i
                 sums[m] = moments[MOMENTS * i + m];
             for (int64_t at = indptr[i]; at < indptr[i + 1]; at++)
                 for (int m = 0; m < MOMENTS; m++)
-                    sums[m] += moments[MOMENTS * indices[at] + m];
+                    sums[m] += moments[(int64_t)MOMENTS * indices[at] + m];
         }
         double *const narrow = moments;
         moments = wider;
@@ -158,7 +158,7 @@ int dm_nearest_rotations(const double *matrices, int64_t n, double *turns)
 
 /* Set `out` (n, 3) to the deltas of points (n, 3), turned: the sums of (R_i + R_j) (v_i - v_j) / 2,
    each in the order of the neighbours j, for the matrices R (n, 9). */
-int dm_turned_deltas(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+int dm_turned_deltas(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                      const double *points, const double *turns, double *out)
 {
     if (!dm_is_graph(indptr, n, indices, entries))
@@ -167,8 +167,9 @@ int dm_turned_deltas(const int64_t *indptr, int64_t n, const int64_t *indices, i
         dm_vector sum = {0.0, 0.0, 0.0};
         const double *const r = turns + 9 * i;
         for (int64_t at = indptr[i]; at < indptr[i + 1]; at++) {
-            const double *const s = turns + 9 * indices[at];
-            const dm_vector e = dm_from_to(points + 3 * indices[at], points + 3 * i);
+            const int64_t j = indices[at];
+            const double *const s = turns + 9 * j;
+            const dm_vector e = dm_from_to(points + 3 * j, points + 3 * i);
             sum.x += 0.5 * ((r[0] + s[0]) * e.x + (r[1] + s[1]) * e.y + (r[2] + s[2]) * e.z);
             sum.y += 0.5 * ((r[3] + s[3]) * e.x + (r[4] + s[4]) * e.y + (r[5] + s[5]) * e.z);
             sum.z += 0.5 * ((r[6] + s[6]) * e.x + (r[7] + s[7]) * e.y + (r[8] + s[8]) * e.z);

@@ -13,7 +13,7 @@
 enum { CANDIDATES = 16, LOOKS = 256 };
 
 typedef struct {
-    const int64_t *indptr, *indices;
+    const int32_t *indptr, *indices;
     const uint8_t *boundary;
     int64_t *points;
     int64_t *latest;  /* of the vertices of each point */
@@ -89,7 +89,7 @@ static int64_t code_match(dm_coder *c, const stitched_mesh *m, int64_t point, in
    Points are numbered in the order of their first vertices. `boundary` (n,) is whether vertices are
    on a boundary of the manifold; neighbours ascend in the rows of the graph. `latest`, `earlier` and
    `beside` (n,) are scratch. */
-int dm_code_stitches(dm_coder *c, const int64_t *indptr, int64_t n, const int64_t *indices,
+int dm_code_stitches(dm_coder *c, const int32_t *indptr, int64_t n, const int32_t *indices,
                      int64_t entries, const uint8_t *boundary, int64_t *points, int64_t *latest,
                      int64_t *earlier, int64_t *beside, int64_t *count)
 {
@@ -189,7 +189,7 @@ int dm_code_repeats(dm_coder *c, const int64_t *opposite, int64_t faces, int64_t
 }
 
 /* The index of a vertex among ascending neighbours, -1 if it is none. */
-static int64_t find(const int64_t *neighbours, int64_t valence, int64_t vertex)
+static int64_t find(const int32_t *neighbours, int64_t valence, int64_t vertex)
 {
     int64_t low = 0, high = valence;
     while (low < high) {
@@ -206,7 +206,7 @@ static int64_t find(const int64_t *neighbours, int64_t valence, int64_t vertex)
 
    Filled in when decoding. They have to ascend below n, the number of points, of which those of the
    graph, `used` of them, come first. */
-int dm_code_degenerate(dm_coder *c, const int64_t *indptr, int64_t used, const int64_t *indices,
+int dm_code_degenerate(dm_coder *c, const int32_t *indptr, int64_t used, const int32_t *indices,
                        int64_t entries, int64_t *pairs, int64_t count, int64_t n)
 {
     if (!dm_has_memory(c, STITCHING_SLOTS, DM_STITCHING_MIXERS) || n < used || used < 0 ||

@@ -124,7 +124,7 @@ int dm_plan(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t en
             int64_t *row_bounds, int64_t *panel_bounds, int64_t *sizes, int64_t *rank,
             int64_t *counts, int64_t *seen, int64_t *old)
 {
-    if (!dm_is_graph(indptr, n, indices, entries) || !dm_fill_ranks(order, n, rank))
+    if (!dm_is_matrix(indptr, n, indices, entries) || !dm_fill_ranks(order, n, rank))
         return DM_INVALID;
     dm_eliminate(indptr, n, indices, order, rank, parent, seen);
     sort_by_subtrees(n, order, parent, counts, seen, of, old);

@@ -7,7 +7,8 @@
 enum { OLDEST, NEWEST, RANKED, COLUMNS };
 
 typedef struct {
-    const int64_t *indptr, *indices, *mirror;
+    const int32_t *indptr, *indices;
+    const int64_t *mirror;
     int64_t key; /* OLDEST or NEWEST: which neighbour is the anchor of a vertex */
     int64_t *around; /* (n, COLUMNS) */
     dm_remaining left;
@@ -32,7 +33,7 @@ static int64_t find_around(const ordered_mesh *m, int64_t hub, int64_t anchor, i
 {
     int64_t count = 0, e = m->rings.start[hub];
     for (int k = 0; k < DM_SCANNED && e >= 0 && count < DM_STEP_CANDIDATES; k++) {
-        if (m->around[COLUMNS * m->indices[e] + m->key] == anchor)
+        if (m->around[(int64_t)COLUMNS * m->indices[e] + m->key] == anchor)
             found[count++] = m->indices[e];
         e = m->rings.after[e];
         if (e == m->rings.start[hub])
@@ -81,7 +82,7 @@ static void rank_vertex(ordered_mesh *m, int64_t vertex, int64_t rank)
     }
 }
 
-static int are_mirrored(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,
+static int are_mirrored(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                         const int64_t *mirror)
 {
     if (!dm_is_graph(indptr, n, indices, entries) || !dm_all_in(mirror, entries, 0, entries))
@@ -100,7 +101,7 @@ static int are_mirrored(const int64_t *indptr, int64_t n, const int64_t *indices
    and mirror[e] the entry of the edge back. The anchor of a vertex is the newest or the oldest of
    its neighbours that have a rank. At most `stop` ranks are coded. Scratch: sums, onwards (n + 1,);
    after, before (entries,); start (n,); around (n, 3). */
-int dm_code_vertices(dm_coder *c, const int64_t *indptr, int64_t n, const int64_t *indices,
+int dm_code_vertices(dm_coder *c, const int32_t *indptr, int64_t n, const int32_t *indices,
                      int64_t entries, const int64_t *mirror, int64_t newest, int64_t *order,
                      int64_t margin, int64_t stop, int64_t *sums, int64_t *onwards, int64_t *after,
                      int64_t *before, int64_t *start, int64_t *around)

@@ -73,9 +73,9 @@ class Content:
             How far a writer may round each coordinate.
         """
         s = self.structure
-        vertices = points[s.points]
+        vertices = points[s.points] if s.has_split_vertices else points
         mesh = replace(
-            assembled(vertices, s.faces, s.polygons),
+            assembled(vertices, s.faces, s.polygons if len(s.merged) else None),
             attributes=self._restored(vertices),
             precision="float32" if single else "float64",
             margin=margin,

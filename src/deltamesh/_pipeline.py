@@ -183,8 +183,15 @@ def decode_mesh(
     progress: Progress = silent,
 ) -> PolyMesh:
     """Decompress a container; see `deltamesh.decode`."""
-    content = proven_content(container, max_vertices, memory, progress)
-    return positioned(container, content, solver, threads, memory, progress)
+    # The content is handed over, too: nothing here keeps what is no longer needed.
+    return positioned(
+        container,
+        proven_content(container, max_vertices, memory, progress),
+        solver,
+        threads,
+        memory,
+        progress,
+    )
 
 
 def positioned(
@@ -208,7 +215,10 @@ def positioned(
     if ATTRIBUTES in container.sections:
         systems = systems.to_precision(FINER)
     coder = geometry_codec(parameters.method)
-    points = coder.reconstruct(surface, parameters, content.integers, systems)
+    # Nobody else keeps the integers: what is no longer needed of them is freed on the way.
+    handed_over = [content.integers]
+    content = replace(content, integers=NOTHING.integers)
+    points = coder.reconstruct(surface, parameters, handed_over.pop(), systems)
     margin = 0.0 if container.meta is None else container.meta.room
     return content.mesh(points, parameters.single, margin)
 

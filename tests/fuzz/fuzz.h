@@ -34,6 +34,8 @@ void *take_bytes(size_t size);
 int64_t *take_numbers(int64_t count);
 int64_t *take_zeros(int64_t count);
 int64_t *copy_of(const int64_t *numbers, int64_t count);
+int32_t *take_shorts(int64_t count);
+int32_t *shorts_of(const int64_t *numbers, int64_t count);
 int64_t *joined(const int64_t *a, int64_t count, const int64_t *b, int64_t other);
 void forget_all(void);
 
@@ -77,6 +79,11 @@ int64_t *starts_of(const int64_t *groups, int64_t count, int64_t n); /* (n + 1,)
 typedef struct {
     int64_t n, entries, *indptr, *indices;
 } graph;
+/* The arguments of the core that a graph is, and that parallelograms are. */
+#define ROWS_OF(g)                                                                                 \
+    shorts_of((g).indptr, (g).n + 1), (g).n, shorts_of((g).indices, (g).entries), (g).entries
+#define PARALLELOGRAMS_OF(e)                                                                       \
+    shorts_of((e)->first, (e)->near.n + 1), shorts_of((e)->corners, 3 * (e)->count), (e)->count
 typedef struct {
     graph near;
     int64_t count; /* of the parallelograms */

@@ -70,8 +70,8 @@ static int64_t *anchors_of(const container *file, const solid *v)
     if (file->anchor_method == RANDOM)
         return random_anchors(v, file->seed);
     int64_t *const anchors = take_numbers(k);
-    check(dm_farthest_points(v->near.indptr, n, v->near.indices, v->near.entries, lowest_of(v),
-                             v->components, anchors, k, take_numbers(n), take_numbers(n)),
+    check(dm_farthest_points(ROWS_OF(v->near), lowest_of(v), v->components, anchors, k,
+                             take_numbers(n), take_numbers(n)),
           "dm_farthest_points");
     return anchors;
 }
@@ -143,8 +143,8 @@ static void decode_cells(const container *file, const solid *v, const int64_t *a
         some |= values[i] != 0;
     require(some || !allowed.strict, "no cell has lost anything");
     int64_t *const nearest = take_numbers(v->near.n);
-    check(dm_nearest(v->near.indptr, v->near.n, v->near.indices, v->near.entries, anchors, k,
-                     nearest, take_numbers(v->near.n)), "dm_nearest");
+    check(dm_nearest(ROWS_OF(v->near), anchors, k, nearest, take_numbers(v->near.n)),
+          "dm_nearest");
     for (int64_t i = 0; i < v->near.n; i++)
         insist(nearest[i] >= 0 && v->labels[anchors[nearest[i]]] == v->labels[i], "a cell");
     tell("units", units, stages);
@@ -169,8 +169,7 @@ static void decode_deltas(const container *file, const solid *v)
     require(file->sections[NORM].at != NULL, "NORM is missing");
     int64_t *const refinements = take_zeros(v->near.n);
     dm_coder *const c = decoder_of("vectors", 0, file->sections[NORM]);
-    check(dm_code_refinements(c, v->near.indptr, v->near.n, v->near.indices, v->near.entries,
-                              deltas, refinements), "dm_code_refinements");
+    check(dm_code_refinements(c, ROWS_OF(v->near), deltas, refinements), "dm_code_refinements");
     check_end(c);
     tell("NORM", refinements, v->near.n);
 }
@@ -210,8 +209,8 @@ void decode_geometry(const container *file, const structure *s, const elements *
     v.near.n = s->used;
     v.near.indptr = copy_of(surface->near.indptr, s->used + 1);
     v.labels = take_numbers(s->used), v.extra = take_zeros(s->used);
-    check(dm_label_components(v.near.indptr, s->used, v.near.indices, v.near.entries, v.labels,
-                              take_numbers(s->used), &v.components), "dm_label_components");
+    check(dm_label_components(ROWS_OF(v.near), v.labels, take_numbers(s->used),
+                              &v.components), "dm_label_components");
     if (file->sections[STEP].at) {
         require(file->has_step, "steps by vertex in a file of 0 bits");
         decode_steps(file->sections[STEP], &v);

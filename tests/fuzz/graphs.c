@@ -11,11 +11,12 @@ static int64_t most(int64_t a, int64_t b) { return a > b ? a : b; }
 graph graph_of_pairs(const int64_t *a, const int64_t *b, int64_t count, int64_t n)
 {
     graph g = {n, 0, take_numbers(n + 1), take_numbers(2 * count)};
-    int32_t *const indices = (int32_t *)take_numbers(count);
-    int32_t *const rows = (int32_t *)take_numbers(count);
-    check(dm_gather_neighbours(a, b, count, n, g.indptr, indices, &g.entries, rows,
-                               take_numbers(n)),
+    int32_t *const indptr = take_shorts(n + 1), *const indices = take_shorts(2 * count);
+    check(dm_gather_neighbours(a, b, count, n, indptr, indices, &g.entries, take_shorts(2 * count),
+                               take_shorts(n)),
           "dm_gather_neighbours");
+    for (int64_t v = 0; v <= n; v++)
+        g.indptr[v] = indptr[v];
     for (int64_t k = 0; k < g.entries; k++)
         g.indices[k] = indices[k];
     return g;

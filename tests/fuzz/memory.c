@@ -55,6 +55,20 @@ int64_t *joined(const int64_t *a, int64_t count, const int64_t *b, int64_t other
     return numbers;
 }
 
+int32_t *take_shorts(int64_t count)
+{
+    require(count >= 0 && count < BLOCK / 4, "too large for this harness");
+    return take_bytes((size_t)count * sizeof(int32_t));
+}
+
+int32_t *shorts_of(const int64_t *numbers, int64_t count)
+{
+    int32_t *const shorts = take_shorts(count);
+    for (int64_t i = 0; i < count; i++)
+        shorts[i] = (int32_t)numbers[i];
+    return shorts;
+}
+
 int64_t *copy_of(const int64_t *numbers, int64_t count) { return joined(numbers, count, numbers, 0); }
 
 void forget_all(void)

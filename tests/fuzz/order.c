@@ -39,8 +39,8 @@ static int64_t *decode_vertices(bytes payload, const structure *s, const rows *r
     const int64_t *const mirror = inverse_of(order_of(g.indices, g.entries), g.entries);
     int64_t *const order = take_numbers(n);
     dm_coder *const c = decoder_of("steps", 0, payload);
-    check(dm_code_vertices(c, g.indptr, n, g.indices, g.entries, mirror, plan & NEWEST ? 1 : 0,
-                           order, 0, n, take_numbers(n + 1), take_numbers(n + 1),
+    check(dm_code_vertices(c, ROWS_OF(g), mirror, plan & NEWEST ? 1 : 0, order, 0, n,
+                           take_numbers(n + 1), take_numbers(n + 1),
                            take_numbers(g.entries), take_numbers(g.entries), take_numbers(n),
                            take_numbers(3 * n)), "dm_code_vertices");
     check_end(c);

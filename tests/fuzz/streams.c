@@ -8,8 +8,7 @@ int64_t *decode_labels(bytes payload, graph near, int64_t *count)
     int64_t *const labels = take_zeros(near.n), seen = 0;
     static int64_t followers[FOLLOWERS];
     dm_coder *const c = decoder_of("labels", 0, payload);
-    check(dm_code_labels(c, near.indptr, near.n, near.indices, near.entries, labels, followers,
-                         &seen), "dm_code_labels");
+    check(dm_code_labels(c, ROWS_OF(near), labels, followers, &seen), "dm_code_labels");
     check_end(c);
     *count = largest_of(labels, near.n) + 1;
     insist(*count == seen, "labels without gaps");
@@ -20,8 +19,7 @@ int64_t *decode_vectors(bytes payload, graph near)
 {
     int64_t *const values = take_zeros(3 * near.n);
     dm_coder *const c = decoder_of("vectors", 0, payload);
-    check(dm_code_deltas(c, near.indptr, near.n, near.indices, near.entries, values),
-          "dm_code_deltas");
+    check(dm_code_deltas(c, ROWS_OF(near), values), "dm_code_deltas");
     check_end(c);
     return values;
 }
@@ -30,8 +28,8 @@ int64_t *decode_three(bytes payload, const elements *e)
 {
     int64_t *const values = take_zeros(3 * e->near.n);
     dm_coder *const c = decoder_of("positions", 0, payload);
-    check(dm_code_positions(c, e->near.indptr, e->near.n, e->near.indices, e->near.entries,
-                            e->first, e->corners, e->count, e->within, values,
+    check(dm_code_positions(c, ROWS_OF(e->near), PARALLELOGRAMS_OF(e),
+                            shorts_of(e->within, e->near.n), values,
                             take_numbers(3 * e->near.n)), "dm_code_positions");
     check_end(c);
     return values;
@@ -93,9 +91,9 @@ int64_t *decode_exact(bytes payload, const elements *e, int *width)
                                                       : left_of(&payload));
     int64_t *const choices = take_zeros(3 * n), *const values = take_zeros(3 * n);
     dm_coder *const c = decoder_of("exact", rows, stream);
-    check(dm_code_exact(c, e->near.indptr, n, e->near.indices, e->near.entries, e->first,
-                        e->corners, e->count, axes, copy_of(table, COLUMN_AT * rows), rows,
-                        *width, choices, values, take_numbers(3 * n), take_numbers(3 * n)),
+    check(dm_code_exact(c, ROWS_OF(e->near), PARALLELOGRAMS_OF(e), axes,
+                        copy_of(table, COLUMN_AT * rows), rows, *width, choices, values,
+                        take_numbers(3 * n), take_numbers(3 * n)),
           "dm_code_exact");
     check_end(c);
     if (deviate)

@@ -111,7 +111,7 @@ static void decode_stitches(bytes payload, structure *s)
     s->points = take_zeros(s->n);
     dm_coder *const c = decoder_of("stitching", 0, payload);
     int64_t points = 0;
-    check(dm_code_stitches(c, g.indptr, g.n, g.indices, g.entries, boundary, s->points,
+    check(dm_code_stitches(c, ROWS_OF(g), boundary, s->points,
                            take_numbers(s->n), take_numbers(s->n), take_numbers(s->n), &points),
           "dm_code_stitches");
     require(points == s->used, "another number of points");
@@ -132,7 +132,7 @@ static void decode_stitches(bytes payload, structure *s)
     s->degenerate = take_zeros(2 * s->degenerates);
     if (s->degenerates > 0) {
         const graph over = graph_of_faces(over_points(s), s->m, s->used);
-        check(dm_code_degenerate(c, over.indptr, over.n, over.indices, over.entries, s->degenerate,
+        check(dm_code_degenerate(c, ROWS_OF(over), s->degenerate,
                                  s->degenerates, s->count), "dm_code_degenerate");
     }
     check_end(c);

@@ -10,17 +10,6 @@ from deltamesh._shape.polygons import Polygons, plain
 from deltamesh_formats.array_types import Ints
 
 
-def graph(indptr: Ints, indices: Ints) -> Elements:
-    count = len(indptr) - 1
-    first, within = np.zeros(count + 1, np.int64), np.zeros(count, np.int64)
-    return Elements(count, indptr, indices, first, np.zeros((0, 3), np.int64), within)
-
-
-def alone(count: int) -> Elements:
-    """Elements without neighbours."""
-    return graph(np.zeros(count + 1, dtype=np.int64), np.zeros(0, dtype=np.int64))
-
-
 def of_rows(F: Ints, polygons: Polygons) -> Elements:
     return elements.of_polygons(F, polygons.offsets, polygons.of_corners)
 

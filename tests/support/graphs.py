@@ -10,7 +10,7 @@ import scipy.sparse as sparse
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.solve import LeastSquares
 from deltamesh._geometry.steps import ratios
-from deltamesh._graph.adjacency import adjacency, components
+from deltamesh._graph.adjacency import Graph, adjacency, components
 from deltamesh._graph.halfedges import weld
 from deltamesh._graph.laplacian import laplacian
 from deltamesh._measures.metrics import diagonal
@@ -32,13 +32,13 @@ def laplacian_of(faces: Ints, n: int) -> sparse.csr_array:
     return laplacian(*adjacency(faces, n))
 
 
-def graph_of(L: sparse.csr_array) -> tuple[Ints, Ints]:
+def graph_of(L: sparse.csr_array) -> Graph:
     """The neighbour lists of a Laplacian."""
     A = L - sparse.diags_array(L.diagonal())
     A = sparse.csr_array(A)
     A.eliminate_zeros()
     A.sort_indices()
-    return A.indptr.astype(np.int64), A.indices.astype(np.int64)
+    return A.indptr.astype(np.int32), A.indices.astype(np.int32)
 
 
 def components_of(faces: Ints, n: int) -> Ints:

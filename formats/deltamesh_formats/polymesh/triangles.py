@@ -6,7 +6,8 @@ numbered: a mesh that has lost both, as in a `.dmesh` file, still has the same t
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -25,22 +26,34 @@ _LARGEST: Final = 1 << 16
 _AT_A_TIME: Final = 1 << 14  # quads: few enough for the caches of a processor
 
 
-class Triangles(NamedTuple):
+@dataclass(frozen=True)
+class Triangles:
     """The triangles of a mesh of polygons, those of a polygon one after the other.
 
     Attributes
     ----------
     faces : int64 (t, 3)
         Vertex indices.
-    polygon : int64 (t,)
-        The polygon that each is cut from.
-    corners : int64 (t, 3)
-        Indices of the polygons' corners, for attributes of corners.
+    of_cut : pair of int64 (t,) and (t, 3), optional
+        `polygon` and `corners`, unless all polygons are triangles.
     """
 
     faces: Ints
-    polygon: Ints
-    corners: Ints
+    of_cut: tuple[Ints, Ints] | None = None
+
+    @property
+    def polygon(self) -> Ints:
+        """The polygon that each is cut from, int64 (t,)."""
+        if self.of_cut is not None:
+            return self.of_cut[0]
+        return np.arange(len(self.faces), dtype=np.int64)
+
+    @property
+    def corners(self) -> Ints:
+        """Indices of the polygons' corners, int64 (t, 3), for attributes of corners."""
+        if self.of_cut is not None:
+            return self.of_cut[1]
+        return np.arange(self.faces.size, dtype=np.int64).reshape(-1, 3)
 
 
 def triangulate(vertices: Floats, corners: Ints, offsets: Ints) -> Triangles:
@@ -73,8 +86,7 @@ def triangulate(vertices: Floats, corners: Ints, offsets: Ints) -> Triangles:
     """
     sizes = np.diff(offsets)
     if not len(sizes) or (sizes == 3).all():
-        at = np.arange(len(corners), dtype=np.int64).reshape(-1, 3)
-        return Triangles(corners.reshape(-1, 3), np.arange(len(sizes), dtype=np.int64), at)
+        return Triangles(corners.reshape(-1, 3))
     around = np.zeros(len(sizes), dtype=np.int64)
     quads = np.flatnonzero(sizes == 4)
     for begin in range(0, len(quads), _AT_A_TIME):
@@ -117,7 +129,7 @@ def fans(corners: Ints, offsets: Ints, around: Ints) -> Triangles:
     second = around[polygon] + 1 + np.arange(len(polygon)) - begin[polygon]
     cut = np.stack([around[polygon], second, second + 1], axis=1)
     cut = first[polygon, None] + cut % sizes[polygon, None]
-    return Triangles(corners[cut], polygon, cut)
+    return Triangles(corners[cut], (polygon, cut))
 
 
 def _rows(offsets: Ints, chosen: Ints, around: Ints) -> Ints:

@@ -18,10 +18,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from deltamesh._geometry.solve import Factor, Graph, LeastSquares, factorization
-from deltamesh._graph.adjacency import components, lowest
+from deltamesh._geometry.solve import Factor, LeastSquares, factorization
+from deltamesh._graph.adjacency import Graph, components, lowest
 from deltamesh._kernels.mesh import distance
-from deltamesh_formats.array_types import Bools, Floats, Ints
+from deltamesh_formats.array_types import Bools, Floats, Ints, Shorts
 
 # 0.1 % of the vertices: with the quantization error diffused, more of them buy little.
 DEFAULT_FRACTION: Final = 0.001
@@ -75,7 +75,7 @@ def count_anchors(anchors: int | float | None, n: int, components: int) -> int:
     return min(max(count, components), n)
 
 
-def farthest(indptr: Ints, indices: Ints, labels: Ints, k: int) -> Ints:
+def farthest(indptr: Shorts, indices: Shorts, labels: Ints, k: int) -> Ints:
     """Return anchors by farthest-point sampling in the graph.
 
     First the lowest vertex of each component, in the order of the labels; then, again and again,
@@ -83,8 +83,8 @@ def farthest(indptr: Ints, indices: Ints, labels: Ints, k: int) -> Ints:
 
     Parameters
     ----------
-    indptr : int64 (n + 1,)
-    indices : int64 (2 e,)
+    indptr : int32 (n + 1,)
+    indices : int32 (2 e,)
         Neighbour lists, from `adjacency.adjacency`.
     labels : int64 (n,)
         From `adjacency.components`.
@@ -153,7 +153,7 @@ def greedy(
 
     Parameters
     ----------
-    graph : pair of int64 arrays (n + 1,), (2 e,)
+    graph : pair of int32 arrays (n + 1,), (2 e,)
         Neighbour lists, from `adjacency.adjacency`; L is their Laplacian.
     vertices : float64 (n, 3)
         The true positions, against which errors are measured.

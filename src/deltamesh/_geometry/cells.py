@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from deltamesh._graph.adjacency import Graph
 from deltamesh._kernels.mesh import distance
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.caching import cached_property
@@ -21,13 +22,13 @@ class Cells:
 
     Attributes
     ----------
-    graph : pair of int64 arrays (n + 1,), (2 e,)
+    graph : pair of int32 arrays (n + 1,), (2 e,)
     labels : int64 (n,)
         The component of each vertex.
     anchors : int64 (k,)
     """
 
-    graph: tuple[Ints, Ints]
+    graph: Graph
     labels: Ints
     anchors: Ints
 
@@ -91,12 +92,12 @@ class Cells:
         """Return x, float64 (n, c), less its mean over each component."""
         return x - self._means(x)
 
-    def completed(self, delta: Floats, y: Floats) -> Floats:
+    def completed(self, delta: Floats, y: Floats, out: Floats | None = None) -> Floats:
         """Return the deltas, float64 (n, c), with y (k, c) added over the cells.
 
-        They are centred, as the Laplacian of anything is.
+        They are centred, as the Laplacian of anything is; `out`, maybe the deltas, takes them.
         """
-        result = delta + (y if len(y) == 1 else y[self.of])
+        result = np.add(delta, y if len(y) == 1 else y[self.of], out=out)
         result -= self._means(result)
         return result
 

@@ -15,7 +15,7 @@ from deltamesh._geometry import anchors as choice
 from deltamesh._geometry import steps
 from deltamesh._geometry.cells import Cells
 from deltamesh._geometry.importance import holding, largest_distances, without_bits
-from deltamesh._geometry.integers import NONE, Integers, Quantized
+from deltamesh._geometry.integers import Integers, Quantized
 from deltamesh._geometry.positions import (
     UNITS,
     all_positions,
@@ -27,6 +27,7 @@ from deltamesh._geometry.positions import (
 )
 from deltamesh._geometry.quantize import delta_step, quantize_delta, to_delta, to_grid
 from deltamesh._geometry.systems import Systems
+from deltamesh._graph.adjacency import Graph
 from deltamesh._kernels.coding import points
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.mesh import laplacian
@@ -261,9 +262,9 @@ def _decode_cells(
     return units, values.reshape(stages, len(shared), 3)
 
 
-def _without_edges(n: int) -> tuple[Ints, Ints]:
+def _without_edges(n: int) -> Graph:
     """Return the neighbours of n vertices that have none."""
-    return np.zeros(n + 1, dtype=np.int64), NONE
+    return np.zeros(n + 1, dtype=np.int32), np.zeros(0, dtype=np.int32)
 
 
 def _encode_anchors(surface: Surface, parameters: Parameters, integers: Integers) -> bytes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -57,6 +57,13 @@ class Integers:
     corrections: Ints = field(default_factory=lambda: NO_POINTS)
     formats: Ints = field(default_factory=lambda: NONE)
     exponents: Ints = field(default_factory=lambda: NONE)
+
+
+def without_deltas(integers: Integers) -> Integers:
+    """Return integers whose deltas and refinements are zeros that take no memory."""
+    shapes = integers.values.shape, integers.refinements.shape
+    values, refinements = (np.broadcast_to(np.int64(0), shape) for shape in shapes)
+    return replace(integers, values=values, refinements=refinements)
 
 
 # Parameters and integers of a file, and the positions that a decoder will make of them.

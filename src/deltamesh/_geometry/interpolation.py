@@ -55,7 +55,7 @@ class Interpolation:
         Parameters
         ----------
         delta : float64 (n, 3)
-            Completed, see `Cells.completed`.
+            Completed, see `Cells.completed`; it is used up.
         positions : float64 (k, 3)
         steps : float64 (n, 1)
             Of the deltas.
@@ -85,7 +85,7 @@ class Interpolation:
                 x -= shift
                 x /= scale
             x[anchors] = (positions - shift[anchors]) / scale[anchors]
-            delta = delta / scale
+            delta /= scale
             bound = self._poisson.solve(delta, x, tolerance)
             if bound <= tolerance or self._is_rounding(bound, delta, x):
                 x *= scale

@@ -11,21 +11,18 @@ from typing import Final
 
 import numpy as np
 
+from deltamesh._graph.adjacency import Graph
 from deltamesh._kernels.mesh.multigrid import (
     MAX_DENSE,
     MAX_LEVELS,
     Hierarchy,
     Level,
-    Shorts,
     Singles,
     aggregate,
     coarsen,
 )
-from deltamesh_formats.array_types import Floats, Ints
-from deltamesh_formats.errors import LimitError
+from deltamesh_formats.array_types import Floats, Ints, Shorts
 
-# Entries of L that 32-bit numbers can count.
-MOST_ENTRIES: Final = (1 << 31) - 2
 # Iterations that no surface needs.
 MOST_ITERATIONS: Final = 1000
 # What rounding takes from a residual, in units of the terms of its sum.
@@ -38,27 +35,18 @@ class Poisson:
 
     Parameters
     ----------
-    graph : pair of int64 arrays (n + 1,), (2 e,)
+    graph : pair of int32 arrays (n + 1,), (2 e,)
         Neighbour lists, from `adjacency.adjacency`.
     fixed : int64 (k,)
         Vertices that keep their positions; every component needs one.
-
-    Raises
-    ------
-    LimitError
-        If the graph has 2^31 entries or more.
     """
 
-    def __init__(self, graph: tuple[Ints, Ints], fixed: Ints) -> None:
-        indptr, indices = graph
-        if max(len(indices), len(indptr)) > MOST_ENTRIES:
-            raise LimitError(f"{len(indices) // 2} edges are too many for the solver")
-        diagonal = np.diff(indptr).astype(np.float32)
+    def __init__(self, graph: Graph, fixed: Ints) -> None:
+        diagonal = np.diff(graph[0]).astype(np.float32)
         free = diagonal > 0
         free[fixed] = False
         inverse = np.divide(1, diagonal, out=np.zeros_like(diagonal), where=free)
-        shorts = indptr.astype(np.int32), indices.astype(np.int32)
-        self._hierarchy = Hierarchy(_levels(*shorts, diagonal, inverse))
+        self._hierarchy = Hierarchy(_levels(*graph, diagonal, inverse))
 
     def solve(
         self, b: Floats, x: Floats, tolerance: float = 0.0, most: int = MOST_ITERATIONS

@@ -40,6 +40,7 @@ def solved(
     Parameters
     ----------
     delta : float64 (n, 3)
+        They are used up.
     parameters, integers, systems
     stage : int
         Of the method; the last by default.
@@ -54,10 +55,11 @@ def solved(
         return systems.least_squares(integers.anchors).solve(delta, anchors)
     system = systems.interpolation(integers.anchors)
     lost = vectors(parameters, integers, system.cells, stage)
-    each = parameters.step * steps.ratios(integers)
+    each = steps.of_vertices(parameters.step, integers)
     is_last = stage in (-1, len(UNITS[parameters.method]) - 1)
     tolerance = tolerance or (TOLERANCE if is_last else NORMAL_TOLERANCE) * systems.precision
-    return system.solve(system.cells.completed(delta, lost), anchors, each, tolerance, start)
+    delta = system.cells.completed(delta, lost, out=delta)
+    return system.solve(delta, anchors, each, tolerance, start)
 
 
 def vectors(parameters: Parameters, integers: Integers, cells: Cells, stage: int) -> Floats:

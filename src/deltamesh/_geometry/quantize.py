@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from deltamesh._graph.adjacency import Graph
 from deltamesh._kernels.coding import delta as kernels
 from deltamesh._vectors import largest, sides
 from deltamesh_formats.array_types import Bools, Floats, Ints
@@ -65,7 +66,7 @@ def to_delta(values: Ints, step: float | Floats) -> Floats:
 
 def quantize_delta(
     delta: Floats,
-    graph: tuple[Ints, Ints],
+    graph: Graph,
     step: float | Floats,
     carry: tuple[float, float],
     *,
@@ -83,7 +84,7 @@ def quantize_delta(
     Parameters
     ----------
     delta : float64 (n, 3)
-    graph : pair of int64 arrays
+    graph : pair of int32 arrays
         Neighbours, from `adjacency.adjacency`.
     step : float, or float64 (n, 1)
         Of all vertices, or of each.

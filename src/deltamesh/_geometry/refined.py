@@ -19,7 +19,7 @@ import numpy as np
 
 from deltamesh._geometry import highpass, steps
 from deltamesh._geometry.importance import without_bits
-from deltamesh._geometry.integers import Integers, Quantized
+from deltamesh._geometry.integers import Integers, Quantized, without_deltas
 from deltamesh._geometry.normals import vertex_normals
 from deltamesh._geometry.positions import all_positions, fitted, smoothed, solved
 from deltamesh._geometry.quantize import quantize_delta
@@ -105,6 +105,7 @@ def reconstruct(
     W, fine = _bent(surface, systems, parameters, integers)
     fine *= parameters.step * steps.ratios(integers) * integers.refinements
     fine += highpass.deltas(parameters, integers)
+    integers = without_deltas(integers)
     W = solved(fine, parameters, integers, systems, start=W)
     return all_positions(W, parameters, integers)
 

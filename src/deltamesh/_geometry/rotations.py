@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from deltamesh._graph.adjacency import Graph
 from deltamesh._kernels.mesh import rotations as kernels
-from deltamesh_formats.array_types import Floats, Ints
-
-Graph = tuple[Ints, Ints]
+from deltamesh_formats.array_types import Floats
 
 
 def fit(graph: Graph, before: Floats, after: Floats, rings: int = 0) -> Floats:
@@ -19,7 +18,7 @@ def fit(graph: Graph, before: Floats, after: Floats, rings: int = 0) -> Floats:
 
     Parameters
     ----------
-    graph : pair of int64 arrays (n + 1,), (2 e,)
+    graph : pair of int32 arrays (n + 1,), (2 e,)
         Neighbour lists, from `adjacency.adjacency`.
     before, after : float64 (n, 3)
         Vertices of both surfaces, finite.
@@ -63,7 +62,7 @@ def turned_deltas(graph: Graph, vertices: Floats, matrices: Floats) -> Floats:
 
     Parameters
     ----------
-    graph : pair of int64 arrays (n + 1,), (2 e,)
+    graph : pair of int32 arrays (n + 1,), (2 e,)
     vertices : float64 (n, 3)
     matrices : float64 (n, 3, 3)
         Of `fit` or `nearest`, say.

@@ -35,7 +35,7 @@ from deltamesh._geometry.solvers import (
     pattern,
     solver_name,
 )
-from deltamesh._graph.adjacency import components
+from deltamesh._graph.adjacency import Graph, components
 from deltamesh._graph.laplacian import laplacian
 from deltamesh._kernels.mesh import elimination
 from deltamesh._kernels.mesh import laplacian as kernel
@@ -47,7 +47,6 @@ if TYPE_CHECKING:
     import scipy.sparse as sparse
 
 Factor = Callable[[Ints], "LeastSquares"]
-Graph = tuple[Ints, Ints]
 T = TypeVar("T")
 
 # A row of L with d entries puts d^2 entries into L^T L: one vertex with 50 000 neighbours would ask
@@ -70,7 +69,7 @@ class LeastSquares:
 
     Parameters
     ----------
-    graph : pair of int64 arrays (n + 1,), (2 e,)
+    graph : pair of int32 arrays (n + 1,), (2 e,)
         Neighbour lists, from `adjacency.adjacency`; L is their Laplacian.
     anchors : int64 (k,)
         Vertices whose positions are given, each once; every component of the graph needs one.

@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
+from deltamesh._graph.adjacency import Graph
 from deltamesh._kernels.mesh import elimination, factor, laplacian
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.errors import LimitError, SolveError
@@ -181,14 +182,12 @@ def _check_fill(indptr: Ints, indices: Ints, order: Ints, entry: float, memory: 
     check_memory(entry * entries, memory)
 
 
-def factor_normal(
-    graph: tuple[Ints, Ints], anchors: Ints, memory: float, most: int = MOST
-) -> Solve | None:
+def factor_normal(graph: Graph, anchors: Ints, memory: float, most: int = MOST) -> Solve | None:
     """Return the core's solver of the normal equations, for which nothing is imported.
 
     Parameters
     ----------
-    graph : pair of int64 arrays (n + 1,), (2 e,)
+    graph : pair of int32 arrays (n + 1,), (2 e,)
         Neighbour lists of vertices of which none has very many.
     anchors : int64 (k,)
     memory : float

@@ -93,6 +93,13 @@ def ratios(integers: Integers) -> Floats:
     return result
 
 
+def of_vertices(step: float, integers: Integers) -> Floats:
+    """Return the step of each row of the values, float64 (n, 1), which may be a view of one."""
+    if not len(integers.exponents):
+        return np.broadcast_to(step, (len(integers.values), 1))
+    return step * ratios(integers)
+
+
 def anchor_ratios(integers: Integers) -> Floats:
     """Return the ratio of each anchor, float64 (k, 1)."""
     return ratios(integers)[integers.anchors]

@@ -41,9 +41,10 @@ class Systems:
     ) -> None:
         graph, labels = surface.graph, surface.labels
         self._least_squares = factorization(graph, solver, threads, memory)
-        self._cells = remembered(lambda anchors: Cells(graph, labels, anchors))
-        self._interpolation = remembered(lambda anchors: Interpolation(self._cells(anchors)))
-        self._fit = remembered(lambda anchors: Fit(self._cells(anchors)))
+        # Not of `self`: a cycle would keep all of it in memory until it is looked for.
+        cells = self._cells = remembered(lambda anchors: Cells(graph, labels, anchors))
+        self._interpolation = remembered(lambda anchors: Interpolation(cells(anchors)))
+        self._fit = remembered(lambda anchors: Fit(cells(anchors)))
 
     def to_precision(self, precision: float) -> Systems:
         """Return the same systems, with another factor of the tolerances."""

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Final, TypeAlias
+
 import numpy as np
 
 from deltamesh._graph.halfedges import ends
 from deltamesh._kernels.mesh import neighbours
-from deltamesh_formats.array_types import Ints
+from deltamesh_formats.array_types import Ints, Shorts
+from deltamesh_formats.errors import LimitError
 from deltamesh_formats.polymesh.permutations import numbered
+
+# Neighbour lists: indptr and indices, see `adjacency`.
+Graph: TypeAlias = tuple[Shorts, Shorts]
+# Half-edges, and vertices, that 32 bits can count: an entry for each end.
+MOST: Final = (1 << 30) - 1
 
 
 def edges(faces: Ints, n: int) -> Ints:
@@ -31,7 +39,7 @@ def edges(faces: Ints, n: int) -> Ints:
     return np.stack([rows[ascending], indices[ascending]], axis=1)
 
 
-def adjacency(faces: Ints, n: int) -> tuple[Ints, Ints]:
+def adjacency(faces: Ints, n: int) -> Graph:
     """Return the neighbours of every vertex.
 
     Parameters
@@ -41,24 +49,31 @@ def adjacency(faces: Ints, n: int) -> tuple[Ints, Ints]:
 
     Returns
     -------
-    indptr : int64 (n + 1,)
-    indices : int64 (2 e,)
+    indptr : int32 (n + 1,)
+    indices : int32 (2 e,)
         The neighbours of i are `indices[indptr[i]:indptr[i + 1]]`, ascending.
+
+    Raises
+    ------
+    LimitError
+        If 32 bits cannot count them.
     """
     return adjacency_between(*ends(faces), n)
 
 
-def adjacency_between(a: Ints, b: Ints, n: int) -> tuple[Ints, Ints]:
+def adjacency_between(a: Ints, b: Ints, n: int) -> Graph:
     """Return the neighbours of every vertex along half-edges from a to b, int64 (h,)."""
+    if max(len(a), n) > MOST:
+        raise LimitError(f"{len(a)} half-edges of {n} vertices are too many for 32 bits")
     return neighbours.gather(a, b, n)
 
 
-def components(indptr: Ints, indices: Ints) -> Ints:
+def components(indptr: Shorts, indices: Shorts) -> Ints:
     """Return the connected component of every vertex.
 
     Parameters
     ----------
-    indptr, indices : int64 (n + 1,), (2 e,)
+    indptr, indices : int32 (n + 1,), (2 e,)
         Neighbour lists, from `adjacency`.
 
     Returns

@@ -9,7 +9,7 @@ import numpy as np
 from deltamesh._graph.adjacency import adjacency
 from deltamesh._graph.halfedges import ends
 from deltamesh._graph.parallelograms import parallelograms
-from deltamesh_formats.array_types import Bools, Ints
+from deltamesh_formats.array_types import Bools, Ints, Shorts
 
 
 @dataclass(frozen=True)
@@ -19,19 +19,19 @@ class Elements:
     Attributes
     ----------
     count : int
-    indptr, indices : int64 (count + 1,), (2 e,)
+    indptr, indices : int32 (count + 1,), (2 e,)
         The neighbours of each element, ascending; see `adjacency.adjacency`.
-    first, corners, within : int64 (count + 1,), (p, 3), (count,)
+    first, corners, within : int32 (count + 1,), (p, 3), (count,)
         The parallelograms that predict each element; see `parallelograms.parallelograms`.
         Polygons have none.
     """
 
     count: int
-    indptr: Ints
-    indices: Ints
-    first: Ints
-    corners: Ints
-    within: Ints
+    indptr: Shorts
+    indices: Shorts
+    first: Shorts
+    corners: Shorts
+    within: Shorts
 
 
 def of_vertices(faces: Ints, count: int, opposite: Ints | None = None) -> Elements:
@@ -72,9 +72,7 @@ def of_polygons(faces: Ints, offsets: Ints, of_corners: Ints) -> Elements:
     a, b = order[:-1], order[1:]
     beside = (key[a] == key[b]) & (low[a] != high[a])
     pairs = np.stack([polygon[a[beside]], polygon[b[beside]]], axis=1)
-    none = np.zeros((0, 3), dtype=np.int64)
-    first, within = np.zeros(count + 1, dtype=np.int64), np.zeros(count, dtype=np.int64)
-    return Elements(count, *adjacency(pairs, count), first, none, within)
+    return of_graph(*adjacency(pairs, count))
 
 
 def of_wedges(wedges: Ints) -> Elements:
@@ -82,16 +80,16 @@ def of_wedges(wedges: Ints) -> Elements:
     return of_vertices(wedges.reshape(-1, 3), int(wedges.max(initial=-1)) + 1)
 
 
-def of_graph(indptr: Ints, indices: Ints) -> Elements:
+def of_graph(indptr: Shorts, indices: Shorts) -> Elements:
     """Return elements with the neighbours of `adjacency.adjacency`, and no parallelograms."""
     count = len(indptr) - 1
-    none = np.zeros(count + 1, dtype=np.int64)
-    return Elements(count, indptr, indices, none, np.zeros((0, 3), dtype=np.int64), none[:count])
+    none = np.zeros(count + 1, dtype=np.int32)
+    return Elements(count, indptr, indices, none, np.zeros((0, 3), dtype=np.int32), none[:count])
 
 
 def alone(count: int) -> Elements:
     """Return elements without neighbours: only the element before predicts each."""
-    none = np.zeros(count + 1, dtype=np.int64)
+    none = np.zeros(count + 1, dtype=np.int32)
     return of_graph(none, none[:0])
 
 
@@ -99,7 +97,7 @@ def among(elements: Elements, keep: Bools) -> Elements:
     """Return only the elements to `keep`, in their order, with the neighbours among these."""
     if keep.all():
         return elements
-    e, number = elements, np.cumsum(keep) - 1
+    e, number = elements, np.cumsum(keep, dtype=np.int32) - 1
     owner = np.repeat(np.arange(e.count), np.diff(e.indptr))
     near = keep[owner] & keep[e.indices]
     apex = np.repeat(np.arange(e.count), np.diff(e.first))
@@ -111,9 +109,9 @@ def among(elements: Elements, keep: Bools) -> Elements:
         number[e.indices[near]],
         _starts(number[apex[whole]], count),
         number[e.corners[whole]],
-        np.zeros(count, dtype=np.int64),
+        np.zeros(count, dtype=np.int32),
     )
 
 
-def _starts(owners: Ints, count: int) -> Ints:
-    return np.concatenate(([0], np.cumsum(np.bincount(owners, minlength=count)))).astype(np.int64)
+def _starts(owners: Shorts, count: int) -> Shorts:
+    return np.concatenate(([0], np.cumsum(np.bincount(owners, minlength=count)))).astype(np.int32)

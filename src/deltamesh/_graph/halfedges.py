@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from deltamesh._kernels.mesh import halfedges as kernels
 from deltamesh_formats.array_types import Floats, Ints
 
 
@@ -32,11 +33,7 @@ def by_edge(start: Ints, end: Ints) -> tuple[Ints, Ints]:
         Where each edge begins in that order, and the end of the last.
     """
     n = max(int(start.max(initial=-1)), int(end.max(initial=-1))) + 1
-    key = np.minimum(start, end) * n + np.maximum(start, end)
-    order = np.argsort(key, kind="stable")
-    key = key[order]
-    new = np.flatnonzero(key[1:] != key[:-1]) + 1
-    return order, np.concatenate(([0], new, np.full(min(len(key), 1), len(key))))
+    return kernels.group_by_edge(start, end, n)
 
 
 def edges_of_two(order: Ints, bounds: Ints) -> tuple[Ints, Ints]:

@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from deltamesh_formats.array_types import Ints
+from deltamesh_formats.array_types import Shorts
 
 if TYPE_CHECKING:
     import scipy.sparse as sparse
 
 
-def laplacian(indptr: Ints, indices: Ints) -> sparse.csr_array:
+def laplacian(indptr: Shorts, indices: Shorts) -> sparse.csr_array:
     """Return L: the degree of vertex i on the diagonal, -1 for each of its neighbours.
 
     Parameters
     ----------
-    indptr, indices : int64 (n + 1,), (2 e,)
+    indptr, indices : int32 (n + 1,), (2 e,)
         Neighbour lists, from `adjacency.adjacency`.
 
     Returns

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from deltamesh._graph.halfedges import ends, pair_halfedges
-from deltamesh_formats.array_types import Ints
+from deltamesh_formats.array_types import Ints, Shorts
 
 NO_QUADS: Final = np.zeros((0, 4), dtype=np.int64)
 
@@ -17,7 +17,7 @@ def parallelograms(
     n: int,
     quads: Ints = NO_QUADS,
     opposite: Ints | None = None,
-) -> tuple[Ints, Ints, Ints]:
+) -> tuple[Shorts, Shorts, Shorts]:
     """Return, for each vertex, the parallelograms that predict it.
 
     Parameters
@@ -33,11 +33,11 @@ def parallelograms(
 
     Returns
     -------
-    first : int64 (n + 1,)
-    corners : int64 (p, 3)
+    first : int32 (n + 1,)
+    corners : int32 (p, 3)
         Rows first[i] to first[i + 1] are (a, b, o), all below i: first those where (a, i, b, o)
         is a quad, then those where (a, b, i) is a triangle, (b, a, o) another.
-    within : int64 (n,)
+    within : int32 (n,)
         Number of parallelograms of each vertex that are quads.
     """
     opposite = pair_halfedges(faces) if opposite is None else opposite
@@ -51,7 +51,10 @@ def parallelograms(
     highest = np.maximum(a, b)
     known = np.flatnonzero(np.maximum(highest, across, out=highest) < apex)
     known = known[np.argsort(apex[known], kind="stable")]
-    first = np.zeros(n + 1, dtype=np.int64)
+    first = np.zeros(n + 1, dtype=np.int32)
     np.cumsum(np.bincount(apex[known], minlength=n), out=first[1:])
-    within = np.bincount(apex[known[known < quads.size]], minlength=n)
-    return first, np.stack([a[known], b[known], across[known]], axis=1), within
+    within = np.bincount(apex[known[known < quads.size]], minlength=n).astype(np.int32)
+    corners = np.empty((len(known), 3), dtype=np.int32)
+    for column, end in enumerate((a, b, across)):
+        corners[:, column] = end[known]
+    return first, corners, within

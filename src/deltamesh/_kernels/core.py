@@ -128,6 +128,12 @@ def scratch(*shape: int) -> c_void_p:
     return address(np.empty(shape, dtype=np.int64))
 
 
+def graph(indptr: NDArray[Any], indices: NDArray[Any], n: int) -> tuple[object, ...]:
+    """Return the four arguments that the neighbours of n vertices are; see `adjacency`."""
+    entries = len(indices)
+    return shorts(indptr, n + 1), n, shorts(indices, entries), entries
+
+
 def number() -> c_int64:
     """Return a place for a number that a call sets."""
     return c_int64()

@@ -10,9 +10,9 @@ from typing import Final
 
 import numpy as np
 
-from deltamesh._graph.halfedges import by_edge, edges_of_two, ends
+from deltamesh._graph.halfedges import by_edge, ends
 from deltamesh._kernels.mesh import differences as kernels
-from deltamesh_formats.array_types import Bools, Floats, Ints
+from deltamesh_formats.array_types import Bools, Floats, Ints, Shorts
 from deltamesh_formats.caching import cached_property
 
 # A face has lost its area where less than that share of it is left.
@@ -61,28 +61,25 @@ class Reference:
     faces: Ints
     unit: float
 
-    @property
-    def normals(self) -> Floats:
-        """The normals of the faces, (m, 3), of any length."""
-        return self._normals_and_areas[0]
-
-    @property
+    @cached_property
     def areas(self) -> Floats:
         """Twice the areas of the faces in the square unit, (m,)."""
-        return self._normals_and_areas[1]
+        return self._normals_and_areas(self.vertices)[1]
 
     @cached_property
-    def _normals_and_areas(self) -> tuple[Floats, Floats]:
-        return kernels.face_normals(self.vertices, self.faces, self.unit)
-
-    @cached_property
-    def edges(self) -> tuple[Ints, Ints, Ints, Bools]:
-        """The interior edges; see `_interior_edges`."""
+    def edges(self) -> Shorts:
+        """The interior edges, int32 (e, 2); see `_interior_edges`."""
         return _interior_edges(self.faces)
 
     @cached_property
     def _dihedral(self) -> Floats:
-        return kernels.dihedral_angles(self.vertices, self.normals, *self.edges)
+        return self._dihedral_angles(self.vertices, self._normals_and_areas(self.vertices)[0])
+
+    def _normals_and_areas(self, W: Floats) -> tuple[Floats, Floats]:
+        return kernels.face_normals(W, self.faces, self.unit)
+
+    def _dihedral_angles(self, W: Floats, normals: Floats) -> Floats:
+        return kernels.dihedral_angles(W, normals, self.faces, self.edges)
 
     def differences(self, W: Floats) -> Differences:
         """Return the differences of other positions of the vertices, float64 (n, 3).
@@ -95,27 +92,27 @@ class Reference:
         V = self.vertices
         if V.shape != W.shape:
             raise ValueError(f"{len(V)} and {len(W)} vertices cannot be compared one by one")
-        after = kernels.face_normals(W, self.faces, self.unit)
-        angle, lost, turned = kernels.face_changes(self._normals_and_areas, after, LOST, TURNED)
-        change = np.abs(kernels.dihedral_angles(W, after[0], *self.edges) - self._dihedral)
+        # Normals are found again: to keep those of the reference takes 48 bytes a vertex.
+        before, after = self._normals_and_areas(V), self._normals_and_areas(W)
+        angle, lost, turned = kernels.face_changes(before, after, LOST, TURNED)
+        change = self._dihedral_angles(W, after[0])
+        del before, after
+        change -= self._dihedral
+        np.abs(change, out=change)
         np.minimum(change, 360 - change, out=change)
         return Differences(kernels.distances(V, W, self.unit), angle, change, lost, turned)
 
 
-def _interior_edges(F: Ints) -> tuple[Ints, Ints, Ints, Bools]:
-    """Return the edges of exactly two faces.
+def _interior_edges(F: Ints) -> Shorts:
+    """Return the edges of exactly two faces, as their half-edges of these, int32 (e, 2).
 
-    Returns
-    -------
-    edges : int64 (e, 2)
-        As the first face runs through them.
-    left, right : int64 (e,)
-        The faces; the first has the lower index.
-    same : bool (e,)
-        Whether both run through it in the same direction: then one of them is turned over.
+    The half-edge of the face with the lower index comes first.
     """
-    a, b = ends(F)
-    h, g = edges_of_two(*by_edge(a, b))
-    pairs = np.stack((a[h], b[h]), axis=1)
-    two = (h // 3 != g // 3) & (pairs[:, 0] != pairs[:, 1])
-    return pairs[two], h[two] // 3, g[two] // 3, (a[h] == a[g])[two]
+    start, end = ends(F)
+    order, bounds = by_edge(start, end)
+    two = bounds[:-1][np.diff(bounds) == 2]
+    pairs = np.empty((len(two), 2), dtype=np.int32)
+    pairs[:, 0], pairs[:, 1] = order[two], order[two + 1]
+    h, g = pairs.T
+    inner = (h // 3 != g // 3) & (start[h] != end[h])
+    return pairs if inner.all() else pairs[inner]

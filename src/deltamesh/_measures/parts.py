@@ -107,16 +107,16 @@ class PartReference:
     def __init__(self, reference: Reference, parts: Parts, weights: Weights | None = None) -> None:
         self.parts = parts
         self._unit, q = reference.unit, parts.count
-        V, F, (_, left, right, _) = reference.vertices, reference.faces, reference.edges
+        V, F = reference.vertices, reference.faces
+        left, right = reference.edges.T // 3
         self._vertex, self._starts = _members(F, parts, len(V))
         low = np.minimum.reduceat(V[self._vertex], self._starts)
         high = np.maximum.reduceat(V[self._vertex], self._starts)
         self.diagonal: Floats = np.array([math.hypot(*side) for side in high - low])
         self._weights: list[tuple[Ints, Ints, Floats]] = []
         self._edges: list[tuple[Ints, Ints, Floats]] = []
-        self._of_vertex = np.ones(len(self._vertex))
-        if weights is not None:
-            self._of_vertex = weights.vertices[self._vertex]
+        alike: Floats = np.broadcast_to(1.0, len(self._vertex))
+        self._of_vertex = alike if weights is None else weights.vertices[self._vertex]
         self._counts = _divisors(np.add.reduceat(self._of_vertex, self._starts))
         counts = np.zeros(q)
         square = (self.diagonal / self._unit) ** 2
@@ -132,7 +132,9 @@ class PartReference:
             weight = np.where(surface, 1 / np.where(surface, total, 1), 0)[part[faces]] * area
             self._weights.append((part[faces], faces, weight))
             edges = np.flatnonzero((part[left] >= 0) & (part[left] == part[right]))
-            of_edge = np.ones(len(edges)) if weights is None else weights.edges[edges]
+            of_edge: Floats = np.broadcast_to(1.0, len(edges))
+            if weights is not None:
+                of_edge = weights.edges[edges]
             self._edges.append((part[left][edges], edges, of_edge))
             counts += np.bincount(part[left][edges], of_edge, q)
         self._edge_counts = _divisors(counts)

@@ -11,7 +11,7 @@ from deltamesh._shape.draft import ShapeDraft
 from deltamesh._shape.manifold import REVERSED, CodedManifold, Stitches, trivial
 from deltamesh._shape.provenance import TriangleProvenance
 from deltamesh._shape.structure import Complex, structure_of
-from deltamesh_formats.array_types import Ints
+from deltamesh_formats.array_types import Ints, Shorts
 from deltamesh_formats.polymesh.permutations import distinct, inverse
 
 
@@ -59,7 +59,7 @@ def _first_appearances(points: Ints, n: int) -> tuple[Ints, Ints]:
 
 def _stitches(
     faces: Ints, cut: Cut, coded: CodedManifold, points: Ints, rank: Ints
-) -> tuple[Stitches, Ints]:
+) -> tuple[Stitches, Shorts]:
     """Return the stitches, and the input corner of each corner of the complex.
 
     faces : int64 (m, 3), of the input, over points; points : int64 (n,), in coding order, of the
@@ -86,4 +86,5 @@ def _stitches(
     pairs = rank[faces.ravel()[flat[:, [0, 2]]]]
     order_of_pairs = np.lexsort((pairs[:, 1], pairs[:, 0]))
     stitches = Stitches(points, reversed_, repeated, cut.against[order], pairs[order_of_pairs])
-    return stitches, np.concatenate([corners, again, flat[order_of_pairs]])
+    rows = [corners, again, flat[order_of_pairs]]
+    return stitches, np.concatenate(rows, dtype=np.int32, casting="same_kind")

@@ -90,18 +90,9 @@ def encode_connectivity(topology: Topology) -> tuple[bytes, CodedManifold]:
     counts = (topology.loop_count, topology.boundary_edge_count, front.counts.join_count)
     faces, is_open = _open(region)
     starts, order = region.starts[is_open], region.vertices["old"][region.vertices["is_loop"] == 0]
-    manifold = Manifold(faces, len(order), _reordered(topology.opposite, starts))
+    manifold = Manifold(faces, len(order))
     payload = b"".join(map(write_varint, counts)) + stream
     return payload, CodedManifold(manifold, order, starts)
-
-
-def _reordered(opposite: Ints, starts: Ints) -> Ints:
-    """Return the opposites of the half-edges of the faces that begin with half-edges `starts`."""
-    face, corner = np.divmod(starts, 3)
-    old = (3 * face[:, None] + (corner[:, None] + np.arange(3)) % 3).ravel()
-    new = np.full(len(opposite), -1, dtype=np.int64)  # stays -1 in faces that close a loop
-    new[old] = np.arange(len(old))
-    return new[opposite[old]]
 
 
 def decode_connectivity(payload: memoryview, vertex_count: int, face_count: int) -> Ints:

@@ -17,7 +17,7 @@ from deltamesh_formats.caching import cached_property
 from deltamesh_formats.polymesh.triangles import Triangles
 
 _NONE: Final = np.zeros(0, dtype=np.int64)
-_NOTHING: Final = TriangleProvenance(_NONE, _NONE, _NONE.reshape(0, 3))
+_NOTHING: Final = TriangleProvenance(_NONE, _NONE, np.zeros((0, 3), dtype=np.int32))
 
 
 @dataclass(frozen=True)

@@ -25,18 +25,15 @@ class Manifold:
     faces : int64 (m, 3)
     vertex_count : int
         Number of its vertices, all of which are in faces.
-    known_opposite : int64 (3 m,), optional
-        `opposite`, where it is known; else the half-edges are sorted, once they are needed.
     """
 
     faces: Ints
     vertex_count: int
-    known_opposite: Ints | None = None
 
     @cached_property
     def opposite(self) -> Ints:
         """The opposite of each half-edge, int64 (3 m,), -1 on the boundary."""
-        return pair_halfedges(self.faces) if self.known_opposite is None else self.known_opposite
+        return pair_halfedges(self.faces)
 
     @property
     def is_sound(self) -> bool:

@@ -8,18 +8,18 @@ from __future__ import annotations
 import numpy as np
 
 from deltamesh._graph.halfedges import ends
-from deltamesh_formats.array_types import Bools, Ints
+from deltamesh_formats.array_types import Bools, Ints, Shorts
 from deltamesh_formats.polymesh.triangles import Triangles
 
 
-def merged_halfedges(triangles: Triangles, corners: Ints) -> Ints:
+def merged_halfedges(triangles: Triangles, corners: Shorts) -> Ints:
     """Return the half-edge that each half-edge is merged with, int64 (3 m,), -1 for none.
 
     Parameters
     ----------
     triangles : Triangles
         Of the input, fans.
-    corners : int64 (m, 3)
+    corners : int32 (m, 3)
         The corner of these, 3 * triangle + 0, 1 or 2, at each corner of the triangles of the file.
     """
     halfedge = np.empty(corners.size, dtype=np.int64)

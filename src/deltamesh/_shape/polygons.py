@@ -9,7 +9,7 @@ import numpy as np
 from deltamesh._kernels.mesh.outlines import walk
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.caching import cached_property
-from deltamesh_formats.polymesh.mesh import PolyMesh
+from deltamesh_formats.polymesh.mesh import PolyMesh, from_triangles
 
 
 @dataclass(frozen=True)
@@ -63,6 +63,8 @@ def merged_polygons(merged: Ints) -> Polygons:
     return Polygons(corners, offsets, of_corners)
 
 
-def assembled(vertices: Floats, faces: Ints, polygons: Polygons) -> PolyMesh:
-    """Return the mesh of polygons of triangles (m, 3)."""
+def assembled(vertices: Floats, faces: Ints, polygons: Polygons | None) -> PolyMesh:
+    """Return the mesh of polygons of triangles (m, 3), or of these: no copy is made of them."""
+    if polygons is None:
+        return from_triangles(vertices, faces)
     return PolyMesh(vertices, faces.ravel()[polygons.corners], polygons.offsets)

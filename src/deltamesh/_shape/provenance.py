@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from deltamesh._shape.polygons import Polygons
-from deltamesh_formats.array_types import Ints
+from deltamesh_formats.array_types import Ints, Shorts
 from deltamesh_formats.polymesh.triangles import Triangles
 
 
@@ -19,13 +19,13 @@ class TriangleProvenance:
         An input vertex at each point.
     vertices : int64 (n,)
         The input vertex of each vertex.
-    corners : int64 (m, 3)
+    corners : int32 (m, 3)
         The corner of the input's triangles, 3 * triangle + 0, 1 or 2, at each corner.
     """
 
     points: Ints
     vertices: Ints
-    corners: Ints
+    corners: Shorts
 
 
 @dataclass(frozen=True)

@@ -144,7 +144,10 @@ class Structure:
 
 def structure_of(built: Complex) -> Structure:
     """Return the structure of a complex with a vertex at each point, and triangles only."""
-    return Structure(built, built.faces, np.arange(built.point_count), _NONE)
+    points = built.stitches.points
+    if not built.stitches.is_trivial or len(points) < built.point_count:
+        points = np.arange(built.point_count)
+    return Structure(built, built.faces, points, _NONE)
 
 
 # The structure before the first section.

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from deltamesh._graph.adjacency import adjacency, adjacency_between, components
+from deltamesh._graph.adjacency import Graph, adjacency, adjacency_between, components
 from deltamesh._graph.elements import Elements
 from deltamesh._graph.halfedges import ends
 from deltamesh._graph.parallelograms import NO_QUADS, parallelograms
@@ -25,7 +25,7 @@ class Surface:
     Attributes
     ----------
     faces : int64 (m, 3)
-    graph : pair of int64 arrays
+    graph : pair of int32 arrays
         Neighbours of the vertices of the faces along the edges of polygons; see
         `adjacency.adjacency`.
     isolated_count : int
@@ -37,7 +37,7 @@ class Surface:
     """
 
     faces: Ints
-    graph: tuple[Ints, Ints]
+    graph: Graph
     isolated_count: int
     quads: Ints = field(default_factory=lambda: NO_QUADS)
     manifold: Manifold | None = None

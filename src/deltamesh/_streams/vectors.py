@@ -7,15 +7,15 @@ import numpy as np
 from deltamesh._kernels.coding import residual
 from deltamesh._kernels.coding.delta import code_deltas
 from deltamesh._streams.entropy import decode_with, encode_with
-from deltamesh_formats.array_types import Ints
+from deltamesh_formats.array_types import Ints, Shorts
 
 
-def encode_vectors(indptr: Ints, indices: Ints, values: Ints) -> bytes:
+def encode_vectors(indptr: Shorts, indices: Shorts, values: Ints) -> bytes:
     """Return the stream of vectors.
 
     Parameters
     ----------
-    indptr, indices : int64
+    indptr, indices : int32
         Neighbours of each vertex, as `adjacency.adjacency` returns them.
     values : int64 (n, 3)
         Magnitudes are below 2^31.
@@ -27,7 +27,7 @@ def encode_vectors(indptr: Ints, indices: Ints, values: Ints) -> bytes:
 
 
 def decode_vectors(
-    indptr: Ints, indices: Ints, payload: bytes | memoryview, offset: int = 0
+    indptr: Shorts, indices: Shorts, payload: bytes | memoryview, offset: int = 0
 ) -> Ints:
     """Return the vectors (n, 3): the mirror of `encode_vectors`.
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from deltamesh._graph.adjacency import adjacency
+from deltamesh._graph.adjacency import MOST, Graph, adjacency
 from deltamesh._graph.adjacency import components as labels_of
 from deltamesh._graph.laplacian import laplacian as laplacian_of
 from deltamesh._kernels.mesh import laplacian as kernel
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     import scipy.sparse as sparse
 
     Sparse: TypeAlias = sparse.csr_array
-
-Graph = tuple[Ints, Ints]
 
 
 def laplacian(faces: ArrayLike, count: int) -> Sparse:
@@ -90,7 +88,8 @@ def graph_of(L: Any) -> Graph:
     Raises
     ------
     ValueError
-        If L is not D - A for an undirected graph whose edges all weigh 1.
+        If L is not D - A for an undirected graph whose edges all weigh 1, or is too large for
+        entries of 32 bits.
     """
     import scipy.sparse as sparse
 
@@ -103,7 +102,9 @@ def graph_of(L: Any) -> Graph:
     degrees = np.diff(A.indptr)
     if (A.data != 1).any() or (L.diagonal() != degrees).any() or (A != A.T).nnz:
         raise ValueError("L is not the Laplacian of a graph whose edges all weigh 1")
-    return A.indptr.astype(np.int64), A.indices.astype(np.int64)
+    if max(A.nnz, A.shape[0]) > MOST:
+        raise ValueError(f"{A.nnz} entries of L are too many for 32 bits")
+    return A.indptr.astype(np.int32), A.indices.astype(np.int32)
 
 
 def rows_of(x: ArrayLike, count: int, name: str, columns: int | None = None) -> Floats:

@@ -3,7 +3,7 @@
 // Half-edge 3 f + i runs from corner i of triangle f to the next corner. A graph is { count,
 // indptr, indices }: the neighbours of i are indices[indptr[i]] up to indices[indptr[i + 1]],
 // ascending. Elements are a graph with parallelograms: first, corners and within.
-import { out, place, room } from "./core.mjs";
+import { out, place, room, shorts } from "./core.mjs";
 import { counted, largest, sorted } from "./integers.mjs";
 
 /** Return the half-edge after one in its triangle. */
@@ -59,7 +59,7 @@ export const graphOfFaces = (faces, n) => graphOf(faces, endsOf(faces), n);
 
 /** Return the arguments of the core that a graph is. */
 export function given({ count, indptr, indices }) {
-  return [indptr, count, indices, indices.length];
+  return [shorts(indptr), count, shorts(indices), indices.length];
 }
 
 /** Return the component of each vertex, numbered in the order of their lowest vertices. */
@@ -181,5 +181,5 @@ export function among(elements, keep) {
 
 /** Return the arguments of the core that the parallelograms of elements are. */
 export function predictors({ first, corners }) {
-  return [first, corners, corners.length / 3];
+  return [shorts(first), shorts(corners), corners.length / 3];
 }

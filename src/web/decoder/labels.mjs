@@ -1,5 +1,5 @@
 // Streams of labels, and of columns of integers, at elements.
-import { out, place, room } from "./core.mjs";
+import { out, place, room, shorts } from "./core.mjs";
 import { FormatError } from "./errors.mjs";
 import { given, predictors } from "./graph.mjs";
 
@@ -25,7 +25,7 @@ export function decodeThree(core, stream, elements, offset = 0) {
 
 /** Read rows of three integers that parallelograms predict. */
 export function codeThree(core, coder, elements, values) {
-  const mesh = [...given(elements), ...predictors(elements), elements.within];
+  const mesh = [...given(elements), ...predictors(elements), shorts(elements.within)];
   core.call("dm_code_positions", coder, ...mesh, out(values), room(values.length));
 }
 

@@ -1,6 +1,7 @@
 // Poisson problem: positions whose graph Laplacian is given, with some vertices held fixed, by
 // multigrid and conjugate gradients (src/core/multigrid.c).
 import { at, out, place, real, room, shorts, shortsOut } from "./core.mjs";
+import { given } from "./graph.mjs";
 
 const MOST_ITERATIONS = 1000;
 const ROUNDINGS = 4;
@@ -30,12 +31,17 @@ export function hierarchyOf(core, graph, fixed) {
   const last = levels.at(-1).diagonal.length;
   const isDense = levels.length > 1 && last > 0 && last <= dense;
   const factor = isDense ? factored(core, levels.at(-1)) : new Float64Array(0);
-  const joined = Object.fromEntries(
-    Object.keys(levels[0]).map((key) => [key, concatenated(levels.map((level) => level[key]))]),
-  );
+  const joined = (some, ...keys) =>
+    Object.fromEntries(keys.map((key) => [key, concatenated(some.map((level) => level[key]))]));
+  const [finest, ...others] = levels;
+  const coarse = others.length ? others : [{ indptr: none(0), indices: none(0), weights }];
+  const arrays = {
+    ...joined(coarse, "indptr", "indices", "weights"),
+    ...joined(levels, "diagonal", "inverse", "aggregate"),
+  };
   const sizes = Int32Array.from(levels, (level) => level.diagonal.length);
   const entries = Int32Array.from(levels, (level) => level.indices.length);
-  return { n, sizes, entries, ...joined, factor, dense: isDense ? last : 0, barrier: 0 };
+  return { n, finest, sizes, entries, ...arrays, factor, dense: isDense ? last : 0, barrier: 0 };
 }
 
 const none = (count) => new Int32Array(count).fill(-1);
@@ -49,12 +55,7 @@ function concatenated(arrays) {
   return whole;
 }
 
-const rowsOf = ({ indptr, indices }) => [
-  shorts(indptr),
-  indptr.length - 1,
-  shorts(indices),
-  indices.length,
-];
+const rowsOf = (level) => given({ count: level.diagonal.length, ...level });
 
 /** Fill in the aggregate of each node; return how many there are. */
 function aggregate(core, level) {
@@ -102,13 +103,14 @@ function factored(core, { indptr, indices, weights, diagonal }) {
  * Fixed vertices keep their x. Returns x, and a bound on the error of a coordinate.
  */
 export function solvePoisson(core, hierarchy, b, x, tolerance) {
-  const { n, sizes, entries, indptr, indices, weights } = hierarchy;
+  const { n, finest, sizes, entries, indptr, indices, weights } = hierarchy;
   const lanes = core.constant("DM_LANES");
   const solution = x.slice();
   const barrier = Float64Array.of(hierarchy.barrier);
   const bound = new Float64Array(1);
   const nodes = hierarchy.diagonal.length;
-  const levels = [sizes, entries, sizes.length, shorts(indptr), shorts(indices), weights];
+  const rows = [finest.indptr, finest.indices, indptr, indices].map(shorts);
+  const levels = [sizes, entries, sizes.length, ...rows, weights];
   const numbers = [hierarchy.diagonal, hierarchy.inverse, shorts(hierarchy.aggregate)];
   const wanted = [b, out(solution), real(tolerance), MOST_ITERATIONS];
   const found = [out(barrier), out(bound), place()];

@@ -81,7 +81,7 @@ def test_what_components_have_of_their_own() -> None:
 
 def test_of_no_vertices_there_are_no_cells() -> None:
     nothing = np.zeros(0, dtype=np.int64)
-    cells = Cells((np.zeros(1, dtype=np.int64), nothing), nothing, nothing)
+    cells = Cells(adjacency(np.zeros((0, 3), dtype=np.int64), 0), nothing, nothing)
     assert cells.of.shape == cells.shared.shape == (0,)
     assert cells.least(np.zeros((0, 1))).shape == (0, 1)
     assert cells.sums(np.zeros((0, 3))).shape == (0, 3)

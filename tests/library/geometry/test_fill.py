@@ -163,7 +163,7 @@ A = sparse.csr_array((np.ones(len(i)), (i, j)), shape=({n}, {n}))
 A = (A + A.T).tocsr()
 A.setdiag(0)
 A.eliminate_zeros()
-graph = A.indptr.astype(np.int64), A.indices.astype(np.int64)
+graph = A.indptr.astype(np.int32), A.indices.astype(np.int32)
 def refused(memory):
     try:
         solve.LeastSquares(graph, np.arange({n}), SOLVER, 1, memory)

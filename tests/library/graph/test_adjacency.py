@@ -9,6 +9,7 @@ import pytest
 from graphs import components_of, laplacian_of
 
 from deltamesh._graph import adjacency as laplacian
+from deltamesh_formats.errors import LimitError
 
 MESHES = meshes.every()
 
@@ -17,7 +18,7 @@ MESHES = meshes.every()
 def test_adjacency_lists_neighbours_in_order(name: str) -> None:
     V, F = MESHES[name]
     indptr, indices = laplacian.adjacency(F, len(V))
-    assert indptr.dtype == indices.dtype == np.int64
+    assert indptr.dtype == indices.dtype == np.int32
     dense = oracle.laplacian(F, len(V))
     for v in range(len(V)):
         expected = np.flatnonzero(dense[v] < 0)
@@ -42,3 +43,9 @@ def test_no_faces(n: int) -> None:
 def test_components_are_numbered_by_their_lowest_vertex() -> None:
     F = np.array([[5, 2, 6], [0, 4, 3]])
     assert components_of(F, 8).tolist() == [0, 1, 2, 0, 0, 2, 2, 3]
+
+
+def test_too_many_half_edges_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(laplacian, "MOST", 900)
+    with pytest.raises(LimitError, match="960 half-edges of 162 vertices are too many"):
+        laplacian.adjacency(meshes.icosphere(2)[1], 162)

@@ -33,7 +33,7 @@ def test_polygons_are_beside_those_with_an_edge_in_common(mesh: meshes.Arrays, s
     assert rows(found) == oracle.beside(F.tolist(), polygon.tolist())
     assert found.count == len(sizes) == len(found.first) - 1
     assert len(found.corners) == 0
-    assert found.indices.dtype == found.indptr.dtype == np.int64
+    assert found.indices.dtype == found.indptr.dtype == np.int32
     assert len(found.indices) <= 6 * len(F)
 
 

@@ -112,13 +112,13 @@ def test_graphs_that_are_none_are_refused(indptr: list[int], indices: list[int])
     coder = entropy.encoder(10, *residual.MODEL)
     values = np.zeros((2, 3), dtype=np.int64)
     with pytest.raises(ValueError, match="dm_code_deltas: arguments that contradict each other"):
-        code_deltas(coder, np.array(indptr), np.array(indices), values)
+        code_deltas(coder, np.array(indptr, np.int32), np.array(indices, np.int32), values)
 
 
 def test_a_coder_without_the_memory_of_a_model_is_refused() -> None:
     coder = entropy.encoder(10, *Model(residual.SLOTS - 1, residual.MIXERS))
     with pytest.raises(ValueError, match="dm_code_deltas"):
-        code_deltas(coder, np.zeros(1, np.int64), np.zeros(0, np.int64), np.zeros((0, 3), np.int64))
+        code_deltas(coder, *adjacency(np.zeros((0, 3), np.int64), 0), np.zeros((0, 3), np.int64))
 
 
 def test_a_checkout_without_its_library_says_how_to_build_it(tmp_path: Path) -> None:

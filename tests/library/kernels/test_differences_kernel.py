@@ -20,6 +20,14 @@ def noisy(V: np.ndarray, seed: int = 7) -> np.ndarray:
     return V + 0.3 * np.random.default_rng(seed).normal(size=V.shape) * np.ptp(V, axis=0).max()
 
 
+def edges_of(V: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The ends of the interior edges, the faces beside them, and whether both run the same way."""
+    left, right = Reference(V, F, 1.0).edges.T
+    start, end = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    ends = np.stack((start[left], end[left]), axis=1)
+    return ends, left // 3, right // 3, start[left] == start[right]
+
+
 def expected(V: np.ndarray, W: np.ndarray, F: np.ndarray, unit: float) -> tuple[np.ndarray, ...]:
     """The differences, one after the other."""
     before, after = ([differences_oracle.face_normal(X, f, unit) for f in F] for X in (V, W))
@@ -28,7 +36,7 @@ def expected(V: np.ndarray, W: np.ndarray, F: np.ndarray, unit: float) -> tuple[
         for pair in zip(before, after, strict=True)
     ]
     change = []
-    for pair, left, right, same in zip(*Reference(V, F, unit).edges, strict=True):
+    for pair, left, right, same in zip(*edges_of(V, F), strict=True):
         a, b = (
             differences_oracle.dihedral_angle(X, normals[left][0], normals[right][0], pair, same)
             for X, normals in ((V, before), (W, after))
@@ -123,8 +131,8 @@ def test_dihedral_angles_beside_a_face_that_is_no_number() -> None:
     V, F = meshes.grid(4, 4)
     V[5, 1] = np.nan
     normals, areas = differences.face_normals(V, F, 1.0)
-    angles = differences.dihedral_angles(V, normals, *Reference(V, F, 1.0).edges)
-    pairs, left, right, _ = Reference(V, F, 1.0).edges
+    angles = differences.dihedral_angles(V, normals, F, Reference(V, F, 1.0).edges)
+    pairs, left, right, _ = edges_of(V, F)
     touched = np.isnan(areas)[left] | np.isnan(areas)[right]
     assert len(pairs) > touched.sum() > 0
     np.testing.assert_array_equal(np.isnan(angles), touched)
@@ -133,9 +141,9 @@ def test_dihedral_angles_beside_a_face_that_is_no_number() -> None:
 def test_an_edge_of_two_faces_that_run_the_same_way() -> None:
     V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     F = np.array([[0, 1, 2], [0, 1, 3]])
-    edges = Reference(V, F, 1.0).edges
-    assert edges[3].tolist() == [True]
-    (found,) = differences.dihedral_angles(V, differences.face_normals(V, F, 1.0)[0], *edges)
+    assert edges_of(V, F)[3].tolist() == [True]
+    normals, pairs = differences.face_normals(V, F, 1.0)[0], Reference(V, F, 1.0).edges
+    (found,) = differences.dihedral_angles(V, normals, F, pairs)
     assert abs(found) == 90
 
 
@@ -143,11 +151,11 @@ def test_an_edge_of_two_faces_that_run_the_same_way() -> None:
 def test_indices_of_no_vertex_and_no_face_are_refused(bad: int) -> None:
     V, F = np.random.default_rng(5).normal(size=(4, 3)), np.array([[0, 1, 2], [2, 1, 3]])
     normals, _ = differences.face_normals(V, F, 1.0)
-    edges = Reference(V, F, 1.0).edges
+    pairs, wrong = Reference(V, F, 1.0).edges, np.where(F == 3, bad, F)
     with pytest.raises(ValueError, match="contradict"):
-        differences.face_normals(V, np.where(F == 3, bad, F), 1.0)
-    for k in range(3):
-        wrong = [one.copy() for one in edges]
-        wrong[k].flat[0] = bad
+        differences.face_normals(V, wrong, 1.0)
+    with pytest.raises(ValueError, match="contradict"):
+        differences.dihedral_angles(V, normals, wrong, pairs)
+    for h in (-1, 6, (1 << 31) - 1):
         with pytest.raises(ValueError, match="contradict"):
-            differences.dihedral_angles(V, normals, *wrong)
+            differences.dihedral_angles(V, normals, F, np.array([[0, h]], dtype=np.int32))

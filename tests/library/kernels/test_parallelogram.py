@@ -14,6 +14,7 @@ from payloads import SPHERE
 
 from deltamesh._geometry.quantize import MOST_STEPS
 from deltamesh._graph.adjacency import adjacency
+from deltamesh._graph.elements import alone
 from deltamesh._graph.halfedges import pair_halfedges
 from deltamesh._graph.parallelograms import NO_QUADS, parallelograms
 from deltamesh._kernels.coding import parallelogram
@@ -51,12 +52,12 @@ def assert_positions_of_the_oracle(data, F, n, quads=NO_QUADS):
 def test_a_vertex_with_parallelograms_has_neighbours_or_their_mean_is_zero() -> None:
     """Edges within polygons make parallelograms, but no neighbours."""
     V, F = meshes.torus(12, 9)
-    n, none = len(V), np.zeros(0, dtype=np.int64)
+    n, none = len(V), alone(len(V))
     data = np.random.default_rng(5).integers(0, 256, 4000, dtype=np.uint8).tobytes()
     values = np.zeros((n, 3), dtype=np.int64)
     decoder = entropy.decoder(data, parallelogram.SLOTS, parallelogram.MIXERS)
     rows = parallelograms(F, n)
-    parallelogram.code_positions(decoder, np.zeros(n + 1, np.int64), none, *rows, values)
+    parallelogram.code_positions(decoder, none.indptr, none.indices, *rows, values)
     twin = twin_of(data, parallelogram.MIXERS)
     found = oracle.code_positions(twin, [[]] * n, corners_of(F, n), lambda *_: 0, {})
     assert values.tolist() == found[0]

@@ -44,13 +44,6 @@ def test_two_fans_at_a_vertex_are_not_sound(name: str) -> None:
     assert Manifold(F, n + 1).is_sound  # as many fans as vertices: the vertex is there twice
 
 
-def test_opposites_that_are_known_are_taken() -> None:
-    F, n = compact(meshes.tetrahedron()[1])
-    known = pair_halfedges(F)
-    assert Manifold(F, n, known).opposite is known
-    np.testing.assert_array_equal(Manifold(F, n).opposite, known)
-
-
 def test_a_complex_without_stitches_is_its_manifold() -> None:
     F = np.array([[0, 1, 2], [2, 1, 3]])
     assert trivial(4, 2).is_trivial

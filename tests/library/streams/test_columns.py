@@ -6,13 +6,12 @@ import meshes
 import numpy as np
 import pytest
 import strategies
-from elements_of import alone
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 from payloads import joined
 
-from deltamesh._graph.elements import of_vertices
+from deltamesh._graph.elements import alone, of_vertices
 from deltamesh._kernels.coding.parallelogram import BOUND
 from deltamesh._streams.columns import (
     decode_columns,

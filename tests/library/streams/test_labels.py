@@ -7,12 +7,12 @@ import meshes
 import numpy as np
 import pytest
 import strategies
-from elements_of import alone, of_faces
+from elements_of import of_faces
 from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh._graph import elements
-from deltamesh._graph.elements import Elements
+from deltamesh._graph.elements import Elements, alone
 from deltamesh._streams import labels
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import FormatError

@@ -7,27 +7,26 @@ magnitudes and signs around. See `src/core/delta.c`.
 from __future__ import annotations
 
 from deltamesh._kernels.coding.coder import Coder
-from deltamesh._kernels.core import call, floats, floats_out, ints, ints_out
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh._kernels.core import call, floats, floats_out, graph, ints, ints_out
+from deltamesh_formats.array_types import Floats, Ints, Shorts
 
 
-def code_deltas(c: Coder, indptr: Ints, indices: Ints, values: Ints) -> None:
+def code_deltas(c: Coder, indptr: Shorts, indices: Shorts, values: Ints) -> None:
     """Code `values` (n, 3), filled in place when decoding; for the graph, see `adjacency`."""
-    n, entries = len(values), len(indices)
-    graph = ints(indptr, n + 1), n, ints(indices, entries), entries
-    call("dm_code_deltas", c.pointer, *graph, ints_out(values, n, 3))
+    n = len(values)
+    call("dm_code_deltas", c.pointer, *graph(indptr, indices, n), ints_out(values, n, 3))
 
 
-def code_refinements(c: Coder, indptr: Ints, indices: Ints, deltas: Ints, values: Ints) -> None:
+def code_refinements(c: Coder, indptr: Shorts, indices: Shorts, deltas: Ints, values: Ints) -> None:
     """Code `values` (n, 1), filled in place when decoding, where the `deltas` (n, 3) are known."""
-    n, entries = len(values), len(indices)
-    graph = ints(indptr, n + 1), n, ints(indices, entries), entries
-    call("dm_code_refinements", c.pointer, *graph, ints(deltas, n, 3), ints_out(values, n, 1))
+    n = len(values)
+    around = *graph(indptr, indices, n), ints(deltas, n, 3)
+    call("dm_code_refinements", c.pointer, *around, ints_out(values, n, 1))
 
 
 def diffuse(
-    indptr: Ints,
-    indices: Ints,
+    indptr: Shorts,
+    indices: Shorts,
     delta: Floats,
     normals: Floats,
     steps: Floats,
@@ -43,8 +42,8 @@ def diffuse(
     (n, 3), which is used up: the share `normal` of its component along the normal, the share
     `tangential` of the rest.
     """
-    n, entries, columns = len(out), len(indices), out.shape[1]
-    graph = ints(indptr, n + 1), n, ints(indices, entries), entries
+    n, columns = out.shape
     vectors = floats_out(delta, n, 3), floats(normals, n, 3), floats(steps, n)
     shares = float(zone), float(tangential), float(normal)
-    call("dm_diffuse", *graph, *vectors, *shares, columns, ints_out(out, n, columns))
+    given = *graph(indptr, indices, n), *vectors, *shares, columns
+    call("dm_diffuse", *given, ints_out(out, n, columns))

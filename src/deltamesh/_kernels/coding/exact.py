@@ -8,8 +8,8 @@ from __future__ import annotations
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.grid import FORMAT_SIZE
 from deltamesh._kernels.coding.models import Model, model_of
-from deltamesh._kernels.core import call, constant, ints, ints_out, scratch
-from deltamesh_formats.array_types import Ints
+from deltamesh._kernels.core import call, constant, graph, ints, ints_out, scratch, shorts
+from deltamesh_formats.array_types import Ints, Shorts
 
 # Choices of a coordinate: the first format, the second, its raw bits, a negative zero.
 FIRST, SECOND = constant("DM_FIRST_FORMAT"), constant("DM_SECOND_FORMAT")
@@ -30,10 +30,10 @@ def model_for(formats: int) -> Model:
 
 def code_exact(
     c: Coder,
-    indptr: Ints,
-    indices: Ints,
-    first: Ints,
-    corners: Ints,
+    indptr: Shorts,
+    indices: Shorts,
+    first: Shorts,
+    corners: Shorts,
     axes: Ints,
     formats: Ints,
     width: int,
@@ -45,16 +45,13 @@ def code_exact(
     A value is an index or, where it is raw, `width` bits. Neighbours are as
     `adjacency.adjacency` returns them, parallelograms as `parallelograms.parallelograms` does.
     """
-    n, entries, count, rows = len(values), len(indices), len(corners), len(formats)
+    n, count, rows = len(values), len(corners), len(formats)
     call(
         "dm_code_exact",
         c.pointer,
-        ints(indptr, n + 1),
-        n,
-        ints(indices, entries),
-        entries,
-        ints(first, n + 1),
-        ints(corners, count, 3),
+        *graph(indptr, indices, n),
+        shorts(first, n + 1),
+        shorts(corners, count, 3),
         count,
         ints(axes, 3, AXIS_SIZE),
         ints(formats, rows, FORMAT_SIZE),

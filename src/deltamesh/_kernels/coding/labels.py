@@ -9,27 +9,24 @@ from ctypes import byref
 
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.models import model_of
-from deltamesh._kernels.core import OK, call, constant, ints, ints_out, number, scratch
-from deltamesh_formats.array_types import Ints
+from deltamesh._kernels.core import OK, call, constant, graph, ints_out, number, scratch
+from deltamesh_formats.array_types import Ints, Shorts
 
 MODEL = model_of("labels")
 SLOTS, MIXERS = MODEL
 _FOLLOWERS = constant("DM_FOLLOWERS")
 
 
-def code_labels(c: Coder, indptr: Ints, indices: Ints, labels: Ints) -> int:
+def code_labels(c: Coder, indptr: Shorts, indices: Shorts, labels: Ints) -> int:
     """Code `labels` (n,), filled in when decoding; return how many there are, -1: corrupt.
 
     They are numbered in the order of their first elements. Neighbours ascend.
     """
-    n, entries, seen = len(labels), len(indices), number()
+    n, seen = len(labels), number()
     status = call(
         "dm_code_labels",
         c.pointer,
-        ints(indptr, n + 1),
-        n,
-        ints(indices, entries),
-        entries,
+        *graph(indptr, indices, n),
         ints_out(labels, n),
         scratch(_FOLLOWERS),
         byref(seen),

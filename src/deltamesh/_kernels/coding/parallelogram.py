@@ -9,8 +9,8 @@ import numpy as np
 
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.models import model_of
-from deltamesh._kernels.core import call, constant, ints, ints_out, number, scratch
-from deltamesh_formats.array_types import Ints
+from deltamesh._kernels.core import call, constant, graph, ints, ints_out, number, scratch, shorts
+from deltamesh_formats.array_types import Ints, Shorts
 
 # Positions of a file that an encoder has written are below 2^31; extrapolation in a crafted one
 # must not leave the integers.
@@ -45,11 +45,11 @@ class Prediction(NamedTuple):
 
 def code_positions(
     c: Coder,
-    indptr: Ints,
-    indices: Ints,
-    first: Ints,
-    corners: Ints,
-    within: Ints,
+    indptr: Shorts,
+    indices: Shorts,
+    first: Shorts,
+    corners: Shorts,
+    within: Shorts,
     values: Ints,
 ) -> None:
     """Code `values` (n, 3), filled in place when decoding.
@@ -64,7 +64,13 @@ def code_positions(
 
 
 def predict(
-    indptr: Ints, indices: Ints, first: Ints, corners: Ints, within: Ints, values: Ints, i: int
+    indptr: Shorts,
+    indices: Shorts,
+    first: Shorts,
+    corners: Shorts,
+    within: Shorts,
+    values: Ints,
+    i: int,
 ) -> Prediction:
     """Return what is predicted at vertex i, where those below it are known."""
     n, kind = len(values), number()
@@ -84,8 +90,8 @@ def predict(
 
 
 def _mesh(
-    n: int, indptr: Ints, indices: Ints, first: Ints, corners: Ints, within: Ints
+    n: int, indptr: Shorts, indices: Shorts, first: Shorts, corners: Shorts, within: Shorts
 ) -> tuple[object, ...]:
-    entries, count = len(indices), len(corners)
-    graph = ints(indptr, n + 1), n, ints(indices, entries), entries
-    return *graph, ints(first, n + 1), ints(corners, count, 3), count, ints(within, n)
+    count = len(corners)
+    predictors = shorts(first, n + 1), shorts(corners, count, 3), count, shorts(within, n)
+    return *graph(indptr, indices, n), *predictors

@@ -9,27 +9,34 @@ from ctypes import byref
 
 from deltamesh._kernels.coding.coder import Coder
 from deltamesh._kernels.coding.models import model_of
-from deltamesh._kernels.core import OK, bools, bools_out, call, ints, ints_out, number, scratch
-from deltamesh_formats.array_types import Bools, Ints
+from deltamesh._kernels.core import (
+    OK,
+    bools,
+    bools_out,
+    call,
+    graph,
+    ints,
+    ints_out,
+    number,
+    scratch,
+)
+from deltamesh_formats.array_types import Bools, Ints, Shorts
 
 MODEL = model_of("stitching")
 SLOTS, MIXERS = MODEL
 
 
-def code_stitches(c: Coder, indptr: Ints, indices: Ints, boundary: Bools, points: Ints) -> int:
+def code_stitches(c: Coder, indptr: Shorts, indices: Shorts, boundary: Bools, points: Ints) -> int:
     """Code `points` (n,), filled in when decoding; return how many there are, -1: corrupt.
 
     Points are numbered in the order of their first vertices. `boundary` (n,) is whether vertices
     are on a boundary of the manifold; their neighbours are those of `adjacency.adjacency`.
     """
-    n, entries, count = len(points), len(indices), number()
+    n, count = len(points), number()
     status = call(
         "dm_code_stitches",
         c.pointer,
-        ints(indptr, n + 1),
-        n,
-        ints(indices, entries),
-        entries,
+        *graph(indptr, indices, n),
         bools(boundary, n),
         ints_out(points, n),
         *(scratch(n) for _ in range(3)),
@@ -54,13 +61,12 @@ def code_repeats(c: Coder, opposite: Ints, repeats: Ints, total: int) -> bool:
     return call("dm_code_repeats", c.pointer, *arrays, total) == OK
 
 
-def code_degenerate(c: Coder, indptr: Ints, indices: Ints, pairs: Ints, n: int) -> bool:
+def code_degenerate(c: Coder, indptr: Shorts, indices: Shorts, pairs: Ints, n: int) -> bool:
     """Code faces (a, a, b) as `pairs` (d, 2) of a and b, in ascending order of a.
 
     Filled in when decoding; return whether they ascend below n, the number of points, of which
     those of the graph come first.
     """
-    used, entries, count = len(indptr) - 1, len(indices), len(pairs)
-    graph = ints(indptr, used + 1), used, ints(indices, entries), entries
-    arrays = *graph, ints_out(pairs, count, 2), count
+    used, count = len(indptr) - 1, len(pairs)
+    arrays = *graph(indptr, indices, used), ints_out(pairs, count, 2), count
     return call("dm_code_degenerate", c.pointer, *arrays, n) == OK

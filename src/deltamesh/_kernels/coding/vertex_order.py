@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from deltamesh._kernels.coding.coder import Coder
-from deltamesh._kernels.core import OK, call, ints, ints_out, scratch
-from deltamesh_formats.array_types import Ints
+from deltamesh._kernels.core import OK, call, graph, ints, ints_out, scratch
+from deltamesh_formats.array_types import Ints, Shorts
 
 
 def code_vertices(
     c: Coder,
-    indptr: Ints,
-    indices: Ints,
+    indptr: Shorts,
+    indices: Shorts,
     mirror: Ints,
     newest: int,
     order: Ints,
@@ -28,10 +28,7 @@ def code_vertices(
     status = call(
         "dm_code_vertices",
         c.pointer,
-        ints(indptr, n + 1),
-        n,
-        ints(indices, entries),
-        entries,
+        *graph(indptr, indices, n),
         ints(mirror, entries),
         newest,
         ints_out(order, n),

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from deltamesh._kernels.core import bools, bools_out, call, floats, floats_out, ints
-from deltamesh_formats.array_types import Bools, Floats, Ints
+from deltamesh._kernels.core import bools_out, call, floats, floats_out, ints, shorts
+from deltamesh_formats.array_types import Bools, Floats, Ints, Shorts
 
 
 def distances(V: Floats, W: Floats, unit: float) -> Floats:
@@ -56,9 +56,7 @@ def face_changes(
     return angles, lost, turned
 
 
-def dihedral_angles(
-    V: Floats, normals: Floats, pairs: Ints, left: Ints, right: Ints, same: Bools
-) -> Floats:
+def dihedral_angles(V: Floats, normals: Floats, F: Ints, pairs: Shorts) -> Floats:
     """Return the angles (e,) from the left faces' normals to the right ones', convex: positive.
 
     Parameters
@@ -66,16 +64,13 @@ def dihedral_angles(
     V : float64 (n, 3)
     normals : float64 (m, 3)
         Of the faces, of any length.
-    pairs : int64 (e, 2)
-        The edges, as the left face runs through them.
-    left, right : int64 (e,)
-        The faces.
-    same : bool (e,)
-        Whether both run through the edge in the same direction: then one of them is turned over.
+    F : int64 (m, 3)
+    pairs : int32 (e, 2)
+        The half-edges of the left and of the right face along each edge. Where both run in the same
+        direction, one of the faces is turned over.
     """
-    n, m, e = len(V), len(normals), len(pairs)
+    n, m, e = len(V), len(F), len(pairs)
     angles = np.empty(e)
-    surface = floats(V, n, 3), n, floats(normals, m, 3), m
-    edges = ints(pairs, e, 2), ints(left, e), ints(right, e), bools(same, e), e
-    call("dm_dihedral_angles", *surface, *edges, floats_out(angles, e))
+    surface = floats(V, n, 3), n, floats(normals, m, 3), ints(F, m, 3), m
+    call("dm_dihedral_angles", *surface, shorts(pairs, e, 2), e, floats_out(angles, e))
     return angles

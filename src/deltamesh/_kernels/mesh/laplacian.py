@@ -4,41 +4,41 @@ from __future__ import annotations
 
 import numpy as np
 
-from deltamesh._kernels.core import call, floats, floats_out, ints, ints_out, scratch
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh._kernels.core import call, floats, floats_out, graph, ints, ints_out, scratch
+from deltamesh_formats.array_types import Floats, Ints, Shorts
 
 
-def apply(indptr: Ints, indices: Ints, x: Floats) -> Floats:
+def apply(indptr: Shorts, indices: Shorts, x: Floats) -> Floats:
     """Return L x for float64 (n, c), each sum in the order of the indices, which ascend."""
     n, columns = x.shape
     out = np.empty((n, columns))
     values = floats(x, n, columns), columns, floats_out(out, n, columns)
-    call("dm_apply_laplacian", *_graph(indptr, indices), *values)
+    call("dm_apply_laplacian", *graph(indptr, indices, n), *values)
     return out
 
 
-def smooth(indptr: Ints, indices: Ints, x: Floats, rounds: int) -> Floats:
+def smooth(indptr: Shorts, indices: Shorts, x: Floats, rounds: int) -> Floats:
     """Return x, float64 (n, c), smoothed, so that its sums over components stay as they are.
 
     In each round a vertex keeps half of its value and hands the rest on to its neighbours, in equal
     parts.
     """
-    out = x.copy()
+    n, out = len(x), x.copy()
     values = floats_out(out, *x.shape), x.shape[1], rounds, floats_out(np.empty_like(out), *x.shape)
-    call("dm_smooth", *_graph(indptr, indices), *values)
+    call("dm_smooth", *graph(indptr, indices, n), *values)
     return out
 
 
-def normal_bounds(indptr: Ints, indices: Ints) -> Ints:
+def normal_bounds(indptr: Shorts, indices: Shorts) -> Ints:
     """Return where the rows of L^T L begin and end, int64 (n + 1,)."""
     n = len(indptr) - 1
     bounds = np.empty(n + 1, dtype=np.int64)
-    call("dm_normal_bounds", *_graph(indptr, indices), ints_out(bounds, n + 1), scratch(n))
+    call("dm_normal_bounds", *graph(indptr, indices, n), ints_out(bounds, n + 1), scratch(n))
     return bounds
 
 
 def normal_matrix(
-    indptr: Ints, indices: Ints, anchors: Ints, bounds: Ints
+    indptr: Shorts, indices: Shorts, anchors: Ints, bounds: Ints
 ) -> tuple[Ints, Ints, Floats]:
     """Return L^T L + S^T S by rows, the columns of each in no order: indptr, indices, values.
 
@@ -48,7 +48,7 @@ def normal_matrix(
     columns, values = np.empty(filled, dtype=np.int64), np.empty(filled)
     call(
         "dm_normal_matrix",
-        *_graph(indptr, indices),
+        *graph(indptr, indices, n),
         ints(anchors, k),
         k,
         ints(bounds, n + 1),
@@ -58,8 +58,3 @@ def normal_matrix(
         scratch(n),
     )
     return bounds, columns, values
-
-
-def _graph(indptr: Ints, indices: Ints) -> tuple[object, ...]:
-    n, entries = len(indptr) - 1, len(indices)
-    return ints(indptr, n + 1), n, ints(indices, entries), entries

@@ -26,9 +26,8 @@ from deltamesh._kernels.core import (
     singles,
     singles_out,
 )
-from deltamesh_formats.array_types import Floats
+from deltamesh_formats.array_types import Floats, Shorts
 
-Shorts = NDArray[np.int32]
 Singles = NDArray[np.float32]
 
 COORDINATES, LANES = map(constant, ("DM_COORDINATES", "DM_LANES"))
@@ -119,7 +118,7 @@ def factor_dense(matrix: Floats) -> Floats:
 
 
 class Hierarchy:
-    """Levels in the arrays that the core walks along.
+    """Levels in the arrays that the core walks along; the finest keeps its own rows, a graph's.
 
     Parameters
     ----------
@@ -137,8 +136,12 @@ class Hierarchy:
         self.n = levels[0].nodes
         self._sizes = np.array([level.nodes for level in levels], dtype=np.int64)
         self._entries = np.array([len(level.indices) for level in levels], dtype=np.int64)
-        columns = zip(*(vars(level).values() for level in levels), strict=True)
-        self._arrays = [np.concatenate(column) for column in columns]
+        self._rows = levels[0].indptr, levels[0].indices
+        others = [(level.indptr, level.indices, level.weights) for level in levels[1:]]
+        none = np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros(0, np.float32)
+        self._coarse = [np.concatenate(column) for column in zip(none, *others, strict=True)]
+        numbers = [(level.diagonal, level.inverse, level.aggregate) for level in levels]
+        self._numbers = [np.concatenate(column) for column in zip(*numbers, strict=True)]
         last = levels[-1]
         is_dense = len(levels) > 1 and 0 < last.nodes <= MAX_DENSE
         self._factor = factor_dense(last.matrix()) if is_dense else np.zeros((0, 0))
@@ -147,7 +150,7 @@ class Hierarchy:
     @property
     def diagonal(self) -> Singles:
         """The diagonal of the finest level, float32 (n,)."""
-        return self._arrays[3][: self.n]
+        return self._numbers[0][: self.n]
 
     def solve(self, b: Floats, x: Floats, tolerance: float, most: int) -> tuple[float, int]:
         """Solve A x = b in place, from where x starts; fixed nodes keep their x.
@@ -167,18 +170,21 @@ class Hierarchy:
         int
             Iterations.
         """
-        n, levels, nodes, entries = self.n, len(self._sizes), *map(sum, self._counts())
-        indptr, indices, weights, diagonal, inverse, aggregate = self._arrays
+        n, levels, nodes = self.n, len(self._sizes), int(self._sizes.sum())
+        coarse, entries = nodes - n, int(self._entries[1:].sum())
+        (indptr, indices, weights), (diagonal, inverse, aggregate) = self._coarse, self._numbers
         barrier, bound, done = c_double(self.barrier), c_double(), number()
-        cycle = (np.empty((nodes - n, LANES), dtype=np.float32) for _ in range(2))
+        cycle = (np.empty((coarse, LANES), dtype=np.float32) for _ in range(2))
         call(
             "dm_solve_poisson",
             ints(self._sizes, levels),
             ints(self._entries, levels),
             levels,
-            shorts(indptr, nodes + levels),
+            shorts(self._rows[0], n + 1),
+            shorts(self._rows[1], int(self._entries[0])),
+            shorts(indptr, coarse + levels - 1),
             shorts(indices, entries),
-            singles(weights, entries - int(self._entries[0])),
+            singles(weights, entries),
             singles(diagonal, nodes),
             singles(inverse, nodes),
             shorts(aggregate, nodes),
@@ -197,6 +203,3 @@ class Hierarchy:
         )
         self.barrier = barrier.value
         return bound.value, done.value
-
-    def _counts(self) -> tuple[list[int], list[int]]:
-        return self._sizes.tolist(), self._entries.tolist()
