@@ -73,7 +73,7 @@ def encode(
     max_uv_error: float | None = None,
     max_attribute_error: Mapping[str, float] | None = None,
     lossless_attributes: bool = False,
-    importance: str | ArrayLike | None = None,
+    importance: str | Iterable[float] | None = None,
     source_format: str = "",
     progress: Progress | None = None,
 ) -> bytes:

@@ -6,15 +6,12 @@ import math
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from numbers import Integral
-from typing import TYPE_CHECKING, TypedDict
+from typing import TypedDict
 
 from deltamesh._methods import AUTO, BOUNDS, METHOD_OPTIONS, METHODS, RATES
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.layout import MethodLayout
 from deltamesh_formats.errors import OptionError
-
-if TYPE_CHECKING:  # which imports numpy
-    from numpy.typing import ArrayLike
 
 CHOICES = (AUTO, *METHODS)
 ANCHOR_METHODS = tuple(sorted(filter(None, layout.ANCHOR_METHODS)))
@@ -68,7 +65,7 @@ class EncodeOptions(TypedDict, total=False):
     max_uv_error: float | None
     max_attribute_error: Mapping[str, float] | None
     lossless_attributes: bool
-    importance: str | ArrayLike | None
+    importance: str | Iterable[float] | None
     source_format: str
     progress: Callable[[str], None] | None
 
@@ -112,7 +109,7 @@ class Options:
     max_uv_error: float | None = None
     max_attribute_error: Mapping[str, float] | None = None
     lossless_attributes: bool = False
-    importance: str | ArrayLike | None = None
+    importance: str | Iterable[float] | None = None
     source_format: str = ""
 
     def __post_init__(self) -> None:

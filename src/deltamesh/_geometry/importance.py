@@ -10,11 +10,11 @@ D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 200
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
@@ -36,7 +36,7 @@ SLOPE: Final = PER_OCTAVE // 2
 RINGS: Final = {True: 1, False: 2}
 
 
-def importance_of(mesh: PolyMesh, given: str | ArrayLike) -> Floats:
+def importance_of(mesh: PolyMesh, given: str | Iterable[float]) -> Floats:
     """Return the importance of each vertex, float64 (n,).
 
     Parameters
