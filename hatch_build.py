@@ -1,4 +1,4 @@
-"""Build hook: an installation compiles the core, for every Python of its platform, and the page."""
+"""Build hook: an installation compiles the core, for every Python of its platform, and pages."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ def _builder(root: str) -> ModuleType:
 
 
 class CustomBuildHook(BuildHookInterface[Any]):
-    """Hook that puts the core and the page into the wheel; editable ones find them as sources."""
+    """Hook that puts the core and the pages into the wheel; editable ones find them as sources."""
 
     def dependencies(self) -> list[str]:
         """Return a compiler that is a wheel: only it makes WebAssembly everywhere."""
         return ["ziglang>=0.13"]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Compile the core, make the page, and tag the wheel by its platform alone."""
+        """Compile the core, make the pages, and tag the wheel by its platform alone."""
         builder = _builder(self.root)
         library = builder.build(TARGET)
         made = [library]
         try:
-            made.append(builder.build_page())
+            made += builder.build_pages()
         except builder.NoCompilerError as error:
-            # A build without isolation may lack it; `deltamesh view` then says so.
+            # A build without isolation may lack it; `deltamesh view` and others then say so.
             self.app.display_warning(str(error))
         build_data["artifacts"] += [path.relative_to(self.root).as_posix() for path in made]
         build_data["pure_python"] = False

@@ -47,8 +47,8 @@ def main(target: str, wheel: Path) -> None:
     missing = [name for name in exported if name.encode() not in library]
     assert len(exported) > 50, exported
     assert not missing, f"{wheel.name}: {missing}"
-    page = [name for name in names_of(wheel) if name.endswith("/_page/page.html")]
-    assert page, f"{wheel.name}: no page"
+    pages = [name for name in names_of(wheel) if re.search(r"/_page/\w+\.html$", name)]
+    assert len(pages) == 2, f"{wheel.name}: {pages}"
     print(f"{wheel.name}: {len(library)} bytes of library, {len(exported)} names")
 
 

@@ -18,7 +18,7 @@ from deltamesh_cli.signals import interruptible
 
 if TYPE_CHECKING:
     from deltamesh._mesh import TriangleMesh
-    from deltamesh.bench import Change, Codec, Measurement, Row
+    from deltamesh.bench import Change, Codec, Coded, Measurement, Row
 
 PEER_BITS: Final = (10, 11, 12)
 
@@ -55,8 +55,8 @@ def read_triangles(path: str, progress: Progress, *, bare: bool) -> TriangleMesh
 
 def measure_mesh(
     name: str, path: str, mesh: TriangleMesh, codec: Codec, progress: Progress
-) -> Measurement:
-    """Measure one codec on one mesh.
+) -> tuple[Measurement, Coded]:
+    """Measure one codec on one mesh; return what it has made of it, too.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def measure_mesh(
         progress("loading")
         interruptible(lambda: _warm_up(codec.label.split()[0]))
         progress(codec.label)
-        return interruptible(lambda: bench.measure(name, mesh, codec))
+        return interruptible(lambda: bench.measured(name, mesh, codec))
 
 
 @cache

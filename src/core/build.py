@@ -4,8 +4,9 @@
 does the same (`hatch_build.py`). The compiler is the one that CC names, else the system's, else the
 one of the package ziglang, which also compiles for other systems and for WebAssembly.
 
-With ziglang, it also makes what runs in browsers, of `src/web`: a page that is complete in itself
-(`--page`), beside the module that fills it in, and a package for the npm registry (`--npm FOLDER`).
+With ziglang, it also makes what runs in browsers, of `src/web`: pages that are complete in
+themselves (`--page`), beside the module that fills them in, and a package for the npm registry
+(`--npm FOLDER`).
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ import argparse
 import hashlib
 import importlib.util
 import os
-import re
 import shlex
 import shutil
 import subprocess
@@ -26,8 +26,7 @@ from types import ModuleType
 
 SOURCES = Path(__file__).parent
 FOLDER = SOURCES.parent / "deltamesh" / "_kernels"
-WEB = SOURCES.parent / "web"
-PAGE = SOURCES.parent / "deltamesh" / "_page" / "page.html"
+MAKING = SOURCES.parent / "web" / "making.py"
 
 # No contraction: a fused multiply-add rounds once where the others round twice.
 FLAGS = ("-std=c11", "-ffp-contract=off", "-fvisibility=hidden")
@@ -47,24 +46,6 @@ TARGETS = {
     "aarch64-macos.11.0": "macosx_11_0_arm64",
     "x86_64-windows-gnu": "win_amd64",
 }
-# A module of WebAssembly without any library, and small, for it travels in every page; whoever
-# calls it looks after its memory.
-WASM = ("-target", "wasm32-freestanding", "-mcpu=generic+bulk_memory+simd128", "-nostdlib", "-s")
-WASM_OPTIONS = (
-    "-Os",
-    "-mllvm",
-    "-inline-threshold=0",
-    "-Wl,--no-entry",
-    "-Wl,-z,stack-size=1048576",
-    "-Wl,--export=__heap_base",
-)
-# Functions of the core in modules of JavaScript, quoted or as exports.
-CALLED = re.compile(r'(?:"|exports\.)(dm_\w+)')
-
-# Functions that the core has for others, and that have a body.
-DECLARED = re.compile(r"DM_API [^;]*?\b(dm_\w+)\(")
-# What WebAssembly has no instruction for: functions of these sources only measure errors.
-LIBRARY = re.compile(r"\batan2\(")
 
 
 class BuildError(Exception):
@@ -162,40 +143,23 @@ def build_wasm(module: Path, names: Sequence[str] = ()) -> Path:
     ------
     BuildError
     """
-    library = WEB / "freestanding"
-    exports = [f"-Wl,--export={name}" for name in names or decoding_functions()]
-    linked = [*WASM_OPTIONS, *exports, *map(str, sorted(library.glob("*.c")))]
-    _compile([*zig(), *WASM, f"-I{library}"], module, linked)
+    web = _web()
+    _compile([*zig(), *web.FLAGS], module, web.linked(names or web.decoding_functions()))
     return module
 
 
-def called_functions() -> list[str]:
-    """Return the names of the functions of the core that `src/web` calls."""
-    texts = [path.read_text(encoding="utf-8") for path in WEB.glob("decoder/*.mjs")]
-    return sorted({name for text in texts for name in CALLED.findall(text)})
-
-
-def decoding_functions() -> list[str]:
-    """Return the names of the functions of the core that need no library of mathematics."""
-    header = (SOURCES / "deltamesh_core.h").read_text(encoding="utf-8")
-    texts = [path.read_text(encoding="utf-8") for path in SOURCES.glob("*.c")]
-    bare = "".join(text for text in texts if not LIBRARY.search(text))
-    return [name for name in DECLARED.findall(header) if f"{name}(" in bare]
-
-
-def build_page(page: Path = PAGE) -> Path:
-    """Make the page that shows meshes, with the core in it; return its path.
+def build_pages() -> list[Path]:
+    """Make the pages that show meshes, with the core in them; return their paths.
 
     Raises
     ------
     BuildError
     """
+    web = _web()
     with tempfile.TemporaryDirectory() as folder:
-        core = build_wasm(Path(folder) / "core.wasm", called_functions()).read_bytes()
-    unfinished = page.with_name(f"{page.name}.{os.getpid()}")
-    unfinished.write_text(_joining().page(core), encoding="utf-8", newline="\n")
-    unfinished.replace(page)
-    return page
+        core = build_wasm(Path(folder) / "core.wasm", web.called_functions()).read_bytes()
+    pages: list[Path] = web.make_pages(core)
+    return pages
 
 
 def build_package(folder: Path) -> Path:
@@ -205,16 +169,13 @@ def build_package(folder: Path) -> Path:
     ------
     BuildError
     """
-    ignored = shutil.ignore_patterns("*.py", "freestanding", "viewer", "__pycache__")
-    shutil.copytree(WEB, folder, ignore=ignored)
-    shutil.copy(WEB.parents[1] / "LICENSE", folder)
-    build_wasm(folder / "core.wasm", called_functions())
-    return folder
+    package: Path = _web().make_package(folder, build_wasm)
+    return package
 
 
-def _joining() -> ModuleType:
-    """Return the module `src/web/join.py`, which is in no package."""
-    spec = importlib.util.spec_from_file_location("join_web", WEB / "join.py")
+def _web() -> ModuleType:
+    """Return the module `src/web/making.py`, which is in no package."""
+    spec = importlib.util.spec_from_file_location("making_for_web", MAKING)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -245,7 +206,7 @@ def main() -> None:
     )
     parser.add_argument("--target", choices=TARGETS, default="", help="compile for it, by ziglang")
     parser.add_argument("--wasm", type=Path, metavar="FILE", help="write WebAssembly, by ziglang")
-    parser.add_argument("--page", action="store_true", help="make the page, by ziglang")
+    parser.add_argument("--page", action="store_true", help="make the pages, by ziglang")
     parser.add_argument("--npm", type=Path, metavar="FOLDER", help="make a package, by ziglang")
     arguments = parser.parse_args()
     flags = STRICT * arguments.strict + SANITIZED * arguments.sanitize
@@ -253,7 +214,7 @@ def main() -> None:
         if arguments.wasm:
             print(build_wasm(arguments.wasm))
         elif arguments.page:
-            print(build_page())
+            print(*build_pages(), sep="\n")
         elif arguments.npm:
             print(build_package(arguments.npm))
         else:

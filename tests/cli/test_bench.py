@@ -8,10 +8,12 @@ import io
 import json
 from dataclasses import fields
 
+import click
 import pytest
 from commandline import cli
 
 from deltamesh._options import ATTRIBUTE_BOUNDS, Options
+from deltamesh_cli.bench_options import labels_of
 from deltamesh_cli.commands.bench import command
 from deltamesh_cli.commands.encode import command as encode
 
@@ -50,13 +52,22 @@ def test_a_table_of_every_method_with_every_rate(folder, capsys):
     assert sorted(path.name for path in folder.iterdir()) == ["torus.dmesh", "torus.ply", "x.dmesh"]
 
 
+def test_labels_are_all_methods_with_all_rates():
+    given = {"method": (["refined", "highpass"],), "bits": ([5], [6]), "anchors": None}
+    labels = [f"{method} bits={bits}" for method in ("refined", "highpass") for bits in (5, 6)]
+    assert labels_of(given) == labels
+    assert labels_of({"method": (), "quality": ([3],)}) == ["auto quality=3"]
+    with pytest.raises(click.UsageError, match="bits"):
+        labels_of({"method": (["lossless"],), "bits": ([5],)})
+
+
 def test_every_option_of_encoding_is_an_option_here():
     names = {one.name for one in command.params}
     # Meshes are measured without attributes.
-    ours = {field.name for field in fields(Options)} - {*ATTRIBUTE_BOUNDS}
+    ours = {field.name for field in fields(Options)} - {*ATTRIBUTE_BOUNDS, "importance"}
     assert names >= ours - {"source_format"}
     assert names >= {one.name for one in encode.params} & ours
-    assert not names & {*ATTRIBUTE_BOUNDS}
+    assert not names & {*ATTRIBUTE_BOUNDS, "importance"}
 
 
 def test_reruns_pass_and_growth_of_one_percent_is_found(folder, capsys):

@@ -14,7 +14,7 @@ import pytest
 from places import ROOT
 
 from deltamesh import info
-from deltamesh._page.filling import PAGE
+from deltamesh._page.filling import PAGE, REPORT
 
 GUIDE = (ROOT / "docs" / "browser.md").read_text(encoding="utf-8")
 BLOCKS = dict(re.findall(r"^<!-- run: (\w+) -->\n```\w+\n(.*?)^```$", GUIDE, re.DOTALL | re.M))
@@ -30,7 +30,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_every_block_is_run_here() -> None:
-    assert set(BLOCKS) == {"view", "decode"}
+    assert set(BLOCKS) == {"view", "report", "decode"}
     assert BUILD in GUIDE
     assert GUIDE.count("```") / 2 == len(BLOCKS) + 2
     # That one needs an extra: cli/test_render.py.
@@ -48,6 +48,19 @@ def test_view(folder: Path) -> None:
     page = (folder / "torus.html").read_text(encoding="utf-8")
     assert page.count('class="mesh"') == 2
     assert len(PAGE.read_bytes()) <= 150_000
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a block for a shell of POSIX")
+def test_report(folder: Path) -> None:
+    if not REPORT.exists():
+        pytest.skip("an installation without the page")
+    own = {**os.environ, "PYTHON": sys.executable}
+    command = ["bash", "-c", PRELUDE + BLOCKS["report"]]
+    done = children.run(command, cwd=folder, env=own, text=True)
+    assert done.returncode == 0, done.stderr
+    for name, count in (("bench.html", 7), ("batch.html", 1)):
+        text = (folder / name).read_text(encoding="utf-8")
+        assert text.count('class="mesh"') == count
 
 
 def test_decode(folder: Path) -> None:

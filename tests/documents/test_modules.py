@@ -45,6 +45,7 @@ UNTESTED: Mapping[str, str] = {
     },
     "deltamesh_formats.meshfiles.obj.statements": DATA,
     "deltamesh_cli.__main__": "tested in processes: cli/test_process.py",
+    "deltamesh_cli.batch.settings": DATA,
     "deltamesh_cli.commands.compare": COMMAND,
     "deltamesh_cli.commands.completion": "tested by cli/test_completion.py",
     "deltamesh_cli.commands.info": COMMAND,

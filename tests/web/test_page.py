@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import base64
-import importlib.util
 import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import browser as browsers
@@ -13,11 +11,10 @@ import numpy as np
 import pytest
 from browser import Browser
 from graphs import tolerances_of
-from places import GOLDEN, ROOT
-from web_builds import build
+from places import GOLDEN
 
 import deltamesh
-from deltamesh._page.filling import PAGE, PageFile, page_of
+from deltamesh._page.filling import PAGE, REPORT, PageFile, page_of
 from deltamesh_cli.program import run
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
 
@@ -35,24 +32,6 @@ return new Promise((resolve) => requestAnimationFrame(() => requestAnimationFram
   resolve([...seen].sort((a, b) => b[1] - a[1]));
 })));
 """
-
-
-@pytest.fixture(scope="module", autouse=True)
-def page() -> None:
-    """The page: that of the installation or, in a checkout, one of the sources as they are."""
-    if PAGE.is_relative_to(ROOT) and (importlib.util.find_spec("ziglang") or not PAGE.exists()):
-        build("--page")
-    elif not PAGE.exists():
-        pytest.skip("an installation without the page")
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    """A browser that draws."""
-    if browsers.chromium() is None:
-        pytest.skip("no chromium with chromedriver")
-    with browsers.started(tmp_path_factory.mktemp("profile") / "p", *browsers.DRAWING) as one:
-        yield one
 
 
 def scene() -> PolyMesh:
@@ -78,7 +57,7 @@ def scene() -> PolyMesh:
 
 
 @pytest.fixture(scope="module")
-def compared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def compared(pages: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page of a file and its original, by the command line."""
     folder = tmp_path_factory.mktemp("compared")
     original, file, made = (folder / name for name in ("scene.obj", "scene.dmesh", "view.html"))
@@ -92,8 +71,9 @@ def colours(browser: Browser) -> list[tuple[str, int]]:
     return [(colour, count) for colour, count in browser.run(PIXELS)]
 
 
-def test_the_page_is_small_enough_to_mail() -> None:
+def test_pages_are_small_enough_to_mail(pages: None) -> None:
     assert len(PAGE.read_bytes()) <= 150_000
+    assert len(REPORT.read_bytes()) <= 160_000
 
 
 def test_it_shows_both_meshes(browser: Browser, compared: Path, tmp_path: Path) -> None:
@@ -347,3 +327,71 @@ def test_without_webgl_there_is_a_message_and_numbers(compared: Path, tmp_path: 
         one.open(compared)
         assert "no WebGL2" in one.run(browsers.MESSAGES)
         assert "Hausdorff" in one.run("return document.querySelector('#numbers').textContent")
+
+
+def test_two_fingers_zoom_and_move(browser: Browser, compared: Path) -> None:
+    browser.open(compared)
+    x, y = place_on_canvas(browser, 0.25, 0.5)
+
+    def finger(number: int, dx: int) -> dict[str, object]:
+        actions = [
+            {"type": "pointerMove", "x": x + dx, "y": y},
+            {"type": "pointerDown", "button": 0},
+            {"type": "pointerMove", "x": x + 2 * dx, "y": y + 20, "duration": 50},
+            {"type": "pointerUp", "button": 0},
+        ]
+        touch = {"type": "pointer", "id": f"finger {number}", "actions": actions}
+        return {**touch, "parameters": {"pointerType": "touch"}}
+
+    browser.of_session("POST", "/actions", actions=[finger(1, -40), finger(2, 40)])
+    distance, target, back = browser.run(
+        "const { distance, target, back } = deltameshViewer.camera; return [distance, target, back]"
+    )
+    assert distance == pytest.approx(1.05, rel=0.1)
+    assert np.linalg.norm(target) > 0.01
+    browser.press("r")
+    assert browser.run("return deltameshViewer.camera.back") == back
+
+
+def test_screens_of_high_density_get_all_their_pixels(compared: Path, tmp_path: Path) -> None:
+    if browsers.chromium() is None:
+        pytest.skip("no chromium with chromedriver")
+    flags = (*browsers.DRAWING, "--force-device-scale-factor=2", "--window-size=520,900")
+    with browsers.started(tmp_path / "p", *flags) as one:
+        one.open(compared)
+        one.wait("return document.querySelector('canvas').width > 300")
+        sizes = "const c = document.querySelector('canvas'); return [c.width, c.clientWidth]"
+        width, shown = one.run(sizes)
+        assert width == 2 * shown
+        # Narrow: the numbers are below the picture.
+        below = "document.querySelector('aside').getBoundingClientRect().top"
+        assert one.run(f"return {below}") >= one.run(
+            "return document.querySelector('canvas').getBoundingClientRect().bottom"
+        )
+        assert one.run("return document.documentElement.scrollWidth <= innerWidth")
+        one.press("1")
+        x, y = place_on_canvas(one, 0.5, 0.5)
+        one.pointer({"type": "pointerMove", "x": x, "y": y})
+        assert "vertex" in one.wait("return document.querySelector('#pointer').textContent")
+
+
+def test_poses_are_chosen_from_a_list(browser: Browser, tmp_path: Path) -> None:
+    path = GOLDEN / "refined-poses.dmesh"
+    if not path.exists():
+        pytest.skip("a format without poses")
+    data = path.read_bytes()
+    page = tmp_path / "poses.html"
+    page.write_text(page_of([PageFile("a.dmesh", data, "", len(data))], "poses"), encoding="utf-8")
+    browser.open(page)
+    rest = colours(browser)
+    names = browser.run("return [...document.querySelector('#pose').options].map((o) => o.value)")
+    assert names[0] == ""
+    for name in (*names[1:], ""):
+        browser.press("p")
+        browser.wait(f"return deltameshViewer.panels[0].pose === {json.dumps(name)}")
+        sum_of = "const { positions } = deltameshViewer.panels[0].mesh; return positions.reduce((a, b) => a + b)"  # noqa: E501
+        options = {"pose": name} if name else {}
+        mesh = deltamesh.decode(data, **options)  # type: ignore[arg-type]
+        assert browser.run(sum_of) == pytest.approx(mesh.vertices.sum(), rel=1e-6, abs=1e-4)
+        assert (colours(browser) == rest) == (name == "")
+    assert browser.run(browsers.MESSAGES) == ""

@@ -9,7 +9,7 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, closing, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import click
@@ -25,6 +25,7 @@ from deltamesh.batch import (
 )
 from deltamesh_cli.batch.plan import PlannedFile, settled_record
 from deltamesh_cli.batch.report import Totals, displayed_files, names_of, report_record
+from deltamesh_cli.batch.settings import ExistingFiles, Verbosity
 from deltamesh_cli.batch.work import Job, failure_record
 from deltamesh_cli.failures import Failure, attempt
 from deltamesh_cli.output import message, print_json
@@ -41,44 +42,17 @@ Records: TypeAlias = dict[tuple[str, str], Record]
 Report: TypeAlias = Callable[[Record, bool], None]
 
 
-@dataclass(frozen=True)
-class ExistingFiles:
-    """Treatment of files that exist: of outputs, and of the manifest.
-
-    Attributes
-    ----------
-    manifest : str or None
-        Name of the manifest, if one is kept.
-    resume : bool
-        Whether files that the manifest records as done are not done again.
-    force, skip_existing : bool
-        Whether existing outputs are overwritten, or left.
-    """
-
-    manifest: str | None = None
-    resume: bool = False
-    force: bool = False
-    skip_existing: bool = False
-
-
-@dataclass(frozen=True)
-class Verbosity:
-    """Amount and format of the printed output: the options that all commands have."""
-
-    as_json: bool = False
-    quiet: bool = False
-    verbose: bool = False
-    show_progress: bool | None = None
-
-
 def run_batch(
     planned: list[PlannedFile],
     job: Job,
     engine: Engine,
     existing: ExistingFiles,
     verbosity: Verbosity,
+    listen: Report = lambda record, before: None,
 ) -> int:
     """Work on all planned files, report them, and return the exit code.
+
+    `listen` gets each record, and whether an earlier run made it.
 
     Raises
     ------
@@ -90,6 +64,7 @@ def run_batch(
 
     def report(record: Record, before: bool) -> None:
         totals.add(record, before)
+        listen(record, before)
         report_record(record, as_json=verbosity.as_json, quiet=verbosity.quiet or before)
 
     try:

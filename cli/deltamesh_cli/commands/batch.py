@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from math import inf
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from deltamesh.batch import available_cores, physical_memory, share
+from deltamesh.batch import available_cores, physical_memory, record_key, share
 from deltamesh_cli import options
 from deltamesh_cli.batch.arguments import SLURM, job_of, rank_of, refuse_two_of
 from deltamesh_cli.batch.engines import here, in_processes, on_dask
 from deltamesh_cli.batch.plan import Destinations, plan_files
-from deltamesh_cli.batch.run import ExistingFiles, Verbosity, dry_run, run_batch
+from deltamesh_cli.batch.run import dry_run, run_batch
+from deltamesh_cli.batch.settings import ExistingFiles, Verbosity
 from deltamesh_cli.encode_options import encode_options
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import Failure, report_failure
 from deltamesh_cli.inputs import Choice, chosen_files
 from deltamesh_cli.output import message
-from deltamesh_cli.signals import stopping_cleanly
+from deltamesh_cli.signals import Stopped, stopping_cleanly
 from deltamesh_cli.value_types import FILE, FOLDER, positive, size, whole
 from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
+    from deltamesh.batch import Record
     from deltamesh_cli.batch.engines import Engine
+    from deltamesh_cli.batch.plan import PlannedFile
+    from deltamesh_cli.batch.run import Report
 
 _EXAMPLES = """\
 deltamesh batch *.ply                         writes beside the inputs
@@ -32,6 +38,7 @@ deltamesh batch -r scans -j 4 --manifest run.jsonl --resume
 deltamesh batch -r scans --include '*.stl' --exclude 'draft*' -n
 deltamesh batch -d -r packed --output-dir-flat meshes --output-format obj
 find scans -name '*.ply' -print0 | deltamesh batch -0 --filelist - -j 0
+deltamesh batch -r scans --manifest run.jsonl --resume --html run.html
 deltamesh batch -r scans --scheduler tcp://head:8786 --manifest run.jsonl
 deltamesh batch -r scans --slurm array -j 0      a share of a SLURM array
 """
@@ -126,6 +133,14 @@ The exit code is the largest of the exit codes of all files."""
     help="Continue with the manifest: files that it records as done are skipped, unless they have"
     " changed or were made with other options or by another version.",
 )
+@click.option(
+    "--html",
+    "page",
+    type=FILE,
+    metavar="PAGE",
+    help="Write a page with a row for each file, and as many .dmesh files as fit, to look at. -f,"
+    " --resume and --skip-existing overwrite it.",
+)
 @encode_options
 @options.output_format
 @options.digits
@@ -152,6 +167,7 @@ def command(
     slurm: str | None,
     manifest: str | None,
     resume: bool,
+    page: str | None,
     as_json: bool,
     quiet: bool,
     verbose: bool,
@@ -205,10 +221,40 @@ def command(
             message("deltamesh: there is nothing to do")
         if dry:
             context.exit(dry_run(planned, job, existing, verbosity))
-        with stopping_cleanly():
-            context.exit(run_batch(planned, job, engine, existing, verbosity))
+        with stopping_cleanly(), _reported(page, planned, existing, decode) as listen:
+            code = run_batch(planned, job, engine, existing, verbosity, listen)
+        context.exit(code)
     except OptionError as error:
         raise click.UsageError(str(error)) from error
     except Failure as failure:
         report_failure(failure)
         context.exit(failure.code)
+
+
+@contextmanager
+def _reported(
+    page: str | None, planned: list[PlannedFile], existing: ExistingFiles, decode: bool
+) -> Iterator[Report]:
+    """Yield a function that takes each record; write the report of all, also of part of a run."""
+    if page is None:
+        yield lambda record, before: None
+        return
+    from deltamesh_cli.reports.files import page_of_batch
+    from deltamesh_cli.reports.writing import check_report, write_report
+
+    force = existing.force or existing.resume or existing.skip_existing
+    check_report(page, force=force)
+    records: dict[tuple[str, str], tuple[Record, bool]] = {}
+
+    def listen(record: Record, before: bool) -> None:
+        records[record_key(record)] = record, before
+
+    def write() -> None:
+        write_report(page, lambda: page_of_batch(planned, records, decode), force=force)
+
+    try:
+        yield listen
+    except (KeyboardInterrupt, Stopped):
+        write()
+        raise
+    write()

@@ -3,35 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
-from dataclasses import fields
-from itertools import product
+from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 from click.core import ParameterSource
 
-from deltamesh._methods import BOUNDS, RATES
-from deltamesh._options import ATTRIBUTE_BOUNDS, Options
 from deltamesh.bench import PEER_NAMES
 from deltamesh_cli import files, measuring, options, rate_tables
-from deltamesh_cli.encode_options import encode_options
+from deltamesh_cli.bench_options import bench_options, labels_of
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import DONE, process_all
 from deltamesh_cli.inputs import MESH, Choice, chosen_files
-from deltamesh_cli.lengths import refuse_units, settle_shares
 from deltamesh_cli.progress import displayed_progress
+from deltamesh_cli.reports.measurements import BenchReport
+from deltamesh_cli.reports.writing import check_report, write_report
 from deltamesh_cli.value_types import FILE, comma_separated, fraction
-from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
-    from deltamesh.bench import Measurement, Row
-
-# The encode options that may be lists here, and those that have another meaning here or none.
-_LISTS: Final = ("method", *RATES, *BOUNDS)
-_NOT_SHARED: Final = (
-    *("solver", "threads", "source_format", "drop_isolated", "importance"),
-    *ATTRIBUTE_BOUNDS,
-)
+    from deltamesh.bench import Codec, Measurement, Row
 
 _COLUMNS: Final = """\
 Columns:
@@ -46,34 +36,13 @@ deltamesh bench bunny.ply
 deltamesh bench bunny.ply --method highpass,cartesian --step 0.001,0.002
 deltamesh bench scans -r --normal-error 1 --peers draco,meshopt,zstd
 deltamesh bench scans -r --csv > all.csv
+deltamesh bench scans -r --peers draco --html all.html
 deltamesh bench scans -r --save rates.csv
 deltamesh bench scans -r --check rates.csv --tolerance 0.5%
 """
 
 
-def _bench_options() -> list[click.Parameter]:
-    """Return the options that say how to encode, some of them as lists."""
-    names = {field.name for field in fields(Options)}.difference(_NOT_SHARED)
-    shared = options.parameters_of(encode_options)
-    return [
-        _as_list(one) if name in _LISTS else one for name, one in shared.items() if name in names
-    ]
-
-
-def _as_list(option: click.Option) -> click.Option:
-    kind = option.type
-    metavar = "|".join(kind.choices) if isinstance(kind, click.Choice) else option.metavar
-    default = f"  [default: {option.default}]" if isinstance(option.default, str) else ""
-    return click.Option(
-        [*option.opts, str(option.name)],
-        type=comma_separated(kind),
-        multiple=True,
-        metavar=f"{metavar},...",
-        help=f"{option.help}{default}",
-    )
-
-
-@click.command(params=_bench_options(), epilog=epilog(_EXAMPLES, _COLUMNS))
+@click.command(params=bench_options(), epilog=epilog(_EXAMPLES, _COLUMNS))
 @click.argument("sources", type=FILE, metavar="[FILE|FOLDER]...", nargs=-1)
 @chosen_files
 @click.option(
@@ -102,7 +71,14 @@ def _as_list(option: click.Option) -> click.Option:
     metavar="CSV",
     help="Write sizes and errors into a file for --check.",
 )
-@click.option("-f", "--force", is_flag=True, help="Overwrite the file of --save.")
+@click.option(
+    "--html",
+    "page",
+    type=FILE,
+    metavar="PAGE",
+    help="Write a page with curves, a table, and the meshes beside each other at equal bytes.",
+)
+@click.option("-f", "--force", is_flag=True, help="Overwrite the files of --save and --html.")
 @click.option(
     "--check",
     type=FILE,
@@ -139,6 +115,7 @@ def command(
     peers: tuple[str, ...] | None,
     peer_bits: tuple[int, ...],
     save: str | None,
+    page: str | None,
     force: bool,
     check: str | None,
     tolerance: float,
@@ -160,6 +137,10 @@ def command(
     repeated, and every method is measured with every rate and bound. A file that fails is reported,
     and the others are measured.
 
+    --html writes one page that fetches nothing: curves of errors over sizes, a table that can be
+    sorted and filtered, and as many of the files as fit, to look at from one place: the original,
+    ours, and of each peer the one of about as many bytes.
+
     --save stores the measurements as rows of a table, and --check compares new measurements with
     such a table. The exit code is 4 if sizes or errors have grown by more than the tolerances, if a
     mesh has changed, or if rows are missing. Without options that say how to encode, --check
@@ -168,7 +149,7 @@ def command(
     """
     if as_csv and as_json:
         raise click.UsageError("--csv and --json exclude each other.")
-    labels = [*_labels(dict(parameters)), *measuring.peer_labels(peers or (), peer_bits)]
+    labels = [*labels_of(dict(parameters)), *measuring.peer_labels(peers or (), peer_bits)]
     choice.require(sources)
     inputs = measuring.names_in_tables(choice.inputs(sources, MESH))
     saved_rows: list[Row] = []
@@ -190,13 +171,15 @@ def command(
         bare = drop_isolated or measuring.has_peer(labels_for(name))
         with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
             mesh = measuring.read_triangles(path, progress, bare=bare)
-            process(
-                codecs,
-                lambda codec: measurements.append(
-                    measuring.measure_mesh(name, path, mesh, codec, progress)
-                ),
-                kind="codecs",
-            )
+
+            def add(codec: Codec) -> None:
+                measurement, coded = measuring.measure_mesh(name, path, mesh, codec, progress)
+                measurements.append(measurement)
+                if report is not None:
+                    report.add(measurement, coded)
+
+            with nullcontext() if report is None else report.mesh(name, path):
+                process(codecs, add, kind="codecs")
         if as_json:
             rate_tables.print_objects(measurements[before:])
         elif not (quiet or as_csv):
@@ -204,8 +187,11 @@ def command(
 
     if check:
         process([check], lambda path: saved_rows.extend(measuring.read_rates(path)))
+    report = BenchReport(len(inputs)) if page else None
     if save:
         process([save], lambda path: files.check_output(files.STDIO, path, force=force, text=True))
+    if page:
+        process([page], lambda path: check_report(path, force=force))
     if not any(codes):
         skipped = measuring.skip_missing_peers(
             label for name in inputs for label in labels_for(name)
@@ -215,6 +201,8 @@ def command(
             rate_tables.print_csv(measurements)
         if save:
             process([save], lambda path: measuring.write_rates(path, measurements, force=force))
+        if page and report is not None:
+            process([page], lambda path: write_report(path, report.page, force=force))
         if check:
             has_folder = any(one.in_folder for one in inputs.values())
             rows = [row for row in saved_rows if has_folder or row["mesh"] in inputs]
@@ -225,30 +213,6 @@ def command(
                 )
             )
     click.get_current_context().exit(max(codes))
-
-
-def _labels(parameters: dict[str, Any]) -> list[str]:
-    """Return the label of each method with each rate."""
-    from deltamesh.bench import label
-
-    lists = {name: _flat(parameters.pop(name, ())) for name in _LISTS}
-    methods = [{"method": method} for method in lists.pop("method")] or [{}]
-    rates = [{name: value} for name, values in lists.items() for value in values] or [{}]
-    common = options.specified(parameters)
-    try:
-        for rate in rates:
-            settle_shares(rate)
-            refuse_units(rate)
-        return [
-            label(Options(**method, **rate, **common)) for method, rate in product(methods, rates)
-        ]
-    except OptionError as error:
-        raise click.UsageError(f"{error}.") from error
-
-
-def _flat(lists: tuple[tuple[Any, ...], ...]) -> list[Any]:
-    """Return the values of an option that takes lists and may be repeated."""
-    return [value for values in lists for value in values]
 
 
 def _on_command_line(names: Iterable[str]) -> bool:

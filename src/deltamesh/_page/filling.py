@@ -5,15 +5,17 @@ from __future__ import annotations
 import html
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
 from deltamesh._page.text_of_bytes import as_text
 from deltamesh_formats.errors import DeltameshError
+from deltamesh_formats.printing import printable
 
 PAGE: Final = Path(__file__).with_name("page.html")
+REPORT: Final = PAGE.with_name("report.html")
 _PLACE: Final = re.compile(r"\{(title|facts|meshes)\}")
 
 
@@ -57,20 +59,46 @@ def page_of(
     DeltameshError
         If this installation was made without the page.
     """
-    facts = json.dumps({"compared": list(compared)})
+    return filled(PAGE, files, title, {"compared": list(compared)})
+
+
+def filled(page: Path, files: Sequence[PageFile], title: str, facts: Mapping[str, object]) -> str:
+    """Return a page with files and facts in it, as HTML.
+
+    Parameters
+    ----------
+    page : Path
+        `PAGE` or `REPORT`.
+    files : sequence of PageFile
+    title : str
+    facts : mapping
+        What JSON can express.
+
+    Raises
+    ------
+    DeltameshError
+        If this installation was made without the page.
+    """
     values = {
-        "title": html.escape(title),
+        "title": html.escape(printable(title)),
         # Nothing in it may end the script that it is in.
-        "facts": facts.replace("<", "\\u003c"),
+        "facts": json.dumps(facts, allow_nan=False).replace("<", "\\u003c"),
         "meshes": "\n".join(map(_element, files)),
     }
     # At once: what is put in is not looked at for places.
-    return _PLACE.sub(lambda place: values[place[1]], _template())
+    return _PLACE.sub(lambda place: values[place[1]], template(page))
 
 
-def _template() -> str:
+def template(page: Path) -> str:
+    """Return a page to be filled, `PAGE` or `REPORT`.
+
+    Raises
+    ------
+    DeltameshError
+        If this installation was made without it.
+    """
     try:
-        return PAGE.read_text(encoding="utf-8")
+        return page.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise DeltameshError(
             "this installation was made without the page: install ziglang, then deltamesh from"
@@ -79,6 +107,6 @@ def _template() -> str:
 
 
 def _element(file: PageFile) -> str:
-    name = html.escape(file.name, quote=True)
+    name = html.escape(printable(file.name), quote=True)
     attributes = f'data-name="{name}" data-role="{file.role}" data-size="{file.size}"'
     return f'<script type="text/plain" class="mesh" {attributes}>{as_text(file.data)}</script>'

@@ -11,9 +11,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from deltamesh.bench._measure import Codec, Measurement, codec_of, label, measure, warm_up
+    from deltamesh.bench._measure import (
+        Codec,
+        Measurement,
+        codec_of,
+        label,
+        measure,
+        measured,
+        warm_up,
+    )
     from deltamesh.bench._peer_names import PEER_NAMES
-    from deltamesh.bench._peers import PEERS, labels, missing
+    from deltamesh.bench._peers import PEERS, Coded, labels, missing
     from deltamesh.bench._rates import (
         COLUMNS,
         SECONDS,
@@ -24,16 +32,19 @@ if TYPE_CHECKING:
         from_text,
         row_of,
     )
+    from deltamesh.bench._views import Views
 
 _HOME = {
     "COLUMNS": "_rates",
     "Change": "_rates",
     "Codec": "_measure",
+    "Coded": "_peers",
     "Measurement": "_measure",
     "PEERS": "_peers",
     "PEER_NAMES": "_peer_names",
     "Row": "_rates",
     "SECONDS": "_rates",
+    "Views": "_views",
     "as_text": "_rates",
     "changes": "_rates",
     "codec_of": "_measure",
@@ -41,6 +52,7 @@ _HOME = {
     "label": "_measure",
     "labels": "_peers",
     "measure": "_measure",
+    "measured": "_measure",
     "missing": "_peers",
     "row_of": "_rates",
     "warm_up": "_measure",
@@ -53,8 +65,10 @@ __all__ = [
     "SECONDS",
     "Change",
     "Codec",
+    "Coded",
     "Measurement",
     "Row",
+    "Views",
     "as_text",
     "changes",
     "codec_of",
@@ -62,6 +76,7 @@ __all__ = [
     "label",
     "labels",
     "measure",
+    "measured",
     "missing",
     "row_of",
     "warm_up",

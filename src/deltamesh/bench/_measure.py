@@ -106,10 +106,15 @@ def measure(name: str, mesh: PolyMesh | TriangleMesh, codec: Codec) -> Measureme
     MeshError, OptionError, TargetError, SolveError
         As `deltamesh.encode`.
     """
+    return measured(name, mesh, codec)[0]
+
+
+def measured(name: str, mesh: PolyMesh | TriangleMesh, codec: Codec) -> tuple[Measurement, Coded]:
+    """Return what `measure` does, and what the codec made of the mesh."""
     coded = codec.code(triangulated(mesh) if isinstance(mesh, PolyMesh) else mesh)
     errors = compare(coded.reference, coded.decoded)
     unit = errors.diagonal or 1.0
-    return Measurement(
+    measurement = Measurement(
         mesh=name,
         codec=codec.label,
         vertices=len(coded.decoded.vertices),
@@ -120,6 +125,7 @@ def measure(name: str, mesh: PolyMesh | TriangleMesh, codec: Codec) -> Measureme
         decode_seconds=coded.decode_seconds,
         sections=coded.sections,
     )
+    return measurement, coded
 
 
 def code(options: Options, mesh: TriangleMesh) -> Coded:
@@ -139,6 +145,7 @@ def code(options: Options, mesh: TriangleMesh) -> Coded:
         encode_seconds=middle - start,
         decode_seconds=end - middle,
         sections={section.id: section.size for section in container.sections.values()},
+        data=encoded.data,
     )
 
 

@@ -16,6 +16,7 @@ from typing import Any, Final
 import numpy as np
 
 from deltamesh._mesh import TriangleMesh
+from deltamesh._vectors import sides
 from deltamesh.bench._peer_names import DRACO, MESHOPT, ZSTD
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError, OptionError
@@ -45,6 +46,10 @@ class Coded:
     encode_seconds, decode_seconds : float
     sections : mapping of str to int
         Bytes of each part, where a codec tells.
+    data : bytes
+        The file, where it is a `.dmesh`.
+    step : float
+        Of the grid on which other codecs have put all vertices; 0 where there is none.
     """
 
     size: int
@@ -53,6 +58,8 @@ class Coded:
     encode_seconds: float
     decode_seconds: float
     sections: Mapping[str, int] = field(default_factory=dict)
+    data: bytes = b""
+    step: float = 0.0
 
 
 def draco(mesh: TriangleMesh, bits: int) -> Coded:
@@ -74,7 +81,8 @@ def draco(mesh: TriangleMesh, bits: int) -> Coded:
     DracoPy.decode(data)
     end = time.perf_counter()
     decoded = TriangleMesh(draco_positions(mesh.vertices, bits), mesh.faces)
-    return Coded(len(data), mesh, decoded, middle - start, end - middle)
+    step = float(sides(mesh.vertices).max()) / (2**bits - 1)
+    return Coded(len(data), mesh, decoded, middle - start, end - middle, step=step)
 
 
 def draco_file(mesh: TriangleMesh, bits: int, keep_order: bool = False) -> bytes:
@@ -153,9 +161,8 @@ def meshopt(mesh: TriangleMesh, bits: int) -> Coded:
     decoding = time.perf_counter() - start
     F = faces.reshape(-1, 3).astype(np.int64)
     decoded = TriangleMesh(low + step * grid[:, :3].astype(np.float64), F)
-    return Coded(
-        len(data), TriangleMesh(mesh.vertices[np.argsort(remap)], F), decoded, encoding, decoding
-    )
+    reference = TriangleMesh(mesh.vertices[np.argsort(remap)], F)
+    return Coded(len(data), reference, decoded, encoding, decoding, step=step)
 
 
 def zstd(mesh: TriangleMesh) -> Coded:

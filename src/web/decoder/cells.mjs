@@ -52,11 +52,17 @@ export function centresOf(labels, anchors, positions) {
 export function completed({ of, labels }, delta, lost) {
   const counts = new Float64Array(largest(labels) + 1);
   const means = new Float64Array(3 * counts.length);
-  const whole = delta.map((d, i) => d + lost[3 * of[Math.floor(i / 3)] + (i % 3)]);
-  labels.forEach((label, v) => {
-    counts[label]++;
-    for (let a = 0; a < 3; a++) means[3 * label + a] += whole[3 * v + a];
-  });
+  const whole = new Float64Array(delta.length);
+  for (let v = 0, i = 0; i < whole.length; v++) {
+    counts[labels[v]]++;
+    for (let a = 0; a < 3; a++, i++) {
+      whole[i] = delta[i] + lost[3 * of[v] + a];
+      means[3 * labels[v] + a] += whole[i];
+    }
+  }
   means.forEach((_, i) => (means[i] /= counts[Math.floor(i / 3)]));
-  return whole.map((d, i) => d - means[3 * labels[Math.floor(i / 3)] + (i % 3)]);
+  for (let v = 0, i = 0; i < whole.length; v++) {
+    for (let a = 0; a < 3; a++, i++) whole[i] -= means[3 * labels[v] + a];
+  }
+  return whole;
 }

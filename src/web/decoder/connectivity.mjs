@@ -59,7 +59,8 @@ function grow(core, coder, { vertices, faces, loops, joins, position }) {
     const words = new Int32Array(buffer, facesAt, 2 * rows.length);
     for (let i = 0; i < rows.length; i++) rows[i] = words[2 * i];
     const rest = new Int32Array(buffer, verticesAt, 2 * VERTEX * vertices);
-    const isLoop = Uint8Array.from({ length: vertices }, (_, v) => rest[2 * (VERTEX * v + 2)]);
+    const isLoop = new Uint8Array(vertices);
+    for (let v = 0; v < vertices; v++) isLoop[v] = rest[2 * (VERTEX * v + 2)];
     return { faces: rows, isLoop };
   });
 }
@@ -71,10 +72,11 @@ function openFaces(faces, isLoop) {
   const open = new Int32Array(faces.length);
   let kept = 0;
   for (let f = 0; f < faces.length; f += 3) {
-    const corners = [index[faces[f]], index[faces[f + 1]], index[faces[f + 2]]];
-    if (Math.min(...corners) < 0) continue;
-    open.set(corners, kept);
-    kept += 3;
+    const [a, b, c] = [index[faces[f]], index[faces[f + 1]], index[faces[f + 2]]];
+    if (a < 0 || b < 0 || c < 0) continue;
+    open[kept++] = a;
+    open[kept++] = b;
+    open[kept++] = c;
   }
   return open.slice(0, kept);
 }

@@ -7,7 +7,7 @@ import { decodeCopies } from "./copies.mjs";
 import { digested, digestOf } from "./digest.mjs";
 import { FormatError } from "./errors.mjs";
 import { checkScale, decodeGeometry, reconstructed } from "./geometry.mjs";
-import { inverse } from "./integers.mjs";
+import { inverse, largest } from "./integers.mjs";
 import { announced, checkLimits, MAX_VERTICES, MEMORY } from "./limits.mjs";
 import { decodeOrder, permutedCorners } from "./order.mjs";
 import { decodeParts } from "./parts.mjs";
@@ -15,7 +15,7 @@ import { decodePolygons } from "./polygons.mjs";
 import { decodeStitches } from "./stitches.mjs";
 import { complexOf, manifoldOf, plainStructure, trivialStitches } from "./structure.mjs";
 import { readTexts } from "./texts.mjs";
-import { fansOf } from "./triangles.mjs";
+import { trianglesOf } from "./triangles.mjs";
 
 // Sections whose decoders walk from half-edge to half-edge.
 const NEED_MANIFOLD = ["STCH", "COPY", "POLY", "ATTR"];
@@ -120,16 +120,14 @@ function meshOf(container, content, points) {
     precision: container.parameters.single ? "float32" : "float64",
   };
   if (order) reorder(mesh, order);
-  return Object.assign(mesh, fansOf(mesh.corners, mesh.offsets));
+  return Object.assign(mesh, trianglesOf(mesh.positions, mesh.corners, mesh.offsets));
 }
 
 /** Return the first vertex at each point that is an anchor. */
 function anchorsOf(anchors, pointOf) {
-  const first = new Map();
-  pointOf.forEach((point, v) => {
-    if (!first.has(point)) first.set(point, v);
-  });
-  return anchors.map((point) => first.get(point));
+  const first = new Int32Array(largest(pointOf) + 1);
+  for (let v = pointOf.length - 1; v >= 0; v--) first[pointOf[v]] = v;
+  return anchors.map((point) => first[point]);
 }
 
 /** Bring a mesh into the order of its source. */

@@ -198,9 +198,13 @@ function solved(core, parameters, integers, surface, ratios) {
   const { step, origin, anchorStep, coarse, interpolated } = parameters;
   const { values, anchors, positions, isolated, refinements, corrections } = integers;
   const fixed = onGrid(positions, origin, (i) => anchorStep * ratios[anchors[i]]);
-  const delta = floatsOf(values).map((d, i) => d * (coarse * (step * ratios[Math.floor(i / 3)])));
+  const delta = floatsOf(values);
+  for (let v = 0, i = 0; i < delta.length; v++) {
+    const unit = coarse * (step * ratios[v]);
+    for (const end = i + 3; i < end; i++) delta[i] *= unit;
+  }
   const solver = solverOf(core, surface.graph, surface.labels, anchors, interpolated);
-  const steps = Float64Array.from({ length: surface.count }, (_, v) => step * ratios[v]);
+  const steps = ratios.slice(0, surface.count).map((ratio) => step * ratio);
   const solve = (stage, isLast, start) => {
     const lost = interpolated ? lostOf(parameters, integers, solver.cells, ratios, stage) : null;
     return solver.solve(delta, fixed, { steps, lost, start, isLast });
@@ -209,14 +213,11 @@ function solved(core, parameters, integers, surface, ratios) {
   try {
     points = solve(0, !refinements.length, null);
     if (refinements.length) {
-      const normals = vertexNormals(
-        points,
-        surface.faces,
-        steps.map((s) => coarse * s),
-      );
-      for (let i = 0; i < delta.length; i++) {
-        const v = Math.floor(i / 3);
-        delta[i] += steps[v] * refinements[v] * normals[i];
+      const coarser = steps.map((s) => coarse * s);
+      const normals = vertexNormals(core, points, surface.faces, coarser);
+      for (let v = 0, i = 0; v < steps.length; v++) {
+        const along = steps[v] * refinements[v];
+        for (const end = i + 3; i < end; i++) delta[i] += along * normals[i];
       }
       points = solve(1, true, points);
     }

@@ -29,29 +29,43 @@ export function lowAndHigh(a, b) {
   return [low, high];
 }
 
-/** Return the graph of n vertices with edges between a[i] and b[i], loops left out. */
+/**
+ * Return the graph of n vertices with edges between a[i] and b[i], loops left out.
+ *
+ * Two passes sort without comparing: in the second one, vertices come to the rows of their
+ * neighbours in ascending order.
+ */
 export function graphOf(a, b, n) {
-  const fill = new Int32Array(n + 2);
-  for (let i = 0; i < a.length; i++) {
-    if (a[i] === b[i]) continue;
-    fill[a[i] + 2]++;
-    fill[b[i] + 2]++;
-  }
-  for (let v = 2; v < n + 2; v++) fill[v] += fill[v - 1];
-  const rows = new Int32Array(fill[n + 1]);
-  for (let i = 0; i < a.length; i++) {
-    if (a[i] === b[i]) continue;
-    rows[fill[a[i] + 1]++] = b[i];
-    rows[fill[b[i] + 1]++] = a[i];
-  }
   const indptr = new Int32Array(n + 1);
+  for (let i = 0; i < a.length; i++) {
+    if (a[i] === b[i]) continue;
+    indptr[a[i] + 1]++;
+    indptr[b[i] + 1]++;
+  }
+  for (let v = 0; v < n; v++) indptr[v + 1] += indptr[v];
+  let end = indptr.slice();
+  const rows = new Int32Array(indptr[n]);
+  for (let i = 0; i < a.length; i++) {
+    if (a[i] === b[i]) continue;
+    rows[end[a[i]]++] = b[i];
+    rows[end[b[i]]++] = a[i];
+  }
+  end = indptr.slice();
+  const indices = new Int32Array(rows.length);
+  for (let v = 0; v < n; v++) {
+    for (let i = indptr[v]; i < indptr[v + 1]; i++) {
+      const w = rows[i];
+      if (end[w] === indptr[w] || indices[end[w] - 1] !== v) indices[end[w]++] = v;
+    }
+  }
   let kept = 0;
   for (let v = 0; v < n; v++) {
-    const row = rows.subarray(v ? fill[v] : 0, fill[v + 1]).sort();
-    for (let i = 0; i < row.length; i++) if (!i || row[i] !== row[i - 1]) rows[kept++] = row[i];
-    indptr[v + 1] = kept;
+    const first = indptr[v];
+    indptr[v] = kept;
+    for (let i = first; i < end[v]; i++) indices[kept++] = indices[i];
   }
-  return { count: n, indptr, indices: rows.slice(0, kept) };
+  indptr[n] = kept;
+  return { count: n, indptr, indices: indices.slice(0, kept) };
 }
 
 /** Return the graph of the vertices of triangles. */

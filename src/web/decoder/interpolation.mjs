@@ -26,14 +26,18 @@ export function interpolationOf(core, graph, labels, anchors) {
     const tolerance = isLast ? TOLERANCE : NORMAL_TOLERANCE;
     const scales = leastOf(labels, steps);
     const shifts = centresOf(labels, anchors, positions);
-    const scale = (v) => scales[labels[v]];
-    const shift = (i) => shifts[3 * labels[Math.floor(i / 3)] + (i % 3)];
-    const at = (i) => Math.floor(i / 3);
-    const b = whole.map((d, i) => d / scale(at(i)));
-    const x = start ? start.map((p, i) => (p - shift(i)) / scale(at(i))) : new Float64Array(b.length);
+    const b = new Float64Array(whole.length);
+    const x = new Float64Array(whole.length);
+    for (let v = 0, i = 0; i < b.length; v++) {
+      const [scale, shift] = [scales[labels[v]], 3 * labels[v]];
+      for (let a = 0; a < 3; a++, i++) {
+        b[i] = whole[i] / scale;
+        if (start) x[i] = (start[i] - shifts[shift + a]) / scale;
+      }
+    }
     anchors.forEach((v, k) => {
       for (let a = 0; a < 3; a++) {
-        x[3 * v + a] = (positions[3 * k + a] - shift(3 * v + a)) / scale(v);
+        x[3 * v + a] = (positions[3 * k + a] - shifts[3 * labels[v] + a]) / scales[labels[v]];
       }
     });
     const { solution, bound } = solvePoisson(core, hierarchy, b, x, tolerance);
@@ -42,7 +46,11 @@ export function interpolationOf(core, graph, labels, anchors) {
         "the Poisson problem has no solution in double precision",
       );
     }
-    return solution.map((p, i) => p * scale(at(i)) + shift(i));
+    for (let v = 0, i = 0; i < b.length; v++) {
+      const [scale, shift] = [scales[labels[v]], 3 * labels[v]];
+      for (let a = 0; a < 3; a++, i++) solution[i] = solution[i] * scale + shifts[shift + a];
+    }
+    return solution;
   };
   return { cells, solve, free() {} };
 }

@@ -13,7 +13,9 @@ export function ratio(exponent) {
 
 /** Return the ratio of each of so many vertices, 1 where there are no exponents. */
 export function ratiosOf(exponents, count) {
-  return Float64Array.from({ length: count }, (_, v) => ratio(exponents[v] ?? 0));
+  const ratios = new Float64Array(count).fill(1);
+  for (let v = 0; v < exponents.length; v++) ratios[v] = ratio(exponents[v]);
+  return ratios;
 }
 
 /** Return how many bits more a grid coordinate takes, at most, in the step of an exponent. */

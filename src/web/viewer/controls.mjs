@@ -1,8 +1,8 @@
 // Controls of the page: buttons, lists, tables, keys, and files that are dropped.
-import { gradientOf, partColour } from "./colours.mjs";
+import { gradientOf } from "./colours.mjs";
 import { factsOf, short, tableOf } from "./facts.mjs";
 import { FIELDS } from "./fields.mjs";
-import { nameOf } from "./panel.mjs";
+import { fillParts } from "./parts.mjs";
 
 const THEMES = ["", "dark", "light"];
 const find = (selector) => document.querySelector(selector);
@@ -37,6 +37,11 @@ export class Controls {
     this.hint = this.say(text);
   }
 
+  /** Set the tables of differences, which stand above the numbers of the files. */
+  setCompared(tables) {
+    this.facts = { compared: tables };
+  }
+
   /** Write what is under the pointer. */
   point(text) {
     find("#pointer").textContent = text;
@@ -53,9 +58,17 @@ export class Controls {
     const select = find("#colouring");
     select.replaceChildren(...[...options].map(([key, title]) => new Option(title, key)));
     if (!options.has(this.viewer.look.colouring)) this.viewer.look.colouring = "plain";
+    this.#fillPoses();
     this.#fillFacts();
-    this.#fillParts();
+    fillParts(this.viewer);
     this.update();
+  }
+
+  #fillPoses() {
+    const names = new Set(this.viewer.panels.flatMap(({ poses }) => poses));
+    const options = [new Option("at rest", ""), ...[...names].map((name) => new Option(name, name))];
+    find("#pose").replaceChildren(...options);
+    find("#pose").parentElement.hidden = !names.size;
   }
 
   #fillFacts() {
@@ -64,50 +77,6 @@ export class Controls {
     const { compared = [] } = this.facts;
     const comparison = compared.map((rows, i) => tableOf(rows, i ? "" : "difference"));
     find("#numbers").replaceChildren(...comparison, ...tables);
-  }
-
-  #fillParts() {
-    const divisions = new Map();
-    for (const { kind, names, ofFace } of this.viewer.panels.flatMap(({ mesh }) => mesh.parts)) {
-      if (!divisions.has(kind)) divisions.set(kind, new Map());
-      const colours = divisions.get(kind);
-      names.forEach((_, part) => colours.set(nameOf(names, part), partColour(part)));
-      if (ofFace.some((part) => part < 0)) colours.set(nameOf(names, -1), partColour(-1));
-    }
-    const lists = [...divisions].map(([kind, colours]) => this.#listOf(kind, colours));
-    find("#parts").replaceChildren(...lists);
-    find("#parts").parentElement.hidden = !lists.length;
-  }
-
-  /** Return a list of parts that can be hidden. */
-  #listOf(kind, colours) {
-    const list = document.createElement("fieldset");
-    list.append(Object.assign(document.createElement("legend"), { textContent: `${kind}s` }));
-    const hide = () => {
-      const boxes = [...list.querySelectorAll("input")];
-      const names = boxes.filter((box) => !box.checked).map((box) => box.value);
-      this.viewer.hideParts(kind, new Set(names));
-    };
-    for (const [name, rgb] of colours) {
-      const label = document.createElement("label");
-      const box = Object.assign(document.createElement("input"), { type: "checkbox", value: name });
-      box.checked = !this.viewer.hidden.get(kind)?.has(name);
-      const swatch = document.createElement("i");
-      swatch.style.background = `rgb(${rgb})`;
-      label.append(box, swatch, name);
-      list.append(label);
-    }
-    list.addEventListener("change", hide);
-    // Alone, or all again.
-    list.addEventListener("dblclick", (event) => {
-      const own = event.target.closest("label")?.querySelector("input");
-      if (!own) return;
-      const boxes = [...list.querySelectorAll("input")];
-      const isAlone = boxes.every((box) => box.checked === (box === own));
-      boxes.forEach((box) => (box.checked = isAlone || box === own));
-      hide();
-    });
-    return list;
   }
 
   /** Show the scale of errors, or none. */
@@ -143,6 +112,7 @@ export class Controls {
     for (const name of ["side", "single", "flicker"]) press(find(`#${name}`), layout === name);
     find("#upwards").textContent = `${this.viewer.camera.upwards} up`;
     find("#colouring").value = look.colouring;
+    find("#pose").value = this.viewer.pose;
     find("#layouts").hidden = panels.length < 2;
     find("#anchors").disabled = !panels.some(({ mesh }) => mesh.anchors.length);
   }
@@ -158,6 +128,7 @@ export class Controls {
     on("#help", () => find("#keys").showModal());
     on("#panel", () => document.body.classList.toggle("narrow"));
     find("#colouring").addEventListener("change", ({ target }) => viewer.set({ colouring: target.value })); // prettier-ignore
+    find("#pose").addEventListener("change", ({ target }) => viewer.setPose(target.value));
     find("#scale").addEventListener("input", ({ target }) => {
       viewer.scale = 2 ** Number(target.value);
       viewer.paint();
@@ -202,6 +173,7 @@ export class Controls {
 
   #key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || find("#keys").open) return;
+    if (document.body.matches(".reporting")) return;
     if (/^(SELECT|INPUT)$/.test(event.target.tagName) && event.key !== "Escape") return;
     const { viewer } = this;
     const { camera } = viewer;
@@ -211,7 +183,8 @@ export class Controls {
       f: () => this.#toggle("flat"),
       w: () => this.#toggle("wire"),
       a: () => this.#toggle("anchors"),
-      c: () => this.#nextColouring(),
+      c: () => viewer.set({ colouring: next(find("#colouring")) }),
+      p: () => viewer.setPose(next(find("#pose"))),
       s: () => viewer.setLayout("side"),
       1: () => viewer.setLayout("single"),
       x: () => viewer.setLayout(viewer.layout === "flicker" ? "single" : "flicker"),
@@ -234,17 +207,17 @@ export class Controls {
     viewer.draw();
   }
 
-  #nextColouring() {
-    const keys = [...find("#colouring").options].map(({ value }) => value);
-    const next = (keys.indexOf(this.viewer.look.colouring) + 1) % keys.length;
-    this.viewer.set({ colouring: keys[next] });
-  }
-
   /** Show one panel, and the other one the next time. */
   #flip() {
     if (this.viewer.layout !== "single") this.viewer.setLayout("single");
     this.viewer.next();
   }
+}
+
+/** Return the value of the next option of a list, after the last the first. */
+function next(select) {
+  const { options, selectedIndex } = select;
+  return options[(selectedIndex + 1) % options.length].value;
 }
 
 const press = (button, isPressed) => button.setAttribute("aria-pressed", String(isPressed));

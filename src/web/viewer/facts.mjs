@@ -1,5 +1,5 @@
 // Numbers of a file, as rows of tables.
-
+import { titleOfKind } from "./parts.mjs";
 
 /** Return a number in a few digits. */
 export function short(number) {
@@ -22,9 +22,11 @@ export function factsOf({ mesh, about, size }) {
   if (about?.size === size) {
     rows.push(["bits per vertex", short((8 * size) / vertices)], ...codingFacts(about));
   }
+  if (about?.frames > 1) rows.push(["frames", `${short(about.frames)}, of which the first is shown`]);
+  if (about?.poses?.length) rows.push(["poses", about.poses.map(({ name }) => name).join(", ")]);
   const names = mesh.attributes.map(({ name, domain, type, width }) => `${name} (${domain}, ${width} × ${type})`);
   if (names.length) rows.push(["attributes", names.join(", ")]);
-  for (const { kind, names: parts } of mesh.parts) rows.push([`${kind}s`, short(parts.length)]);
+  for (const { kind, names: parts } of mesh.parts) rows.push([titleOfKind(kind), short(parts.length)]);
   for (const [key, lines] of mesh.metadata) rows.push([key, lines.join("\n")]);
   if (mesh.lost.length) rows.push(["not kept", mesh.lost.join(", ")]);
   return rows;

@@ -1,6 +1,7 @@
-// Errors of a mesh against its original, at the corners of its triangles.
-import { correspondenceOf } from "./nearest.mjs";
-import { cross, dot, less, length } from "./matrices.mjs";
+// Errors of a mesh against its original, at the corners of its triangles: the measures of `compare`.
+import { changesOfDihedrals, interiorEdges } from "./dihedrals.mjs";
+import { angleBetween, dot, faceNormal, length, less, row } from "./matrices.mjs";
+import { nearestPoints } from "./nearest.mjs";
 
 /** Names of the errors, by their keys; `signed` ones lie around zero. */
 export const FIELDS = {
@@ -10,51 +11,49 @@ export const FIELDS = {
   dihedral: { title: "dihedral angles", unit: "degrees" },
 };
 
-const DEGREES = 180 / Math.PI;
-
 /**
- * Return the errors of a mesh, one number for each corner of its triangles.
+ * Return the errors of a mesh, one number for each corner of its triangles; null where there are
+ * none, as of angles where the triangles of both differ.
  *
  * Distances are those of vertices, over the diagonal of the original: to the same vertices where
- * both have the same triangles, else to the surface of the original.
+ * both have the same triangles, else to the surface of the original. Signed ones are along its
+ * normals.
  */
 export function fieldOf(kind, mesh, original, diagonal) {
-  if (kind === "normals" || kind === "dihedral") {
-    if (!isAlike(mesh, original)) return null;
-    return kind === "normals" ? normalField(mesh, original) : dihedralField(mesh, original);
-  }
-  const there = isAlike(mesh, original)
+  const alike = isAlike(mesh, original);
+  if (kind === "normals") return alike ? normalField(mesh, original) : null;
+  if (kind === "dihedral") return alike ? dihedralField(mesh, original) : null;
+  const there = alike
     ? { points: original.positions, normals: vertexNormals(original) }
-    : correspondenceOf(mesh.positions, original);
-  const count = mesh.positions.length / 3;
-  const atVertices = new Float32Array(count);
-  for (let v = 0; v < count; v++) {
+    : nearestPoints(mesh.positions, original);
+  const atVertices = new Float32Array(mesh.positions.length / 3);
+  for (let v = 0; v < atVertices.length; v++) {
     const off = less(row(mesh.positions, v), row(there.points, v));
-    const signed = dot(off, row(there.normals, v));
-    atVertices[v] = (kind === "signed" ? signed : length(off)) / diagonal;
+    const size = kind === "signed" ? dot(off, row(there.normals, v)) : length(off);
+    atVertices[v] = size / diagonal;
   }
   return Float32Array.from(mesh.triangles, (v) => atVertices[v]);
 }
 
-/** Return whether two meshes have the same triangles. */
-function isAlike(mesh, other) {
-  const [a, b] = [mesh.triangles, other.triangles];
-  if (mesh.positions.length !== other.positions.length || a.length !== b.length) return false;
-  return a.every((v, i) => v === b[i]);
+/** Let a mesh be cut into the triangles of another of the same polygons. */
+export function cutLike(mesh, other) {
+  if (!isSame(mesh.corners, other.corners) || !isSame(mesh.offsets, other.offsets)) return;
+  const { triangles, triangleCorners, trianglePolygons } = other;
+  Object.assign(mesh, { triangles, triangleCorners, trianglePolygons });
 }
 
-const row = (numbers, v) => [numbers[3 * v], numbers[3 * v + 1], numbers[3 * v + 2]];
+const isSame = (a, b) => a === b || (a.length === b.length && a.every((x, i) => x === b[i]));
 
-function faceNormal({ positions, triangles }, t) {
-  const [p, q, r] = [0, 1, 2].map((k) => row(positions, triangles[3 * t + k]));
-  return cross(less(q, p), less(r, p));
+/** Return whether two meshes have the same triangles. */
+function isAlike(mesh, other) {
+  return mesh.positions.length === other.positions.length && isSame(mesh.triangles, other.triangles);
 }
 
 /** Return the normals of the vertices, of length 1 or 0, three numbers each. */
 export function vertexNormals(mesh) {
   const sums = new Float64Array(mesh.positions.length);
   for (let t = 0; 3 * t < mesh.triangles.length; t++) {
-    const n = faceNormal(mesh, t);
+    const n = faceNormal(mesh.positions, mesh.triangles, t);
     for (let k = 0; k < 3; k++) {
       for (let a = 0; a < 3; a++) sums[3 * mesh.triangles[3 * t + k] + a] += n[a];
     }
@@ -66,44 +65,33 @@ export function vertexNormals(mesh) {
   return sums;
 }
 
-const angleBetween = (a, b) => Math.atan2(length(cross(a, b)), dot(a, b)) * DEGREES;
-
+/** Return the angle by which each triangle has turned, 90 where it has become a line or a point. */
 function normalField(mesh, original) {
   const field = new Float32Array(mesh.triangles.length);
   for (let t = 0; 3 * t < field.length; t++) {
-    field.fill(angleBetween(faceNormal(mesh, t), faceNormal(original, t)), 3 * t, 3 * t + 3);
+    const own = faceNormal(mesh.positions, mesh.triangles, t);
+    const before = faceNormal(original.positions, mesh.triangles, t);
+    field.fill(own.some(Boolean) ? angleBetween(own, before) : 90, 3 * t, 3 * t + 3);
   }
   return field;
 }
 
-/** Return the mean change of the dihedral angles at each triangle's three edges. */
+/** Return the mean change of the dihedral angles at the interior edges of each triangle. */
 function dihedralField(mesh, original) {
-  const { triangles } = mesh;
-  const field = new Float32Array(triangles.length);
-  const first = new Map();
-  const count = mesh.positions.length / 3;
-  const sums = new Float32Array(triangles.length / 3);
-  const edges = new Uint8Array(sums.length);
-  for (let h = 0; h < triangles.length; h++) {
-    const [a, b] = [triangles[h], triangles[h % 3 === 2 ? h - 2 : h + 1]];
-    const key = Math.min(a, b) * count + Math.max(a, b);
-    const t = Math.floor(h / 3);
-    if (!first.has(key)) {
-      first.set(key, t);
-      continue;
-    }
-    const other = first.get(key);
-    const change = Math.abs(dihedral(mesh, t, other) - dihedral(original, t, other));
-    for (const one of [t, other]) {
-      sums[one] += change;
-      edges[one]++;
+  const edges = interiorEdges(original);
+  const changes = changesOfDihedrals(edges, mesh, original);
+  const field = new Float32Array(mesh.triangles.length);
+  const sums = new Float64Array(field.length / 3);
+  const counts = new Uint8Array(sums.length);
+  for (let e = 0; e < changes.length; e++) {
+    for (const t of [edges[4 * e + 2], edges[4 * e + 3]].map((h) => Math.floor(h / 3))) {
+      sums[t] += changes[e];
+      counts[t]++;
     }
   }
-  for (let t = 0; t < sums.length; t++) field.fill(sums[t] / (edges[t] || 1), 3 * t, 3 * t + 3);
+  for (let t = 0; t < sums.length; t++) field.fill(sums[t] / (counts[t] || 1), 3 * t, 3 * t + 3);
   return field;
 }
-
-const dihedral = (mesh, t, other) => angleBetween(faceNormal(mesh, t), faceNormal(mesh, other));
 
 /** Return a number at a rank of the sizes of a field, 0 to 1. */
 export function quantile(field, rank) {

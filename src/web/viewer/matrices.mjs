@@ -58,3 +58,17 @@ export function view(eye, right, up, back) {
     ...[-dot(right, eye), -dot(up, eye), -dot(back, eye), 1],
   );
 }
+
+/** Return three numbers of many. */
+export const row = (numbers, v) => [numbers[3 * v], numbers[3 * v + 1], numbers[3 * v + 2]];
+
+/** Return the normal of a triangle, twice its area long. */
+export function faceNormal(positions, triangles, t) {
+  const a = row(positions, triangles[3 * t]);
+  const b = row(positions, triangles[3 * t + 1]);
+  const c = row(positions, triangles[3 * t + 2]);
+  return cross(less(b, a), less(c, a));
+}
+
+/** Return the angle between vectors of any length, in degrees, 0 for zero vectors. */
+export const angleBetween = (a, b) => (Math.atan2(length(cross(a, b)), dot(a, b)) * 180) / Math.PI;

@@ -1,6 +1,6 @@
 // Readers of OBJ and PLY files that are dropped: positions and polygons, with colours of vertices.
 import { MAGIC } from "../decoder/layout.mjs";
-import { fansOf } from "../decoder/triangles.mjs";
+import { trianglesOf } from "../decoder/triangles.mjs";
 
 /** Return the mesh in a file, by the end of its name; null for `.dmesh` files, and unknown ones. */
 export function readMeshFile(name, bytes) {
@@ -20,7 +20,7 @@ function meshOf(positions, corners, offsets, attributes = []) {
     offsets: Int32Array.from(offsets),
   };
   const none = { parts: [], metadata: new Map(), lost: [], anchors: new Int32Array(0) };
-  return { ...mesh, attributes, ...none, ...fansOf(mesh.corners, mesh.offsets) };
+  return { ...mesh, attributes, ...none, ...trianglesOf(mesh.positions, mesh.corners, mesh.offsets) };
 }
 
 function readObj(bytes) {

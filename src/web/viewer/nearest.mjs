@@ -1,80 +1,92 @@
-// Nearest points on the surface of a mesh of another structure, by a grid of cells.
-import { cross, dot, less, plus, unit } from "./matrices.mjs";
-import { boxOf } from "./model.mjs";
+// Nearest points on the surface of a mesh of another structure, by a tree of boxes.
+import { dot, faceNormal, length, less, plus, row, unit } from "./matrices.mjs";
 
-/** Return about the nearest point of a surface for each of some positions, and its normal there. */
-export function correspondenceOf(positions, mesh) {
-  const grid = gridOf(mesh);
+// Triangles of a leaf.
+const LEAF = 8;
+
+/** Return the nearest point of a surface for each of some positions, and its normal there. */
+export function nearestPoints(positions, mesh) {
+  const tree = treeOf(mesh);
   const points = new Float64Array(positions.length);
   const normals = new Float64Array(positions.length);
   for (let v = 0; 3 * v < positions.length; v++) {
-    const p = [0, 1, 2].map((a) => positions[3 * v + a]);
-    const { point, normal } = grid.nearest(p);
+    const { point, triangle } = nearest(tree, mesh, row(positions, v));
     points.set(point, 3 * v);
-    normals.set(normal, 3 * v);
+    if (triangle >= 0) normals.set(unit(faceNormal(mesh.positions, mesh.triangles, triangle)), 3 * v);
   }
   return { points, normals };
 }
 
-/** Return a grid of the vertices of a mesh, and their triangles. */
-function gridOf({ positions, triangles }) {
-  const { middle, size } = boxOf(positions);
-  const side = Math.max(1, Math.min(256, Math.ceil(Math.sqrt(positions.length / 12))));
-  const low = middle.map((x) => x - size / 2);
-  const cellOf = (p) =>
-    p.map((x, a) => Math.min(side - 1, Math.max(0, Math.floor(((x - low[a]) / size) * side))));
-  const cells = new Map();
-  const key = ([x, y, z]) => (z * side + y) * side + x;
-  const at = (v) => [0, 1, 2].map((a) => positions[3 * v + a]);
-  const around = Array.from({ length: positions.length / 3 }, () => []);
-  triangles.forEach((v, c) => around[v].push(Math.floor(c / 3)));
-  around.forEach((own, v) => {
-    if (!own.length) return;
-    const k = key(cellOf(at(v)));
-    if (!cells.has(k)) cells.set(k, []);
-    cells.get(k).push(v);
-  });
-  const nearestVertex = (p) => {
-    const cell = cellOf(p);
-    let [best, least] = [-1, Infinity];
-    for (let reach = 0; reach <= side; reach++) {
-      // Whatever is outside of so many rings of cells is that far away.
-      if (best >= 0 && ((reach - 1) * size) / side > Math.sqrt(least)) break;
-      eachOfShell(cell, reach, side, (place) => {
-        for (const v of cells.get(key(place)) ?? []) {
-          const off = less(at(v), p);
-          if (dot(off, off) < least) [best, least] = [v, dot(off, off)];
-        }
-      });
-    }
-    return best;
-  };
-  const nearest = (p) => {
-    let found = { point: p, normal: [0, 0, 0], size: Infinity };
-    const vertex = nearestVertex(p);
-    for (const t of vertex < 0 ? [] : around[vertex]) {
-      const [a, b, c] = [0, 1, 2].map((k) => at(triangles[3 * t + k]));
-      const point = onTriangle(p, a, b, c);
-      const off = less(point, p);
-      if (dot(off, off) < found.size) {
-        found = { point, normal: unit(cross(less(b, a), less(c, a))), size: dot(off, off) };
-      }
-    }
-    return found;
-  };
-  return { nearest };
-}
-
-function eachOfShell([x, y, z], reach, side, visit) {
-  for (let k = z - reach; k <= z + reach; k++) {
-    for (let j = y - reach; j <= y + reach; j++) {
-      const isFace = Math.abs(k - z) === reach || Math.abs(j - y) === reach;
-      for (let i = x - reach; i <= x + reach; i += isFace || !reach ? 1 : 2 * reach) {
-        if (Math.min(i, j, k) >= 0 && Math.max(i, j, k) < side) visit([i, j, k]);
-      }
+/** Return a tree over the triangles: their order, and boxes of halves of halves of it. */
+function treeOf({ positions, triangles }) {
+  const count = triangles.length / 3;
+  const order = Int32Array.from({ length: count }, (_, t) => t);
+  const middles = new Float32Array(3 * count);
+  for (let t = 0; t < count; t++) {
+    for (let c = 3 * t; c < 3 * t + 3; c++) {
+      for (let a = 0; a < 3; a++) middles[3 * t + a] += positions[3 * triangles[c] + a];
     }
   }
+  const boxes = [];
+  const make = (begin, end) => {
+    const at = boxes.length;
+    const box = { low: [Infinity, Infinity, Infinity], high: [-Infinity, -Infinity, -Infinity] };
+    boxes.push(box);
+    for (let i = begin; i < end; i++) {
+      for (let c = 3 * order[i]; c < 3 * order[i] + 3; c++) {
+        for (let a = 0; a < 3; a++) {
+          const x = positions[3 * triangles[c] + a];
+          if (x < box.low[a]) box.low[a] = x;
+          if (x > box.high[a]) box.high[a] = x;
+        }
+      }
+    }
+    if (end - begin <= LEAF) return Object.assign(box, { begin, end });
+    const sides = less(box.high, box.low);
+    const axis = sides.indexOf(Math.max(...sides));
+    const middle = parted(order, begin, end, (t) => middles[3 * t + axis]);
+    box.halves = [make(begin, middle), make(middle, end)];
+    return box;
+  };
+  return { root: make(0, count), order };
 }
+
+/** Part a range of an order at the mean of what is at its elements; return where, never at an end. */
+function parted(order, begin, end, valueOf) {
+  let sum = 0;
+  for (let i = begin; i < end; i++) sum += valueOf(order[i]);
+  const mean = sum / (end - begin);
+  let at = begin;
+  for (let i = begin; i < end; i++) {
+    if (valueOf(order[i]) >= mean) continue;
+    [order[i], order[at]] = [order[at], order[i]];
+    at++;
+  }
+  return at > begin && at < end ? at : (begin + end) >> 1;
+}
+
+function nearest({ root, order }, { positions, triangles }, p) {
+  let found = { point: p, triangle: -1, size: Infinity };
+  const waiting = [[root, 0]];
+  while (waiting.length) {
+    const [box, least] = waiting.pop();
+    if (least >= found.size) continue;
+    if (box.halves) {
+      // The nearer half is looked at first.
+      waiting.push(...box.halves.map((half) => [half, farFrom(half, p)]).sort((a, b) => b[1] - a[1]));
+      continue;
+    }
+    for (let i = box.begin; i < box.end; i++) {
+      const [a, b, c] = [0, 1, 2].map((k) => row(positions, triangles[3 * order[i] + k]));
+      const point = onTriangle(p, a, b, c);
+      const size = length(less(point, p));
+      if (size < found.size) found = { point, triangle: order[i], size };
+    }
+  }
+  return found;
+}
+
+const farFrom = ({ low, high }, p) => length(p.map((x, a) => Math.max(low[a] - x, 0, x - high[a])));
 
 /** Return the point of a triangle that is nearest to p. */
 function onTriangle(p, a, b, c) {

@@ -2,14 +2,18 @@
 import { colourBytes, partColour, SCALES } from "./colours.mjs";
 import { FIELDS, fieldOf } from "./fields.mjs";
 import { boxOf, cornerValues, modelOf, shownCorners } from "./model.mjs";
+import { nameOf, titleOfKind } from "./parts.mjs";
 import { MODES } from "./renderer.mjs";
 
 const PLAIN = [196, 202, 208];
 
-/** A mesh with its file's name and size, and what the file says, null for other files. */
+/**
+ * A mesh with its file's name and size, and what the file says, null for other files; `held` are the
+ * bytes of a file that has poses.
+ */
 export class Panel {
-  constructor({ name, role, mesh, about, size }) {
-    Object.assign(this, { name, role, mesh, about, size });
+  constructor({ name, role, mesh, about, size, held = null }) {
+    Object.assign(this, { name, role, mesh, about, size, held, pose: "" });
     this.box = boxOf(mesh.positions);
     this.fields = new Map();
     this.buffers = null;
@@ -29,6 +33,22 @@ export class Panel {
     this.buffers = renderer.upload(this.model, anchors);
   }
 
+  /** The names of the poses of the file. */
+  get poses() {
+    return (this.about?.poses ?? []).map(({ name }) => name);
+  }
+
+  /** Take the mesh in another pose, "" for none. */
+  change(mesh, pose, renderer, hidden) {
+    const { triangles, triangleCorners, trianglePolygons } = this.mesh;
+    Object.assign(this, { mesh, pose });
+    Object.assign(mesh, { triangles, triangleCorners, trianglePolygons });
+    this.fields.clear();
+    if (!renderer) return;
+    this.upload(renderer, this.frame);
+    this.hide(renderer, hidden);
+  }
+
   /** Draw only polygons that are in no hidden part; `hidden` has names by kinds. */
   hide(renderer, hidden) {
     const filters = this.mesh.parts
@@ -45,8 +65,13 @@ export class Panel {
     return [
       ...of("colour").map(({ name }) => [`colour:${name}`, `colours: ${name}`]),
       ...of("uv").map(({ name }) => [`uv:${name}`, `checker: ${name}`]),
-      ...parts.map(({ kind }) => [`part:${kind}`, `${kind}s`]),
+      ...parts.map(({ kind }) => [`part:${kind}`, titleOfKind(kind)]),
     ];
+  }
+
+  /** Return how it is coloured by itself: by the colours of the mesh, if it has any. */
+  ownColouring() {
+    return this.colourings().find(([key]) => key.startsWith("colour:"))?.[0] ?? "plain";
   }
 
   /** Colour it by a key; `original` is what errors are measured against, `most` their largest. */
@@ -99,6 +124,3 @@ export class Panel {
     return this.fields.get(key);
   }
 }
-
-/** Return the name of a part, as the list of parts has it. */
-export const nameOf = (names, part) => (part < 0 ? "(none)" : names[part] || "(no name)");

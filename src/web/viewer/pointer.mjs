@@ -2,7 +2,7 @@
 import { short } from "./facts.mjs";
 import { FIELDS } from "./fields.mjs";
 import { cross, dot, less } from "./matrices.mjs";
-import { nameOf } from "./panel.mjs";
+import { nameOf } from "./parts.mjs";
 
 /** Return words about the triangle of a panel that a ray from the eye meets. */
 export function described(panel, triangle, eye, direction, key, original) {

@@ -1,0 +1,1 @@
+"""Reports of `deltamesh bench` and `deltamesh batch` as pages."""

@@ -1,0 +1,81 @@
+// Dihedral angles at the edges of triangles, and what becomes of them.
+import { angleBetween, cross, dot, faceNormal, less, row } from "./matrices.mjs";
+
+/**
+ * Return the edges of exactly two triangles, as `deltamesh compare` has them: for each edge its ends
+ * and its half-edges, four numbers.
+ *
+ * Vertices at one position are one, or surfaces would end where they are cut for an attribute.
+ */
+export function interiorEdges({ positions, triangles }) {
+  const site = sitesOf(positions);
+  const count = site.length;
+  const first = new Map();
+  const beyond = new Set();
+  const pairs = new Map();
+  for (let h = 0; h < triangles.length; h++) {
+    const [a, b] = [site[triangles[h]], site[triangles[h % 3 === 2 ? h - 2 : h + 1]]];
+    if (a === b) continue;
+    const key = Math.min(a, b) * count + Math.max(a, b);
+    if (!first.has(key)) first.set(key, h);
+    else if (pairs.has(key)) beyond.add(key);
+    else pairs.set(key, h);
+  }
+  const edges = [];
+  for (const [key, other] of pairs) {
+    const h = first.get(key);
+    if (beyond.has(key) || Math.floor(h / 3) === Math.floor(other / 3)) continue;
+    edges.push(triangles[h], triangles[h % 3 === 2 ? h - 2 : h + 1], h, other);
+  }
+  return edges;
+}
+
+/** Return for each vertex the first at its position. */
+function sitesOf(positions) {
+  const words = new Uint32Array(Float64Array.from(positions, (x) => x + 0).buffer);
+  const count = positions.length / 3;
+  const mask = 2 ** Math.ceil(Math.log2(2 * count + 1)) - 1;
+  const table = new Int32Array(mask + 1).fill(-1);
+  const isAt = (v, w) => [0, 1, 2].every((a) => positions[3 * v + a] === positions[3 * w + a]);
+  const site = new Int32Array(count);
+  for (let v = 0; v < count; v++) {
+    let place = 0;
+    for (let i = 6 * v; i < 6 * v + 6; i++) {
+      place = Math.imul(place ^ words[i], 0x9e3779b1);
+      place ^= place >>> 15;
+    }
+    place &= mask;
+    while (table[place] >= 0 && !isAt(table[place], v)) place = (place + 1) & mask;
+    if (table[place] < 0) table[place] = v;
+    site[v] = table[place];
+  }
+  return site;
+}
+
+/** Return the sizes of the changes of the dihedral angles at edges, in degrees, at most 180. */
+export function changesOfDihedrals(edges, mesh, original) {
+  const changes = new Float64Array(edges.length / 4);
+  for (let e = 0; e < changes.length; e++) {
+    const change = Math.abs(dihedral(mesh, 4 * e) - dihedral(original, 4 * e));
+    changes[e] = Math.min(change, 360 - change);
+  }
+  return changes;
+
+  // From the normal of one triangle to that of the other, positive where the surface is convex.
+  function dihedral({ positions }, at) {
+    const { triangles } = original;
+    const [a, b, h, other] = [edges[at], edges[at + 1], edges[at + 2], edges[at + 3]];
+    const normal = faceNormal(positions, triangles, Math.floor(h / 3));
+    let beside = faceNormal(positions, triangles, Math.floor(other / 3));
+    // Both triangles run through the edge in one direction where one of them is turned over.
+    const isSame = isAt(triangles[other], a);
+    if (isSame) beside = beside.map((x) => -x);
+    const axis = cross(normal, beside);
+    const angle = angleBetween(normal, beside);
+    return dot(axis, less(row(positions, b), row(positions, a))) < 0 ? -angle : angle;
+  }
+
+  function isAt(v, w) {
+    return [0, 1, 2].every((i) => original.positions[3 * v + i] === original.positions[3 * w + i]);
+  }
+}
