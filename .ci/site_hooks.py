@@ -27,7 +27,7 @@ PAGES = {
 COPIES = {"license.txt": "LICENSE"}
 _SITE = {there: here for here, there in (PAGES | COPIES).items()}
 _LINK = re.compile(r"(\]\()([^)\s]+)(\))")
-_COMMENT = re.compile(r"^<!-- run.* -->\n", re.MULTILINE)
+_COMMENT = re.compile(r"^<!-- (?:run|table).* -->\n", re.MULTILINE)
 
 
 def on_files(files: Files, config: Any) -> Files:

@@ -13,7 +13,7 @@ import click
 import corpus
 import numpy as np
 
-from deltamesh._geometry.quantize import quantize_delta
+from deltamesh._geometry.quantize import Rounding, quantize_delta
 from deltamesh._graph.adjacency import adjacency, components
 from deltamesh._graph.elements import Elements
 from deltamesh._graph.parallelograms import NO_QUADS, parallelograms
@@ -67,8 +67,9 @@ def kernels(V: Floats, F: Ints) -> Iterator[Timed]:
     extent = float(np.ptp(V, axis=0).max())
     delta = laplacian.apply(*graph, V)
     step = float(np.abs(delta).max()) / 16
-    yield "diffusion", lambda: quantize_delta(delta, graph, step, (1.0, 1.0))
-    values = quantize_delta(delta, graph, step, (1.0, 1.0))
+    diffused = Rounding(tangential=1.0)
+    yield "diffusion", lambda: quantize_delta(delta, graph, step, diffused)
+    values = quantize_delta(delta, graph, step, diffused)
     stream = encode_with(residual.MODEL, n, lambda c: code_deltas(c, *graph, values.copy()))
     yield (
         "deltas, encode",

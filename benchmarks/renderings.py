@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import importlib.util
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
 import click
 import corpus
 import numpy as np
+import paper_curves
+from equal_sizes import fitting, nearest_bits
+from paper_models import is_there
+from paper_models import model as paper_model
+from paper_pictures import FIGURES
 from scenes import Look, Panel, Scale, draw, save
 
 from deltamesh._measures.metrics import diagonal, vertex_errors
@@ -24,10 +28,9 @@ python benchmarks/renderings.py --figure equal_bytes --mesh horse --mesh skull -
 python benchmarks/renderings.py --figure sphere"""
 
 FOLDER = Path(__file__).parents[1] / "docs" / "figures"
-# A file counts as one of as many bytes when it is no larger and at most 1 % smaller.
-CLOSE = 0.99
-MOST_DOUBLINGS, MOST_TRIES = 10, 12
 DRACO_BITS = range(5, 15)
+# Those of docs/paper.md.
+PAPER = ("paper_curves", *(f"paper_{name}" for name in FIGURES))
 
 # Pixels of two rows of three panels, and of one of four.
 _SIZE, _WIDE = (1080, 750), (1480, 480)
@@ -57,55 +60,6 @@ def icosphere(levels: int) -> TriangleMesh:
 
     made = make(subdivisions=levels)
     return TriangleMesh(np.asarray(made.vertices, np.float64), np.asarray(made.faces, np.int64))
-
-
-def nearest_bits(sizes: Mapping[int, int], budget: float) -> int:
-    """Return the bits whose file is nearest to a number of bytes."""
-    return min(sizes, key=lambda bits: abs(sizes[bits] - budget))
-
-
-def fitting(size_of: Callable[[float], int], budget: int, start: float) -> float:
-    """Return a setting whose file has as many bytes as allowed, or up to 1 % less.
-
-    Parameters
-    ----------
-    size_of : callable
-        Bytes at a setting; they fall as it grows.
-    budget : int
-    start : float
-        Where to begin. Settings have four digits, so that they can be typed.
-
-    Raises
-    ------
-    LookupError
-        If no file is so small, or all are.
-    """
-    fine = coarse = rounded(start)
-    for _ in range(MOST_DOUBLINGS):
-        if size_of(fine) > budget:
-            break
-        coarse, fine = fine, rounded(fine / 2)
-    for _ in range(MOST_DOUBLINGS):
-        if size_of(coarse) <= budget:
-            break
-        fine, coarse = coarse, rounded(coarse * 2)
-    if not size_of(coarse) <= budget < size_of(fine):
-        raise LookupError(f"no file of {budget} bytes between settings {fine:g} and {coarse:g}")
-    for _ in range(MOST_TRIES):
-        small, large = size_of(coarse), size_of(fine)
-        if small >= CLOSE * budget:
-            break
-        share = math.log(large / (math.sqrt(CLOSE) * budget)) / math.log(large / small)
-        setting = rounded(fine * (coarse / fine) ** min(max(share, 0.1), 0.9))
-        if setting in (fine, coarse):
-            break
-        fine, coarse = (fine, setting) if size_of(setting) <= budget else (setting, coarse)
-    return coarse
-
-
-def rounded(setting: float) -> float:
-    """Return a number of four digits."""
-    return float(f"{setting:.4g}")
 
 
 def caption(title: str, coded: Coded) -> str:
@@ -215,7 +169,7 @@ def importance() -> list[list[Panel]]:
 @click.option(
     "--figure",
     "figures",
-    type=click.Choice(["sphere", "model", "equal_bytes", "stream", "importance"]),
+    type=click.Choice(["sphere", "model", "equal_bytes", "stream", "importance", *PAPER]),
     multiple=True,
     help="Draw this figure only; may be repeated.",
 )
@@ -239,7 +193,9 @@ def importance() -> list[list[Panel]]:
     help="Folder for the PNGs.",
 )
 def command(figures: tuple[str, ...], names: tuple[str, ...], bpv: float, output: Path) -> None:
-    """Render the figures of the README and print their numbers; needs the extra `view`.
+    """Render the figures of the README and docs/paper.md; print their numbers.
+
+    Needs the extra `view`.
 
     equal_bytes needs the extra `bench`, too. What needs a mesh that is not there is skipped.
     """
@@ -264,13 +220,21 @@ def command(figures: tuple[str, ...], names: tuple[str, ...], bpv: float, output
         file = "equal_bytes.png" if name == "bunny" else f"equal_bytes_{name}.png"
         rows = equal_bytes(corpus.bare(name), LOOKS[name], bpv)
         _render(output / file, rows, _SIZE)
+    if (not figures or "paper_curves" in figures) and _there("paper_curves", paper_curves.BASES):
+        paper_curves.draw(output / "paper_curves.png")
+        click.echo(f"paper_curves.png, {(output / 'paper_curves.png').stat().st_size:,} bytes")
+    for name, figure in FIGURES.items():
+        file = f"paper_{name}"
+        if (not figures or file in figures) and _there(file, figure.mesh):
+            rows = figure.rows(paper_model(figure.mesh))
+            _render(output / f"{file}.png", rows, figure.size, figure.scale)
 
 
 def _there(figure: str, name: str) -> bool:
     """Tell whether a mesh is there, and on standard error where it is not."""
-    if corpus.path(name).is_file():
+    if is_there(name):
         return True
-    click.echo(f"{figure} skipped: no {corpus.path(name)}", err=True)
+    click.echo(f"{figure} skipped: no {name} in {corpus.folder()}", err=True)
     return False
 
 

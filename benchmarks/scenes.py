@@ -65,7 +65,9 @@ class Panel:
     text : str
         Below the picture.
     values : float64 (n,), optional
-        At the vertices, shown as colours on a logarithmic scale.
+        At the vertices, shown as colours.
+    points : float64 (k, 3), optional
+        Shown as dots.
     """
 
     mesh: TriangleMesh
@@ -73,15 +75,24 @@ class Panel:
     look: Look
     text: str = ""
     values: NDArray[np.float64] | None = None
+    points: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
 class Scale:
-    """What the colours of a figure mean: a title, and where they begin and end."""
+    """What the colours of a figure mean: a title, and where they begin and end.
+
+    They are on a logarithmic scale, unless the least value is not positive.
+    """
 
     title: str
     low: float
     high: float
+
+    @property
+    def is_logarithmic(self) -> bool:
+        """Whether values are positive."""
+        return self.low > 0
 
 
 def draw(rows: Sequence[Sequence[Panel]], size: tuple[int, int], scale: Scale | None) -> Image:
@@ -138,17 +149,23 @@ def _show(plotter: Any, panel: Panel, scale: Scale | None) -> None:
     if panel.values is None or scale is None:
         plotter.add_mesh(surface, **_SURFACE, **_LIT)
     else:
-        surface["values"] = np.maximum(panel.values, scale.low / 10)
+        least = scale.low / 10 if scale.is_logarithmic else scale.low
+        surface["values"] = np.maximum(panel.values, least)
         plotter.add_mesh(
             surface,
             scalars="values",
-            cmap="viridis",
-            log_scale=True,
+            cmap="viridis" if scale.is_logarithmic else "coolwarm",
+            log_scale=scale.is_logarithmic,
             clim=(scale.low, scale.high),
             lighting=False,
             show_scalar_bar=False,
         )
-        plotter.add_scalar_bar(title=scale.title, **_bar())
+        if scale.is_logarithmic:
+            plotter.add_scalar_bar(title=scale.title, **_bar())
+    if panel.points is not None:
+        dots = pyvista.PolyData(panel.points)
+        size = 2.5 * SUPERSAMPLING
+        plotter.add_mesh(dots, color="#c02020", point_size=size, render_points_as_spheres=True)
     if panel.text:
         size = 8 * SUPERSAMPLING
         where = {"position": (0.03, 0.03), "viewport": True}

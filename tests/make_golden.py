@@ -25,6 +25,8 @@ import meshes
 import numpy as np
 import oracle
 import poisson_oracle
+import posed
+import spec_decoder
 import stepped
 import strategies
 from graphs import tolerances_of
@@ -417,6 +419,22 @@ def write_attributed():
             if not has.all():
                 arrays[f"has{i}"] = has
         (GOLDEN / f"{name}.dmesh").write_bytes(encoded.data)
+        np.savez_compressed(GOLDEN / f"{name}.npz", **arrays)
+
+
+def write_posed():
+    """The golden files with poses: positions are those of the second decoder."""
+    for name, data in posed.golden():
+        if not is_missing(name):
+            continue
+        mesh = decode(data)
+        arrays = {"vertices": mesh.vertices, "faces": mesh.triangles.astype(np.uint16)}
+        for pose in posed.NAMES:
+            arrays[f"pose {pose}"] = decode(data, pose=pose).vertices
+            found = spec_decoder.decode(data, pose)[0]
+            error = np.abs(found - arrays[f"pose {pose}"])
+            assert (error <= posed.tolerances(data, mesh)).all()
+        (GOLDEN / f"{name}.dmesh").write_bytes(data)
         np.savez_compressed(GOLDEN / f"{name}.npz", **arrays)
 
 
@@ -956,7 +974,7 @@ def write_refused():
     known = TABLE.read_text(encoding="utf-8").splitlines()[1:] if TABLE.exists() else []
     known = {row.split("\t")[0]: row for row in known}
     rows = ["file\terror\toffset\tmessage begins with"]
-    for name, data in (refused() | refused_steps() | refused_cells()).items():
+    for name, data in (refused() | refused_steps() | refused_cells() | posed.refused()).items():
         if not is_missing(name, REFUSED):
             rows.append(known[name])
             continue
@@ -985,6 +1003,7 @@ def main():
     write_stepped()
     write_polymeshes()
     write_attributed()
+    write_posed()
     write_refused()
 
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import click
 
-from deltamesh._methods import BOUNDS, RATES
+from deltamesh._methods import AUTO, BOUNDS, METHOD_OPTIONS, METHODS, RATES
 from deltamesh._options import ATTRIBUTE_BOUNDS, Options
 from deltamesh_cli import options
 from deltamesh_cli.encode_options import encode_options
@@ -16,8 +16,11 @@ from deltamesh_cli.lengths import refuse_units, settle_shares
 from deltamesh_cli.value_types import comma_separated
 from deltamesh_formats.errors import OptionError
 
-# The encode options that may be lists here, and those that have another meaning here or none.
-_LISTS: Final = ("method", *RATES, *BOUNDS)
+# The encode options that may be lists here: rates and bounds, one at a time, and the others, each
+# with each; and those that have another meaning here or none.
+_RATES: Final = (*RATES, *BOUNDS)
+_CROSSED: Final = ("method", "anchors", "anchor_method")
+_LISTS: Final = (*_CROSSED, *_RATES)
 _NOT_SHARED: Final = (
     *("solver", "threads", "source_format", "drop_isolated", "importance"),
     *ATTRIBUTE_BOUNDS,
@@ -47,22 +50,31 @@ def _as_list(option: click.Option) -> click.Option:
 
 
 def labels_of(parameters: dict[str, Any]) -> list[str]:
-    """Return the label of each method with each rate."""
+    """Return the label of each method with each choice of anchors and each rate."""
     from deltamesh.bench import label
 
     lists = {name: _flat(parameters.pop(name, ())) for name in _LISTS}
-    methods = [{"method": method} for method in lists.pop("method")] or [{}]
-    rates = [{name: value} for name, values in lists.items() for value in values] or [{}]
+    given = [[{name: value} for value in lists[name]] or [{}] for name in _CROSSED]
+    rates = [{name: value} for name in _RATES for value in lists[name]] or [{}]
     common = options.specified(parameters)
     try:
         for rate in rates:
             settle_shares(rate)
             refuse_units(rate)
-        return [
-            label(Options(**method, **rate, **common)) for method, rate in product(methods, rates)
+        labels = [
+            label(Options(**_meant({**method, **anchors, **choice}), **rate, **common))
+            for method, anchors, choice, rate in product(*given, rates)
         ]
+        return list(dict.fromkeys(labels))
     except OptionError as error:
         raise click.UsageError(f"{error}.") from error
+
+
+def _meant(crossed: dict[str, Any]) -> dict[str, Any]:
+    """Return what means something to the method: the Cartesian one, for one, has no anchors."""
+    method = crossed.get("method", AUTO)
+    known = METHOD_OPTIONS if method == AUTO else METHODS[method].options
+    return {name: value for name, value in crossed.items() if name in ("method", *known)}
 
 
 def _flat(lists: tuple[tuple[Any, ...], ...]) -> list[Any]:

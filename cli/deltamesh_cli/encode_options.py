@@ -160,7 +160,8 @@ _ANCHORS: Final = options.combined(
         "--anchor-method",
         type=click.Choice(ANCHOR_METHODS),
         help="Choice of the anchors: farthest spreads them over the surface, greedy puts them"
-        " where the error is largest (slower), random draws them.  [default: farthest]",
+        " where the error is largest (slower), random draws them.  [default: farthest with refined"
+        " and above 50 million vertices times anchors, else greedy]",
     ),
     click.option(
         "--diffusion/--no-diffusion",

@@ -82,6 +82,9 @@ def encode_file(
     Failure
         If the input cannot be read or encoded, or the output cannot be written.
     """
+    from deltamesh._machine import return_freed_memory
+
+    return_freed_memory()
     raw = files.read_raw(source)
     original = files.unwrapped_input(source, raw)
     mesh = parse_mesh(source, original, input_format, progress)

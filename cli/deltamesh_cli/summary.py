@@ -35,7 +35,8 @@ def container_object(name: str, container: Container) -> dict[str, object]:
     FormatError
         If its text or its attribute table is damaged.
     """
-    from deltamesh_formats.container.listing import texts_object
+    from deltamesh_formats.container.listing import poses_object, texts_object
+    from deltamesh_formats.container.pose_table import entries_of as poses_of
     from deltamesh_formats.container.texts import texts_of
 
     n, parameters, meta = container.vertices, container.parameters, container.meta
@@ -57,6 +58,7 @@ def container_object(name: str, container: Container) -> dict[str, object]:
             {"id": s.id, "offset": s.offset, "bytes": s.size} for s in container.sections.values()
         ],
         "attributes": [_attribute_object(entry) for entry in attributes_of(container)],
+        "poses": poses_object(poses_of(container)),
         "errors": None if meta is None else errors_object(meta),
         "importance": _regions_object(container),
         "encoder": None if meta is None else meta.encoder,

@@ -110,7 +110,8 @@ DM_API int dm_code_refinements(dm_coder *c, const int32_t *indptr, int64_t n,
                                int64_t *values);
 DM_API int dm_diffuse(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                       double *delta, const double *normals, const double *steps, double zone,
-                      double tangential, double normal, int64_t columns, int64_t *out);
+                      double pull, double weight, double tangential, double normal,
+                      int64_t columns, int64_t *out);
 
 /* points.c */
 DM_API int dm_code_gaps(dm_coder *c, int64_t *indices, int64_t count, int64_t n);
@@ -337,9 +338,9 @@ DM_API int dm_smooth(const int32_t *indptr, int64_t n, const int32_t *indices, i
 DM_API int dm_normal_bounds(const int32_t *indptr, int64_t n, const int32_t *indices,
                             int64_t entries, int64_t *bounds, int64_t *seen);
 DM_API int dm_normal_matrix(const int32_t *indptr, int64_t n, const int32_t *indices,
-                            int64_t entries, const int64_t *anchors, int64_t anchor_count,
-                            const int64_t *bounds, int64_t *columns, double *values,
-                            int64_t filled, int64_t *place);
+                            int64_t entries, const int64_t *anchors, const double *weights,
+                            int64_t anchor_count, const int64_t *bounds, int64_t *columns,
+                            double *values, int64_t filled, int64_t *place);
 
 /* multigrid.c */
 DM_API int dm_aggregate(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
@@ -391,6 +392,15 @@ DM_API int dm_gather_neighbours(const int64_t *a, const int64_t *b, int64_t coun
 DM_API int dm_label_components(const int32_t *indptr, int64_t n, const int32_t *indices,
                                int64_t entries, int64_t *label, int64_t *queue, int64_t *count);
 
+/* motions.c */
+DM_API int dm_span(const int64_t *a, const int64_t *b, int64_t count, int64_t n, uint8_t *kept,
+                   int64_t *root);
+DM_API int dm_walk_forest(const int32_t *indptr, int64_t n, const int32_t *indices,
+                          int64_t entries, int64_t *order, int64_t *parent);
+DM_API int dm_carry_motions(const int64_t *order, const int64_t *parent, int64_t n,
+                            const double *rest, double step, double unit, int64_t measuring,
+                            int64_t *numbers, double *positions, double *quaternions);
+
 /* normals.c */
 DM_API int dm_vertex_normals(const double *points, int64_t n, const int64_t *faces, int64_t m,
                              const double *steps, int64_t step_count, double most, double fade,
@@ -404,6 +414,15 @@ DM_API int dm_nearest_rotations(const double *matrices, int64_t n, double *turns
 DM_API int dm_turned_deltas(const int32_t *indptr, int64_t n, const int32_t *indices,
                             int64_t entries, const double *points, const double *turns,
                             double *out);
+
+/* parallelograms.c */
+DM_API int dm_count_parallelograms(const int64_t *faces, int64_t m, int64_t n,
+                                   const int64_t *opposite, const int64_t *quads,
+                                   int64_t quad_count, int32_t *first, int32_t *within);
+DM_API int dm_list_parallelograms(const int64_t *faces, int64_t m, int64_t n,
+                                  const int64_t *opposite, const int64_t *quads,
+                                  int64_t quad_count, const int32_t *first, int64_t count,
+                                  int32_t *corners, int32_t *place);
 
 /* outlines.c */
 DM_API int dm_walk_outlines(const int64_t *merged, int64_t faces, int64_t *corners,

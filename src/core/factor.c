@@ -242,6 +242,10 @@ static panel panel_of(const dm_factor_plan *p, int64_t s)
 /* Four columns at once: each right-hand side is read and written a quarter as often. */
 enum { AT_ONCE = 4 };
 
+/* Right-hand sides that one pass over the factor solves for: with fewer, reading it would take most of
+   the time. */
+enum { MOST_COLUMNS = 16 };
+
 /* Subtract `count` columns from `first` on, times their solutions, from the rows below them. */
 static inline void subtract_columns(const panel *p, int64_t first, int64_t count, double *x,
                                     int64_t columns)
@@ -274,16 +278,16 @@ static inline void subtract_rows(const panel *p, int64_t first, int64_t count, d
     double *own = x + first * columns;
     const int64_t h = p->height;
     if (count == AT_ONCE) {
-        for (int64_t c = 0; c < columns; c++) {
-            double sums[AT_ONCE] = {0.0, 0.0, 0.0, 0.0};
-            for (int64_t i = first + count; i < h; i++) {
+        double sums[AT_ONCE * MOST_COLUMNS] = {0.0};
+        for (int64_t i = first + count; i < h; i++)
+            for (int64_t c = 0; c < columns; c++) {
                 const double solved = x[i * columns + c];
-                sums[0] += e[i] * solved, sums[1] += e[h + i] * solved;
-                sums[2] += e[2 * h + i] * solved, sums[3] += e[3 * h + i] * solved;
+                sums[c] += e[i] * solved, sums[columns + c] += e[h + i] * solved;
+                sums[2 * columns + c] += e[2 * h + i] * solved;
+                sums[3 * columns + c] += e[3 * h + i] * solved;
             }
-            for (int64_t k = 0; k < AT_ONCE; k++)
-                own[k * columns + c] -= sums[k];
-        }
+        for (int64_t i = 0; i < AT_ONCE * columns; i++)
+            own[i] -= sums[i];
     } else {
         for (int64_t k = 0; k < count; k++)
             for (int64_t i = first + count; i < h; i++)
@@ -303,8 +307,11 @@ static inline void solve_in_order(const dm_factor_plan *plan, double *x, int64_t
     for (int64_t s = 0; s < plan->supernodes; s++) {
         const panel p = panel_of(plan, s);
         double *own = x + p.start * columns;
+        int is_zero = 1;
         for (int64_t i = 0; i < p.width * columns; i++)
-            gathered[i] = own[i];
+            gathered[i] = own[i], is_zero &= own[i] == 0.0;
+        if (is_zero) /* as nearly all panels of a unit vector are */
+            continue;
         for (int64_t i = p.width * columns; i < p.height * columns; i++)
             gathered[i] = 0.0;
         for (int64_t k = 0; k < p.width; k += AT_ONCE)
@@ -330,22 +337,27 @@ static inline void solve_in_order(const dm_factor_plan *plan, double *x, int64_t
 
 /* Solve M x = b in place, x (n, columns), with the factor of dm_factor.
 
-   Scratch: ordered (n, columns), sums (tallest, columns). */
+   Scratch: ordered (n, columns), sums (tallest, columns), or 16 columns where there are more. */
 int dm_solve_factored(const dm_factor_plan *plan, double *x, int64_t columns, double *ordered,
                       double *sums)
 {
     if (!is_plan(plan) || !dm_all_in(plan->order, plan->n, 0, plan->n) ||
         !dm_all_in(plan->rows, plan->row_count, 0, plan->n))
         return DM_INVALID;
-    for (int64_t i = 0; i < plan->n; i++)
-        for (int64_t c = 0; c < columns; c++)
-            ordered[i * columns + c] = x[plan->order[i] * columns + c];
-    if (columns == 3) /* the common case, for which the compiler knows the inner loops */
-        solve_in_order(plan, ordered, 3, sums);
-    else
-        solve_in_order(plan, ordered, columns, sums);
-    for (int64_t i = 0; i < plan->n; i++)
-        for (int64_t c = 0; c < columns; c++)
-            x[plan->order[i] * columns + c] = ordered[i * columns + c];
+    for (int64_t first = 0; first < columns; first += MOST_COLUMNS) {
+        const int64_t count = dm_min(MOST_COLUMNS, columns - first);
+        for (int64_t i = 0; i < plan->n; i++)
+            for (int64_t c = 0; c < count; c++)
+                ordered[i * count + c] = x[plan->order[i] * columns + first + c];
+        if (count == 3) /* the common cases, for which the compiler knows the inner loops */
+            solve_in_order(plan, ordered, 3, sums);
+        else if (count == MOST_COLUMNS)
+            solve_in_order(plan, ordered, MOST_COLUMNS, sums);
+        else
+            solve_in_order(plan, ordered, count, sums);
+        for (int64_t i = 0; i < plan->n; i++)
+            for (int64_t c = 0; c < count; c++)
+                x[plan->order[i] * columns + first + c] = ordered[i * count + c];
+    }
     return DM_OK;
 }

@@ -103,12 +103,14 @@ static int add(row *r, int64_t column, double value)
     return 1;
 }
 
-/* Fill in L^T L + S^T S by rows, the columns of each in no order: integers, all of them exact.
+/* Fill in L^T L + S^T W S by rows, the columns of each in no order: without W, exact integers.
 
-   `bounds` are those of dm_normal_bounds; S selects the anchors. Scratch: place (n,). */
+   `bounds` are those of dm_normal_bounds; S selects the anchors, which have `weights`. Scratch:
+   place (n,). */
 int dm_normal_matrix(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
-                     const int64_t *anchors, int64_t anchor_count, const int64_t *bounds,
-                     int64_t *columns, double *values, int64_t filled, int64_t *place)
+                     const int64_t *anchors, const double *weights, int64_t anchor_count,
+                     const int64_t *bounds, int64_t *columns, double *values, int64_t filled,
+                     int64_t *place)
 {
     if (!dm_is_graph(indptr, n, indices, entries) || !dm_all_in(anchors, anchor_count, 0, n) ||
         !dm_are_bounds(bounds, n, filled))
@@ -133,6 +135,6 @@ int dm_normal_matrix(const int32_t *indptr, int64_t n, const int32_t *indices, i
     if (!good)
         return DM_INVALID;
     for (int64_t a = 0; a < anchor_count; a++)
-        values[bounds[anchors[a]]] += 1.0;
+        values[bounds[anchors[a]]] += weights[a];
     return DM_OK;
 }

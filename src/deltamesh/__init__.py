@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from deltamesh._codec import decode as decode, encode as encode
+    from deltamesh._editing import Edited as Edited, edit as edit
     from deltamesh._files import info as info, load as load, save as save, verify as verify
     from deltamesh._page.viewing import Page as Page, view as view
     from deltamesh._prefixes import Partial as Partial, stages as stages
@@ -42,6 +43,7 @@ else:
         __name__,
         {
             "deltamesh._codec": ("decode", "encode"),
+            "deltamesh._editing": ("Edited", "edit"),
             "deltamesh._files": ("info", "load", "save", "verify"),
             "deltamesh._page.viewing": ("Page", "view"),
             "deltamesh._prefixes": ("Partial", "stages"),

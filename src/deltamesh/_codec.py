@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Literal, TypeAlias, Unpack, overload
@@ -23,7 +24,7 @@ from deltamesh._progress import Progress, silent
 from deltamesh._sources import Bytes, bytes_of
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_container, read_prefix
-from deltamesh_formats.errors import MeshError
+from deltamesh_formats.errors import MeshError, OptionError
 from deltamesh_formats.polymesh.arrays import unchecked
 from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.polymesh.validation import checked
@@ -58,7 +59,7 @@ def encode(
     effort: int = DEFAULT_EFFORT,
     diffusion: bool = True,
     anchors: int | float | None = None,
-    anchor_method: str = "farthest",
+    anchor_method: str | None = None,
     seed: int = 0,
     coarse: float | None = None,
     solution: str | None = None,
@@ -130,7 +131,10 @@ def encode(
     anchors : int or float, optional
         How many vertices are stored with their positions, or which fraction. Default: 0.001. At
         least one a component.
-    anchor_method : {"farthest", "greedy", "random"}
+    anchor_method : {"farthest", "greedy", "random"}, optional
+        How anchors are chosen: spread over the surface, where the error is largest, or at random.
+        Default: "greedy" with "highpass" and with 0 bits, unless vertices times anchors are more
+        than 50 million or anchors are interpolated; else "farthest".
     seed : int
         Of the random anchors.
     coarse : float, optional
@@ -268,6 +272,7 @@ def _mesh_of(mesh: PolyMesh | ArrayLike, faces: Faces | None) -> PolyMesh:
 def decode(
     data: Bytes | Container,
     *,
+    pose: str | None = None,
     partial: Literal[False] = False,
     solver: str = "auto",
     threads: int | None = None,
@@ -293,6 +298,7 @@ def decode(
 def decode(
     data: Bytes | Container,
     *,
+    pose: str | None = None,
     partial: bool = False,
     solver: str = "auto",
     threads: int | None = None,
@@ -306,6 +312,8 @@ def decode(
     ----------
     data : bytes-like, or what `deltamesh.info` returned
         The whole file; a bytearray, mmap or array of bytes is not copied.
+    pose : str, optional
+        The name of a pose, of those that `deltamesh.edit` has added. Default: the mesh at rest.
     partial : bool
         Whether the file may be cut: its beginning is decoded, as far as it reaches. The checksums
         of whole sections are verified, that of the content only of a whole file.
@@ -337,6 +345,8 @@ def decode(
         Before anything above the limits is allocated: by the counts of the file or, for methods
         that solve, by the entries of the factorization.
     SolveError
+    OptionError
+        If there is no such pose, or the file may be cut.
     TypeError
         For anything but bytes.
 
@@ -344,7 +354,13 @@ def decode(
     -----
     D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
     """
-    read, run = (read_prefix, decode_prefix) if partial else (read_container, decode_mesh)
+    if partial and pose is not None:
+        raise OptionError("a pose of a file that may be cut: poses need the whole file")
+    read, run = (
+        (read_prefix, decode_prefix)
+        if partial
+        else (read_container, functools.partial(decode_mesh, pose=pose))
+    )
     return run(
         data if isinstance(data, Container) else read(bytes_of(data)),
         solver=solver,

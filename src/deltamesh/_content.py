@@ -11,6 +11,7 @@ import numpy as np
 
 from deltamesh._attributes.domains import Domains
 from deltamesh._geometry.integers import NO_POINTS, NONE, Integers
+from deltamesh._geometry.poses import Pose
 from deltamesh._parts import Annotations
 from deltamesh._shape.polygons import assembled
 from deltamesh._shape.structure import EMPTY, Structure
@@ -37,6 +38,7 @@ class Content:
         Parts, names, transforms and metadata.
     order : Order or None
         The order of the input, where it is kept.
+    poses : tuple of Pose
     """
 
     domains: Domains
@@ -44,11 +46,18 @@ class Content:
     attributes: tuple[CodedAttribute, ...] = ()
     annotations: Annotations | None = None
     order: Order | None = None
+    poses: tuple[Pose, ...] = ()
 
     @property
     def structure(self) -> Structure:
         """The mesh without its positions."""
         return self.domains.structure
+
+    @property
+    def points(self) -> Ints:
+        """The point of each vertex of the mesh, int64 (n,)."""
+        points = self.structure.points
+        return points if self.order is None else points[self.order.vertices]
 
     def digest(self) -> bytes:
         """Return the checksum in CHEK (SPEC.md 5.7)."""
@@ -57,7 +66,8 @@ class Content:
         annotations = () if self.annotations is None else self.annotations.arrays()
         order = () if self.order is None else self.order.arrays
         attributes = (array for one in self.attributes for array in one.arrays)
-        further = (*order, *merged, *attributes, *annotations)
+        poses = (array for pose in self.poses for array in pose.arrays())
+        further = (*order, *merged, *attributes, *annotations, *poses)
         return digest(s.faces, s.split_points, self.integers, further)
 
     def mesh(self, points: Floats, single: bool, margin: float = 0.0) -> PolyMesh:
@@ -116,7 +126,8 @@ def digest(
     integers : Integers
     further : iterable of int64 arrays
         Those of the order, the merged half-edges, those of the attributes, the text of the
-        annotations and their arrays; each only where the file has it, in this order.
+        annotations and their arrays, those of the poses; each only where the file has it, in this
+        order.
 
     Returns
     -------

@@ -84,6 +84,7 @@ def verify(
 def load(
     source: PathOrFile,
     *,
+    pose: str | None = None,
     partial: Literal[False] = False,
     solver: str = "auto",
     threads: int | None = None,
@@ -109,6 +110,7 @@ def load(
 def load(
     source: PathOrFile,
     *,
+    pose: str | None = None,
     partial: bool = False,
     solver: str = "auto",
     threads: int | None = None,
@@ -128,20 +130,22 @@ def load(
         within `memory`, too.
     partial : bool
         Whether the file may be cut; what is returned is a `Partial` then.
-    solver, threads, max_vertices, memory, progress
+    pose, solver, threads, max_vertices, memory, progress
         As in `deltamesh.decode`, which does the same with bytes.
 
     Raises
     ------
-    FormatError, LimitError, SolveError, OSError
+    FormatError, LimitError, SolveError, OptionError, OSError
     TypeError
         For anything but a path or a file that is open in binary mode.
     """
     from deltamesh._codec import decode
 
+    # Each overload of `decode` has one of these.
     run = functools.partial(decode, partial=True) if partial else decode
     return run(
         read_file(source, memory, partial=partial),
+        pose=pose,
         solver=solver,
         threads=threads,
         max_vertices=max_vertices,

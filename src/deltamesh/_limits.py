@@ -12,9 +12,11 @@ from deltamesh_formats.container.layout import (
     FILLING,
     MAX_ELEMENTS_PER_BYTE,
     POLYGONS,
+    POSES,
     SPLIT_VERTICES,
     STITCHES,
 )
+from deltamesh_formats.container.pose_table import entries_of as entries_of_poses
 from deltamesh_formats.container.texts import text_size, texts_of
 from deltamesh_formats.errors import FormatError, LimitError
 from deltamesh_formats.wrappers import DEFAULT_LIMIT
@@ -24,7 +26,7 @@ DEFAULT_MAX_VERTICES = 1 << 32
 DEFAULT_MEMORY = DEFAULT_LIMIT
 
 # Bytes beside those of the method, measured as these are: half-edges and fronts.
-PER_FACE = 320
+PER_FACE = 120
 PER_TEXT_BYTE = 24
 PER_TRANSFORM = 400
 PER_GLUED_FACE = 240  # more, where polygons are made of triangles
@@ -32,6 +34,9 @@ PER_GLUED_FACE = 240  # more, where polygons are made of triangles
 # those of the surface, corner by corner.
 PER_ELEMENT = 160
 PER_NUMBER = 40
+# Of poses: their tree, and the motions of each.
+PER_TREE_VERTEX = 320
+PER_MOTION = 160
 
 # Bytes that solvers take of the memory of a method, whatever the mesh.
 SOLVER = 16 << 20
@@ -67,7 +72,7 @@ def memory_needed(container: Container) -> int:
     Raises
     ------
     FormatError
-        If the attribute table or the text of the parts is malformed.
+        If the attribute table, the text of the parts or the table of poses is malformed.
     """
     moved = sum(len(one.names) for one in texts_of(container).divisions if one.moved)
     return _memory_of_counts(container) + PER_TRANSFORM * moved
@@ -79,7 +84,8 @@ def _memory_of_counts(container: Container) -> int:
     per_face = PER_FACE + (PER_GLUED_FACE if POLYGONS in container.sections else 0)
     needed = memory.fixed + memory.per_vertex * container.vertices
     needed += per_face * container.triangles
-    return needed + _memory_of_attributes(container) + PER_TEXT_BYTE * text_size(container)
+    needed += _memory_of_attributes(container) + PER_TEXT_BYTE * text_size(container)
+    return needed + _memory_of_poses(container)
 
 
 def _memory_of_geometry(parameters: Parameters) -> Memory:
@@ -100,6 +106,31 @@ def _memory_of_attributes(container: Container) -> int:
         count = counts["corner" if entry.coding == "octahedral" else entry.domain]
         needed += count * (PER_ELEMENT + PER_NUMBER * columns)
     return needed
+
+
+def _memory_of_poses(container: Container) -> int:
+    if POSES not in container.sections:
+        return 0
+    motions = len(entries_of_poses(container)) * container.parameters.anchor_count
+    return PER_TREE_VERTEX * container.vertices + PER_MOTION * motions
+
+
+def check_pose(container: Container, memory: int) -> int:
+    """Return the bytes that a solver of poses may take of all that decoding a file may take.
+
+    Poses are solved for by least squares, beside what decodes the surface at rest.
+
+    Raises
+    ------
+    LimitError
+        If a pose would take more memory than allowed.
+    FormatError
+        If a table or a text of the file is malformed.
+    """
+    solving = LEAST_SQUARES.per_vertex * container.vertices
+    needed = memory_needed(container) + LEAST_SQUARES.fixed + solving
+    _check_memory(needed, memory)
+    return SOLVER + solving + memory - needed
 
 
 def memory_to_solve(container: Container, memory: int) -> int:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from deltamesh_formats.container import layout
-from deltamesh_formats.container.layout import MethodLayout
+from deltamesh_formats.container.layout import FARTHEST, GREEDY, MethodLayout
 
 # The choice of a method by the search: refined or cartesian, of 0 bits highpass.
 AUTO: Final = "auto"
@@ -39,7 +39,7 @@ class Memory:
 
 # Of interpolated anchors, multigrid and the two surfaces of the refined method; of least squares,
 # factorization and its solves.
-INTERPOLATED: Final = Memory(192 << 20, 400)
+INTERPOLATED: Final = Memory(64 << 20, 400)
 LEAST_SQUARES: Final = Memory(256 << 20, 4000)
 
 
@@ -57,6 +57,9 @@ class Method:
         The options of the encoder that mean something to it and not to all methods.
     solution : str
         What positions make of deltas and anchors by default; empty without anchors.
+    anchor_method : str
+        The choice of anchors by default where positions are those of least squares, and neither
+        mesh nor anchors are many.
     first_step : float
         Where the search begins: the step over the mean edge for a mean normal deviation of one
         degree, at the default coarse factor; medians over scans and CAD parts. 0 without a search.
@@ -66,6 +69,7 @@ class Method:
     memory: Memory | None
     options: tuple[str, ...] = ()
     solution: str = ""
+    anchor_method: str = FARTHEST
     first_step: float = 0.0
 
     @property
@@ -79,24 +83,25 @@ REFINED: Final = Method(
     memory=None,
     options=(*RATES, *BOUNDS, *ANCHORING, "coarse", "importance"),
     solution=layout.INTERPOLATED,
-    first_step=0.117,
+    first_step=0.11,
 )
 HIGHPASS: Final = Method(
     layout.METHODS["highpass"],
     memory=None,
     options=(*RATES, *BOUNDS, *ANCHORING, "importance"),
     solution=layout.LEAST_SQUARES,
+    anchor_method=GREEDY,
     first_step=0.12,
 )
 CARTESIAN: Final = Method(
     layout.METHODS["cartesian"],
-    memory=Memory(192 << 20, 400),
+    memory=Memory(64 << 20, 300),
     options=(*RATES, *BOUNDS, "importance"),
     first_step=0.03,
 )
 LOSSLESS: Final = Method(
     layout.METHODS["lossless"],
-    memory=Memory(256 << 20, 600),
+    memory=Memory(64 << 20, 400),
 )
 
 # In the order in which they are offered.

@@ -16,7 +16,7 @@ from deltamesh_formats.errors import OptionError
 CHOICES = (AUTO, *METHODS)
 ANCHOR_METHODS = tuple(sorted(filter(None, layout.ANCHOR_METHODS)))
 # The step of the deltas that get refined along the normals, in steps of these refinements.
-DEFAULT_COARSE = 5.0
+DEFAULT_COARSE = 4.5
 SOLUTIONS = (INTERPOLATED, LEAST_SQUARES) = (layout.INTERPOLATED, layout.LEAST_SQUARES)
 MAX_COARSE = 64.0
 SOLVERS = ("auto", "core", "rslab", "pardiso", "scipy")
@@ -50,7 +50,7 @@ class EncodeOptions(TypedDict, total=False):
     effort: int
     diffusion: bool
     anchors: int | float | None
-    anchor_method: str
+    anchor_method: str | None
     seed: int
     coarse: float | None
     solution: str | None
@@ -94,7 +94,7 @@ class Options:
     effort: int = DEFAULT_EFFORT
     diffusion: bool = True
     anchors: int | float | None = None
-    anchor_method: str = "farthest"
+    anchor_method: str | None = None
     seed: int = 0
     solver: str = "auto"
     threads: int | None = None
@@ -114,7 +114,8 @@ class Options:
 
     def __post_init__(self) -> None:
         _require_one_of("method", self.method, CHOICES)
-        _require_one_of("anchor_method", self.anchor_method, ANCHOR_METHODS)
+        if self.anchor_method is not None:
+            _require_one_of("anchor_method", self.anchor_method, ANCHOR_METHODS)
         if self.solution is not None:
             _require_one_of("solution", self.solution, SOLUTIONS)
             bare = self.solution == INTERPOLATED and self.bits == 0
@@ -253,7 +254,7 @@ class Settings:
     coarse: float = DEFAULT_COARSE
     diffusion: bool = True
     anchors: int | float | None = None
-    anchor_method: str = "farthest"
+    anchor_method: str | None = None
     seed: int = 0
     interpolated: bool = False
     largest: float = math.inf

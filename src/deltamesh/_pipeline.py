@@ -17,17 +17,19 @@ from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.interpolation import FINER
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.systems import Systems
-from deltamesh._limits import check_limits, filling, memory_to_solve
+from deltamesh._limits import check_limits, check_pose, filling, memory_to_solve
 from deltamesh._measures.metrics import diagonal
 from deltamesh._methods import LOSSLESS
 from deltamesh._options import Options
+from deltamesh._posing import check_name, in_pose, pose_named, posed_points, posing_system
 from deltamesh._progress import Progress, silent
 from deltamesh._sections.draft import Draft, begin
 from deltamesh._sections.geometry import has_scale
 from deltamesh._sections.table import SECTIONS
 from deltamesh._shape.announced import announced
+from deltamesh._shape.surface import Surface
 from deltamesh._version import __version__
-from deltamesh_formats.array_types import Ints
+from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.caching import cached_property
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Meta
@@ -132,10 +134,10 @@ def _encoded(mesh: PolyMesh, options: Options, progress: Progress) -> Encoded:
         container = build({**payloads, FILLING: bytes(lacking)})
     data = write_container(container)
     progress("proof")
-    return Encoded(data, _proven(data), draft)
+    return Encoded(data, proven(data), draft)
 
 
-def _proven(data: bytes) -> Container:
+def proven(data: bytes) -> Container:
     """Return the container of a file, once a decoder, given any memory, has read all but positions.
 
     Raises
@@ -176,6 +178,7 @@ def _meta(draft: Draft) -> Meta:
 def decode_mesh(
     container: Container,
     *,
+    pose: str | None = None,
     solver: str,
     threads: int | None,
     max_vertices: int,
@@ -183,15 +186,26 @@ def decode_mesh(
     progress: Progress = silent,
 ) -> PolyMesh:
     """Decompress a container; see `deltamesh.decode`."""
-    # The content is handed over, too: nothing here keeps what is no longer needed.
-    return positioned(
-        container,
-        proven_content(container, max_vertices, memory, progress),
-        solver,
-        threads,
-        memory,
-        progress,
-    )
+    if pose is None:
+        # The content is handed over, too: nothing here keeps what is no longer needed.
+        return positioned(
+            container,
+            proven_content(container, max_vertices, memory, progress),
+            solver,
+            threads,
+            memory,
+            progress,
+        )
+    check_name(container, pose)
+    to_solve = check_pose(container, memory)
+    content = proven_content(container, max_vertices, memory, progress)
+    surface, solving = content.structure.surface, (solver, threads, memory, progress)
+    points = points_at_rest(container, surface, [content.integers], *solving)
+    mesh = content.mesh(points, container.parameters.single, container.margin)
+    progress("pose")
+    system = posing_system(content, solver, threads, to_solve)
+    moved, turns = posed_points(content, points, system, pose_named(content, pose))
+    return in_pose(mesh, content, moved, turns)
 
 
 def positioned(
@@ -208,19 +222,36 @@ def positioned(
     ------
     LimitError, SolveError
     """
-    progress("positions")
-    parameters, surface = container.parameters, content.structure.surface
-    to_solve = memory_to_solve(container, memory)
-    systems = Systems(surface, solver, threads, to_solve)
-    if ATTRIBUTES in container.sections:
-        systems = systems.to_precision(FINER)
-    coder = geometry_codec(parameters.method)
     # Nobody else keeps the integers: what is no longer needed of them is freed on the way.
     handed_over = [content.integers]
     content = replace(content, integers=NOTHING.integers)
-    points = coder.reconstruct(surface, parameters, handed_over.pop(), systems)
-    margin = 0.0 if container.meta is None else container.meta.room
-    return content.mesh(points, parameters.single, margin)
+    surface, solving = content.structure.surface, (solver, threads, memory, progress)
+    points = points_at_rest(container, surface, handed_over, *solving)
+    return content.mesh(points, container.parameters.single, container.margin)
+
+
+def points_at_rest(
+    container: Container,
+    surface: Surface,
+    integers: list[Integers],
+    solver: str,
+    threads: int | None,
+    memory: int,
+    progress: Progress,
+) -> Floats:
+    """Return the positions of a file, float64 (p, 3); its integers are taken out of a list.
+
+    Raises
+    ------
+    LimitError, SolveError
+    """
+    progress("positions")
+    parameters = container.parameters
+    systems = Systems(surface, solver, threads, memory_to_solve(container, memory))
+    if ATTRIBUTES in container.sections:
+        systems = systems.to_precision(FINER)
+    coder = geometry_codec(parameters.method)
+    return coder.reconstruct(surface, parameters, integers.pop(), systems)
 
 
 def proven_content(

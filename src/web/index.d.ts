@@ -83,6 +83,11 @@ export interface Limits {
   memory?: number;
 }
 
+export interface Options extends Limits {
+  /** Name of a pose of the mesh; at rest without one. */
+  pose?: string | null;
+}
+
 export interface About {
   version: number;
   vertices: number;
@@ -97,17 +102,18 @@ export interface About {
   parts: { kind: string; names: string[] }[];
   metadata: Map<string, string[]>;
   lost: string[];
+  poses: { name: string; step: number; bytes: number }[];
 }
 
 export type Wasm = BufferSource | Response | WebAssembly.Module;
 
 export interface Decoder {
-  decode(bytes: Uint8Array, limits?: Limits): Mesh;
+  decode(bytes: Uint8Array, options?: Options): Mesh;
   inspect(bytes: Uint8Array): About;
 }
 
 export interface WorkerDecoder {
-  decode(bytes: Uint8Array, limits?: Limits): Promise<{ mesh: Mesh; about: About }>;
+  decode(bytes: Uint8Array, options?: Options): Promise<{ mesh: Mesh; about: About }>;
   close(): void;
 }
 

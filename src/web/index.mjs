@@ -15,17 +15,17 @@ async function ownModule() {
 }
 
 /**
- * Return a decoder: `decode(bytes, limits)` returns a mesh, `inspect(bytes)` what a file says.
+ * Return a decoder: `decode(bytes, options)` returns a mesh, `inspect(bytes)` what a file says.
  *
  * `wasm` is the compiled core: its bytes, a Response of them, or a WebAssembly.Module.
  */
 export async function createDecoder({ wasm = ownModule() } = {}) {
   const core = await loadCore(wasm);
-  return { decode: (bytes, limits) => decode(core, bytes, limits), inspect };
+  return { decode: (bytes, options) => decode(core, bytes, options), inspect };
 }
 
 /**
- * Return a decoder in a worker: its `decode(bytes, limits)` returns a promise of { mesh, about },
+ * Return a decoder in a worker: its `decode(bytes, options)` returns a promise of { mesh, about },
  * and `close()` ends it.
  *
  * `worker` is one of the browser; without one given, that of this package.

@@ -29,6 +29,7 @@ corpus, curves, equal, headline, large, processes, run, shapes = map(
 )
 SCRIPTS = (
     "run",
+    "anchors",
     "headline",
     "curves",
     "speed",
@@ -39,6 +40,7 @@ SCRIPTS = (
     "memory",
     "make_folder",
     "batch",
+    "paper",
     "renderings",
     "bounds",
     "importance",

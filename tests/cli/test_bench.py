@@ -52,8 +52,27 @@ def test_a_table_of_every_method_with_every_rate(folder, capsys):
     assert sorted(path.name for path in folder.iterdir()) == ["torus.dmesh", "torus.ply", "x.dmesh"]
 
 
+def test_every_number_and_choice_of_anchors_with_every_rate(folder, capsys):
+    options = "--bits 0,6 --anchors 5,0.01 --anchor-method farthest,greedy --method highpass"
+    assert cli(f"bench torus.ply {options}") == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[:4] for line in lines[2:10]] == [
+        ["highpass", f"bits={bits}", f"anchors={anchors}", f"anchor_method={choice}"]
+        for anchors in ("5", "0.01")
+        for choice in ("farthest", "greedy")
+        for bits in (0, 6)
+    ]
+    assert cli("bench torus.ply --method highpass,cartesian --anchors 5,9 -b 6") == 0
+    codecs = [line.split("  ")[1] for line in capsys.readouterr().out.splitlines()[2:-1]]
+    # The Cartesian method has no anchors.
+    assert codecs == [
+        *(f"highpass bits=6 anchors={anchors}" for anchors in (5, 9)),
+        "cartesian bits=6",
+    ]
+
+
 def test_labels_are_all_methods_with_all_rates():
-    given = {"method": (["refined", "highpass"],), "bits": ([5], [6]), "anchors": None}
+    given = {"method": (["refined", "highpass"],), "bits": ([5], [6]), "anchors": ()}
     labels = [f"{method} bits={bits}" for method in ("refined", "highpass") for bits in (5, 6)]
     assert labels_of(given) == labels
     assert labels_of({"method": (), "quality": ([3],)}) == ["auto quality=3"]

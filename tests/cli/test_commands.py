@@ -30,6 +30,25 @@ def test_round_trip(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert (len(mesh.vertices), len(mesh.faces)) == (2592, 5184)
 
 
+def test_a_collapsed_surface_is_noted(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def notes(options: str) -> list[str]:
+        assert cli(f"encode torus.ply -f {options}") == 0
+        found = capsys.readouterr().err.splitlines()
+        return [line for line in found if "of the area" in line]
+
+    (note,) = notes("--bits 0 --anchors 3")
+    advice = re.fullmatch(
+        r"note: torus\.ply: with 0 bits and anchors as few as 3, (\d+) % of the area is left:"
+        r" --anchors (\d+) keeps more of the shape",
+        note,
+    )
+    assert advice
+    assert int(advice[1]) < 75
+    assert not notes(f"--bits 0 --anchors {advice[2]}")
+    assert not notes("--bits 5 --method highpass --anchors 3")
+    assert not notes("--bits 0 --anchors 3 -q")
+
+
 def test_the_options_reach_the_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     line = "encode torus.ply a.dmesh --method highpass --bits 6 --anchors 20 --seed 7 --json"
     line += " --solution interpolated"

@@ -37,15 +37,18 @@ def printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, dic
     parts = (deltamesh.Parts("group", ("left", "right"), np.array([0, 1])),)
     whole = deltamesh.PolyMesh(mesh.vertices, mesh.corners, mesh.offsets, mesh.attributes, parts)
     path = str(tmp_path / "a.dmesh")
-    deltamesh.save(path, whole)
-    told = {}
+    deltamesh.save(path, whole, method="highpass")
+    told, posed = {}, str(tmp_path / "b.dmesh")
+    edit = [posed, "--name", "out", "--move", "vertices:1", "shift=1,0,0"]
+    assert run(["edit", "--json", path, *edit]) == 0
+    told["edit"], path = json.loads(capsys.readouterr().out), posed
     for name, more in (("info", []), ("compare", [path])):
         assert run([name, "--json", path, *more]) == 0
         told[name] = json.loads(capsys.readouterr().out)
     return told
 
 
-@pytest.mark.parametrize("name", ["info", "compare"])
+@pytest.mark.parametrize("name", ["info", "edit", "compare"])
 def test_every_key_is_explained(name: str, printed: dict[str, dict[str, object]]) -> None:
     named = set().union(*(words(row) for row in ROWS[name]))
     assert named == printed[name].keys()

@@ -48,6 +48,7 @@ UNTESTED: Mapping[str, str] = {
     "deltamesh_cli.batch.settings": DATA,
     "deltamesh_cli.commands.compare": COMMAND,
     "deltamesh_cli.commands.completion": "tested by cli/test_completion.py",
+    "deltamesh_cli.commands.edit": "tested by cli/test_edit.py",
     "deltamesh_cli.commands.info": COMMAND,
     "deltamesh_cli.commands.render": "tested by cli/test_render.py",
     "deltamesh_cli.commands.test": COMMAND,
@@ -93,6 +94,7 @@ TWINS: Mapping[str, tuple[str, ...] | str] = {
     "mesh.factor": ("oracle.solve_by_elimination", "oracle.factor_entries"),
     "mesh.halfedges": ("polygon_oracle.after", "polygon_oracle.before"),
     "mesh.laplacian": ("oracle.laplacian", "poisson_oracle.smoothed"),
+    "mesh.motions": ("motions_oracle.span", "motions_oracle.walk", "motions_oracle.carry"),
     "mesh.multigrid": (
         "poisson_oracle.aggregates",
         "poisson_oracle.coarsened",
@@ -101,6 +103,7 @@ TWINS: Mapping[str, tuple[str, ...] | str] = {
     "mesh.neighbours": ("oracle.neighbours", "oracle.component_labels"),
     "mesh.normals": ("oracle.normals",),
     "mesh.outlines": ("polygon_oracle.outlines",),
+    "mesh.parallelograms": ("oracle.parallelograms",),
     "mesh.rotations": (
         "rotations_oracle.fit",
         "rotations_oracle.nearest",

@@ -5,8 +5,8 @@
 
 const char SECTION_IDS[SECTIONS][5] = {"PARM", "CONN", "STCH", "COPY", "POLY", "STEP",
                                        "ANCH", "DELT", "NORM", "CART", "EXAC", "CELL",
-                                       "FIXS", "ATTR", "PART", "ORDR", "FILL", "meta",
-                                       "CHEK"};
+                                       "FIXS", "ATTR", "PART", "ORDR", "POSE", "FILL",
+                                       "meta", "CHEK"};
 
 int64_t left_of(const bytes *from) { return from->end - from->at; }
 

@@ -56,7 +56,7 @@ void check_end(const dm_coder *c);
 /* Sections of a container, by their ids; `at` is NULL for those that are not there. */
 enum {
     PARM, CONN, STCH, COPY, POLY, STEP, ANCH, DELT, NORM, CART, EXAC, CELL, FIXS, ATTR, PART, ORDR,
-    FILL, META, CHEK, SECTIONS
+    POSE, FILL, META, CHEK, SECTIONS
 };
 extern const char SECTION_IDS[SECTIONS][5];
 typedef struct {
@@ -130,11 +130,12 @@ int64_t *decode_vectors(bytes payload, graph near);
 int64_t *decode_three(bytes payload, const elements *e);
 int64_t *decode_exact(bytes payload, const elements *e, int *width);
 
-/* geometry.c, attributes.c, parts.c, order.c */
+/* geometry.c, attributes.c, parts.c, order.c, poses.c */
 void decode_geometry(const container *file, const structure *s, const elements *surface);
 void decode_attributes(bytes payload, const structure *s, const elements *surface);
 void decode_parts(bytes payload, const structure *s);
 void decode_order(bytes payload, const structure *s);
+void decode_poses(bytes payload, graph near, const int64_t *anchors, int64_t k);
 
 /* decode.c: whether a file is decoded to its end; else `reason` says why it is not. */
 int decode(const uint8_t *data, size_t size);

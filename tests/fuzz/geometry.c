@@ -225,4 +225,6 @@ void decode_geometry(const container *file, const structure *s, const elements *
     decode_deltas(file, &v);
     if (file->sections[CELL].at)
         decode_cells(file, &v, anchors);
+    if (file->sections[POSE].at)
+        decode_poses(file->sections[POSE], v.near, anchors, file->anchor_count);
 }

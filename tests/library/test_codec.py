@@ -167,7 +167,9 @@ def test_positions_are_the_dense_least_squares_solution(
 def test_solvers_agree(name: str, bits: int) -> None:
     """Whoever encoded and whoever decodes: one mesh, and the same bytes from each encoder."""
     V, F = MANIFOLDS[name]
-    given = [Options(method="highpass", bits=bits, anchors=3, solver=solver) for solver in SOLVERS]
+    # Symmetric shapes err equally at several vertices; a greedy choice hangs on the last digit.
+    common = {"method": "highpass", "bits": bits, "anchors": 3, "anchor_method": "farthest"}
+    given = [Options(solver=solver, **common) for solver in SOLVERS]
     encoded = [encode_mesh(from_triangles(V, F), options) for options in given]
     for other in encoded:
         assert payloads_of(other.data) == payloads_of(encoded[0].data)
@@ -527,7 +529,6 @@ BAD_OPTIONS = [
     {"anchors": True},
     {"anchors": "3"},
     {"anchor_method": "nearest"},
-    {"anchor_method": None},
     {"seed": -1},
     {"seed": 2**64},
     {"seed": 1.5},

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import collections
 import itertools
+import math
 
 import numpy as np
 
@@ -383,7 +384,7 @@ def level(x):
     return min(sum(start <= x for start in starts) + (x >= 2), 31)
 
 
-def diffuse(neighbours, delta, normals, each, zone, carry, along):
+def diffuse(neighbours, delta, normals, each, rule, along):
     """Round each row of delta, or its component along the normal, and hand shares of the error on.
 
     Neighbours are lists, and so are the steps. The order of the operations is that of the kernel,
@@ -392,20 +393,43 @@ def diffuse(neighbours, delta, normals, each, zone, carry, along):
     carried, out = delta.tolist(), []
     for i, (around, n, step) in enumerate(zip(neighbours, normals.tolist(), each, strict=True)):
         a = carried[i]
-        later = [j for j in around if j > i]
+        earlier, later = ([j for j in around if (j < i) == before] for before in (True, False))
         steps = [dot(a, n) / step] if along else [x / step for x in a]
-        rounded = [round(s) if abs(s) > 0.5 + zone else 0 for s in steps]
+        pulls = [
+            rule.pull / (1 + sum(abs(out[j][k]) for j in earlier) / max(len(earlier), 1))
+            for k in range(len(steps))
+        ]
+        rounded = cheapest(steps, pulls, rule.zone, 1 if along else rule.weight, n)
         if along:
             error = [x - rounded[0] * step * y for x, y in zip(a, n, strict=True)]
         else:
             error = [x - r * step for x, r in zip(a, rounded, strict=True)]
-        across = dot(error, n)
+        across = rule.normal * dot(error, n)
         for x in range(3):
-            share = carry[0] * (error[x] - across * n[x]) + carry[1] * across * n[x]
+            share = rule.tangential * (error[x] - dot(error, n) * n[x]) + across * n[x]
             for j in later:
                 carried[j][x] += share / len(later)
         out.append(rounded)
     return np.array(out, dtype=np.int64).reshape(-1, 1 if along else 3)
+
+
+def cheapest(numbers, pulls, zone, weight, normal):
+    """Of all ways to round some numbers up or down, the one that costs the least.
+
+    Of two alike, it is the one whose last numbers are the nearer to 0.
+    """
+
+    def cost(candidate):
+        squares, across = 0.0, 0.0
+        for number, integer, pull, along in zip(numbers, candidate, pulls, normal, strict=False):
+            error, size = number - integer, abs(integer)
+            squares += error * error + 2 * (pull * size + (zone if size else 0))
+            across += error * along
+        return squares + (weight - 1) * across * across
+
+    pairs = [(math.trunc(x), math.trunc(x) + (-1 if x < 0 else 1)) for x in numbers]
+    every = [candidate[::-1] for candidate in itertools.product(*pairs[::-1])]
+    return list(min(every, key=cost))
 
 
 def dot(a, b):

@@ -15,6 +15,7 @@ from itertools import chain, count
 
 import numpy as np
 import spec_cells
+import spec_poses
 import spec_steps
 from spec_coder import Bytes, Stream, check, clamp, level, side, wrapped
 from spec_parts import neighbours_of_faces, read_parts
@@ -63,7 +64,7 @@ def container(data, cut=False):
     after = ["STCH", "COPY", "POLY"] + (["STEP"] if method != b"\3" else [])
     needed = [name for name in after if name in sections]
     further = [[], ["CELL", "FIXS"]][method not in (b"\1", b"\3")]
-    further += ["ATTR", "PART", "ORDR", "FILL"]
+    further += ["ATTR", "PART", "ORDR"] + (["POSE"] if "CELL" in further else []) + ["FILL"]
     further = [name for name in further if name in sections]
     order = ["PARM", "CONN", *needed, *geometry, *further, *meta]
     names, following = list(sections), data[file.at :][:4].decode("ascii")
@@ -1422,10 +1423,11 @@ EXACT = (
 )
 
 
-def decode(data, cut=False):
+def decode(data, cut=False, pose=None):
     """Return vertices (n, 3), faces (m, 3), or a list of polygons, and by their names integers.
 
-    These are those of the digest; "attributes" are `spec_attributes.Decoded`; "told" is what PART
+    Vertices are those of a pose, where one is named; attributes those at rest. The integers are
+    those of the digest; "attributes" are `spec_attributes.Decoded`; "told" is what PART
     tells, with the precision of the source; "stage" is that of a file which may be cut.
     """
     import spec_attributes  # which is made of what is here
@@ -1517,17 +1519,25 @@ def decode(data, cut=False):
         told = read_parts(sections["PART"], near_faces)
     if "ORDR" in sections:
         kept = read_order(sections["ORDR"], final, corners, vertex_count)
+    found, of_surface = {}, (near, [v for (v,) in exact["anchors"]])
+    if "POSE" in sections:
+        found = spec_poses.poses(sections["POSE"], *of_surface, vectors_of)
     words = [struct.pack("<q", x) for name in EXACT for row in exact[name] for x in row]
     words += [struct.pack("<q", x) for x in chain(*kept, glued if "POLY" in sections else ())]
     words += [struct.pack("<q", x) for one in exact["attributes"] for x in one.digest()]
     words += [struct.pack("<q", x) for x in told[3]]
     for _, _, of_face, transforms in told[0]:
         words += [struct.pack("<q", x) for x in of_face] + (transforms or [])
+    words += [struct.pack("<q", x) for x in spec_poses.words(found)]
     digest = hashlib.blake2b(b"".join(words), digest_size=8).digest()
     check("CHEK" not in sections or digest == sections["CHEK"], "digest")
     exact["stage"] = stage
-    x = positions(p, surface, near, exact)[list(points)]
+    rest = positions(p, surface, near, exact)
+    x = rest[list(points)]
     exact["attributes"] = [one.decoded(x) for one in exact["attributes"]]
+    if pose is not None:
+        moved, _ = spec_poses.posed(found[pose], rest[:used], *of_surface)
+        x = np.concatenate((moved, rest[used:]))[list(points)]
     if kept:
         order, polygon_order, begins = kept
         sources = spec_attributes.sources(kept, rows)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import posed
 import spec_attributes
 import spec_decoder
 from graphs import tolerances_of
 
 from deltamesh import decode, info
+from deltamesh_formats.container.pose_table import entries_of
 from deltamesh_formats.polymesh.mesh import Attribute
 
 
@@ -31,6 +33,9 @@ def assert_same(data: bytes) -> None:
         assert vertices.tobytes() == mesh.vertices.tobytes()
         return
     assert (np.abs(vertices - mesh.vertices) <= tolerances_of(data, mesh)).all()
+    for pose in entries_of(info(data)):
+        theirs, ours = spec_decoder.decode(data, pose.name)[0], decode(data, pose=pose.name)
+        assert (np.abs(theirs - ours.vertices) <= posed.tolerances(data, mesh)).all()
 
 
 def assert_same_prefix(data: bytes) -> None:

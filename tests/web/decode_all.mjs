@@ -33,7 +33,9 @@ for await (const line of createInterface({ input: process.stdin })) {
   let result;
   try {
     const mesh = decoder.decode(bytes, memory ? { memory: Number(memory) } : {});
-    result = { mesh: await stored(mesh), about: await stored(decoder.inspect(bytes)) };
+    const about = decoder.inspect(bytes);
+    const poses = about.poses.map(({ name }) => decoder.decode(bytes, { pose: name }));
+    result = { mesh: await stored(mesh), about: await stored(about), poses: await stored(poses) };
   } catch (error) {
     const { name, message, offset = null, stack } = error;
     result = { error: { name, message, offset, stack } };

@@ -9,11 +9,13 @@ from typing import Any
 import children
 import forging
 import numpy as np
+import posed
 import pytest
 from graphs import tolerances_of
 from places import GOLDEN, REFUSED
 
-from deltamesh import decode, encode
+from deltamesh import decode, edit, encode
+from deltamesh_formats.container.pose_table import entries_of
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import DeltameshError
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
@@ -74,6 +76,14 @@ def test_golden_file_decodes_alike(name: str, golden: dict[str, dict[str, Any]])
     assert_alike(golden[name]["mesh"], decode(data), data)
     about = golden[name]["about"]
     container = read_container(data)
+    entries = entries_of(container)
+    assert [(one["name"], one["step"], one["bytes"]) for one in about["poses"]] == [
+        (entry.name, entry.step, entry.size) for entry in entries
+    ]
+    for entry, found in zip(entries, golden[name]["poses"], strict=True):
+        mesh = decode(data, pose=entry.name)
+        allowed = posed.tolerances(data, decode(data))
+        assert (np.abs(found["positions"].reshape(-1, 3) - mesh.vertices) <= allowed).all()
     assert about["parameters"]["method"] == container.parameters.method
     assert [one["id"] for one in about["sections"]] == list(container.sections)
     assert [one["bytes"] for one in about["sections"]] == [
@@ -190,8 +200,25 @@ def test_a_vertex_of_many_neighbours_is_solved_for(
     data = encode(V, np.concatenate([top, bottom]), method="highpass", bits=8, anchors=20)
     path = tmp_path / "hub.dmesh"
     path.write_bytes(data)
+    data = edit(data, [([0], [0.1, 0, 0.2])], [[n // 2]], name="a").data
+    path.write_bytes(data)
     (found,) = decoded_by_node(node, package, tmp_path / "arrays", [path])
     assert_alike(found["mesh"], decode(data), data)
+    V, wanted = found["poses"][0]["positions"].reshape(-1, 3), decode(data, pose="a")
+    np.testing.assert_allclose(V, wanted.vertices, atol=1e-8)
+
+
+@pytest.mark.parametrize("domain", ["vertex", "corner", "face"])
+def test_normals_turn_alike(node: str, package: Path, tmp_path: Path, domain: str) -> None:
+    data = posed.with_poses(encode(posed.with_normals(domain), method="highpass", anchors=9))
+    path = tmp_path / "normals.dmesh"
+    path.write_bytes(data)
+    (found,) = decoded_by_node(node, package, tmp_path / "arrays", [path])
+    for name, one in zip(posed.NAMES, found["poses"], strict=True):
+        wanted = decode(data, pose=name).attributes[0]
+        assert wanted.domain == domain
+        own = one["attributes"][0]["values"].reshape(-1, 3)
+        np.testing.assert_allclose(own, wanted.values, atol=1e-5)
 
 
 def test_limits_are_kept(node: str, package: Path, tmp_path: Path) -> None:

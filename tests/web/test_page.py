@@ -241,6 +241,39 @@ def test_files_can_be_dropped(browser: Browser, tmp_path: Path, name: str) -> No
     assert len(colours(browser)) > 20
 
 
+AXES = "property float x\nproperty float y\nproperty float z\n"
+HEAD = f"ply\nformat ascii 1.0\nelement vertex 3\n{AXES}"
+FACES = "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+ROWS = "0 0 0\n1 0 0\n0 1 0\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("cut.ply", HEAD + FACES + ROWS + "3 0 1", "cut short"),
+        ("many.ply", HEAD.replace("x 3", "x 999999999") + FACES + ROWS, "cut short"),
+        ("bytes.ply", HEAD.replace("ascii", "binary_little_endian") + FACES + ROWS, "cut short"),
+        ("nan.ply", HEAD + FACES + ROWS.replace("1 0 0", "1 nan 0") + "3 0 1 2", "vertex 1 has"),
+        ("type.ply", HEAD.replace("float y", "wide y") + FACES + ROWS, "the type wide"),
+        ("head.ply", "ply\n", "not a PLY file"),
+        ("plane.obj", "v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", "vertex 0 has"),
+        ("words.obj", "v 0 0 0\nv 1 0 0\nv a b c\nf 1 2 3\n", "vertex 2 has"),
+        ("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "a vertex that is none"),
+        ("points.obj", "v 0 0 0\n", "without a face"),
+        ("a.stl", "solid a", "not a .dmesh file"),
+    ],
+)
+def test_files_that_are_no_meshes_give_a_message(
+    browser: Browser, tmp_path: Path, name: str, text: str, words: str
+) -> None:
+    browser.open(empty_page(tmp_path))
+    dropped(browser, name, text.encode())
+    message = browser.wait("return document.querySelector('#message .fault')?.textContent")
+    assert message.startswith(f"{name}: ")
+    assert words in message
+    assert browser.run("return deltameshViewer.panels.length") == 0
+
+
 def test_an_original_of_another_structure_is_compared_by_nearest_points(
     browser: Browser, compared: Path, tmp_path: Path
 ) -> None:

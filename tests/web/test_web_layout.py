@@ -55,6 +55,7 @@ def constants(node: str) -> dict[str, Any]:
         "MAX_ELEMENTS_PER_BYTE",
         "MAX_EXPONENT",
         "PER_OCTAVE",
+        "MOST_OCTAVES",
     ],
 )
 def test_numbers(constants: dict[str, Any], name: str) -> None:
@@ -70,6 +71,7 @@ def test_numbers(constants: dict[str, Any], name: str) -> None:
         "META_FIELDS",
         "META_LOSS_FIELDS",
         "META_PART_FIELDS",
+        "POSE_FIELDS",
         "AFTER_CONNECTIVITY",
         "AFTER_GEOMETRY",
         "QUARTERS",
@@ -118,6 +120,8 @@ def test_limits(constants: dict[str, Any]) -> None:
         "PER_GLUED_FACE",
         "PER_ELEMENT",
         "PER_NUMBER",
+        "PER_TREE_VERTEX",
+        "PER_MOTION",
     ):
         assert constants[name] == getattr(_limits, name)
     assert constants["MAX_VERTICES"] == _limits.DEFAULT_MAX_VERTICES

@@ -50,6 +50,8 @@ def expected_arrays(path: Path) -> Arrays:
         found += [("anchors", i.anchors), ("isolated", i.isolated)]
     if "CELL" in sections:
         found.append(("units", i.units))
+    if content.poses:
+        found.append(("POSE", content.poses[-1].numbers))
     if content.order is not None:
         order = content.order
         found += [("vertices", order.vertices), ("polygons", order.polygons)]
@@ -114,6 +116,7 @@ def test_golden_files_are_read_as_the_library_reads_them(replay: Path) -> None:
         "CART",
         "FIXS",
         "CELL",
+        "POSE",
     } <= sections
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import golden_polymeshes
 import numpy as np
+import posed
 import pytest
 from graphs import FREE_SOLVERS as SOLVERS
 from graphs import tolerances_of
@@ -12,6 +13,7 @@ from places import GOLDEN, REFUSED
 from deltamesh import decode, info, verify
 from deltamesh_formats import errors
 from deltamesh_formats.container.attribute_table import entries_of
+from deltamesh_formats.container.pose_table import entries_of as poses_of
 from deltamesh_formats.container.reader import read_container
 
 TABLE = (REFUSED / "expected.tsv").read_text(encoding="utf-8").splitlines()[1:]
@@ -26,7 +28,7 @@ def test_the_folders_are_complete() -> None:
     assert len(names(GOLDEN)) >= 20
     assert names(REFUSED) == sorted(row.split("\t")[0] for row in TABLE)
     size = sum(path.stat().st_size for folder in (GOLDEN, REFUSED) for path in folder.iterdir())
-    assert size < 420_000
+    assert size < 425_000
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -44,6 +46,11 @@ def test_golden_file_decodes(name: str, solver: str) -> None:
                 np.testing.assert_array_equal(own[key], expected[key])
         error = np.abs(mesh.vertices - expected["vertices"])
         assert (error <= tolerances_of(data, mesh)).all()
+        for key in expected:
+            if key.startswith("pose "):
+                found = decode(data, pose=key.removeprefix("pose "), solver=solver)
+                error = np.abs(found.vertices - expected[key])
+                assert (error <= posed.tolerances(data, mesh)).all()
         entries = entries_of(read_container(data))
         assert len(entries) == sum(key.startswith("values") for key in expected)
         for i, (entry, attribute) in enumerate(zip(entries, mesh.attributes, strict=True)):
@@ -61,6 +68,21 @@ def assert_expected(entry, attribute, expected, i) -> None:
         np.testing.assert_allclose(found, values, rtol=0, atol=1e-7)
     else:
         assert found.tobytes() == values.tobytes()
+
+
+def test_golden_files_have_poses() -> None:
+    """Of both solutions, and all that are there are expected."""
+    found = {}
+    for name in names(GOLDEN):
+        container = read_container((GOLDEN / f"{name}.dmesh").read_bytes())
+        poses = [f"pose {entry.name}" for entry in poses_of(container)]
+        with np.load(GOLDEN / f"{name}.npz") as expected:
+            assert poses == [key for key in expected if key.startswith("pose ")]
+        found[container.parameters.solution] = len(poses) + found.get(
+            container.parameters.solution, 0
+        )
+    assert found["interpolated"] >= 2
+    assert found["least-squares"] >= 2
 
 
 @pytest.mark.parametrize("name", names(GOLDEN))

@@ -34,6 +34,7 @@ Columns:
 _EXAMPLES: Final = """\
 deltamesh bench bunny.ply
 deltamesh bench bunny.ply --method highpass,cartesian --step 0.001,0.002
+deltamesh bench bunny.ply -b 0 --anchors 9,99 --anchor-method greedy,random
 deltamesh bench scans -r --normal-error 1 --peers draco,meshopt,zstd
 deltamesh bench scans -r --csv > all.csv
 deltamesh bench scans -r --peers draco --html all.html
@@ -133,9 +134,10 @@ def command(
 
     Each mesh is encoded, decoded and compared, all in memory. A FILE is {formats}, and may be
     compressed, as scan.ply.zst; a FOLDER stands for the mesh files in it. The options that say how
-    to encode are those of deltamesh encode. The method, the rates and the bounds may be lists or be
-    repeated, and every method is measured with every rate and bound. A file that fails is reported,
-    and the others are measured.
+    to encode are those of deltamesh encode. The method, the anchors and their choice, the rates and
+    the bounds may be lists or be repeated; every method is measured with every number and choice of
+    anchors and with every rate and bound. A file that fails is reported, and the others are
+    measured.
 
     --html writes one page that fetches nothing: curves of errors over sizes, a table that can be
     sorted and filtered, and as many of the files as fit, to look at from one place: the original,

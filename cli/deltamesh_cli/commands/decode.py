@@ -26,6 +26,7 @@ deltamesh decode bunny.ply.dmesh                 writes bunny.ply
 deltamesh decode bunny.ply.dmesh bunny.stl
 deltamesh decode mesh.dmesh --output-format obj  writes mesh.obj
 deltamesh decode scan.ply.dmesh scan.obj --digits 3
+deltamesh decode bar.dmesh bent.obj --pose bent
 deltamesh decode upload.dmesh --max-vertices 1000000 --memory 2G
 deltamesh decode - --output-format off < mesh.dmesh | wc
 head -c 20000 scan.dmesh | deltamesh decode - preview.ply --partial
@@ -35,6 +36,7 @@ head -c 20000 scan.dmesh | deltamesh decode - preview.ply --partial
 @click.command(epilog=epilog(_EXAMPLES))
 @click.argument("source", type=FILE, metavar="IN")
 @options.output("IN without .dmesh")
+@click.option("--pose", metavar="NAME", help="Decode the mesh in a pose, not at rest.")
 @options.decode_options
 @options.partial
 @options.as_json
@@ -62,6 +64,9 @@ def command(
     OUT receives everything in IN that its format can hold: polygons, attributes, names. A note on
     standard error lists the rest. ply holds attributes of any kind; obj holds objects, groups and
     materials; glb holds several meshes with transforms.
+
+    A file may have poses of its mesh, which deltamesh edit has added: deltamesh info lists them,
+    and --pose takes one.
 
     What is written keeps the bounds of the encoder. Positions in ply are float32 if the source had
     that and it adds next to nothing to the error of IN, otherwise float64; a text has as many

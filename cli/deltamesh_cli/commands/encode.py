@@ -11,7 +11,7 @@ from deltamesh_cli.encode_options import check_encode_options, encode_options
 from deltamesh_cli.encoding import EncodedFile, encode_file
 from deltamesh_cli.epilogs import epilog
 from deltamesh_cli.failures import process_all_and_exit
-from deltamesh_cli.meshes import memory_notes, note_faces, note_not_kept
+from deltamesh_cli.meshes import memory_notes, note_collapse, note_faces, note_not_kept
 from deltamesh_cli.output import display_name, message, number, print_json
 from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.summary import container_object, costly_lines
@@ -126,6 +126,7 @@ def command(
             encoded = encode_file(source, target, input_format, progress, parameters, force=force)
         note_not_kept(source, encoded.lost, quiet=quiet)
         note_faces(source, encoded.report, quiet=quiet)
+        note_collapse(source, encoded.report, encoded.container, quiet=quiet)
         for note in () if quiet else memory_notes(target, encoded.container):
             message(f"note: {note}")
         _note_unknown(source, encoded.container, parameters, quiet=quiet)

@@ -217,6 +217,11 @@ class Container:
         """Bytes of the whole file; of a prefix, up to the end of the last section."""
         return next(reversed(self.sections.values())).end
 
+    @property
+    def margin(self) -> float:
+        """How far each decoded coordinate may be rounded; see `Meta.room`."""
+        return 0.0 if self.meta is None else self.meta.room
+
     def __str__(self) -> str:
         from deltamesh_formats.container.summary import container_text
 

@@ -88,6 +88,7 @@ CARTESIAN: Final = "CART"
 ATTRIBUTES: Final = "ATTR"
 PARTS: Final = "PART"
 ORDER: Final = "ORDR"
+POSES: Final = "POSE"
 FILLING: Final = "FILL"
 EXACT: Final = "EXAC"
 CORRECTIONS: Final = "FIXS"
@@ -96,7 +97,7 @@ REGIONS: Final = "regs"
 CHECK: Final = "CHEK"
 # Sections that follow `CONN`, and those that follow the geometry, in this order, where needed.
 AFTER_CONNECTIVITY: Final = (STITCHES, SPLIT_VERTICES, POLYGONS, STEPS)
-AFTER_GEOMETRY: Final = (ATTRIBUTES, PARTS, ORDER, FILLING)
+AFTER_GEOMETRY: Final = (ATTRIBUTES, PARTS, ORDER, POSES, FILLING)
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,8 @@ class MethodLayout:
     corrected : bool
         Whether `FIXS` may follow them.
     anchored : bool
-        Whether the file has anchors, from which positions are solved for; `CELL` may follow, then.
+        Whether the file has anchors, from which positions are solved for; `CELL` and `POSE` may
+        follow, then.
     exact : bool
         Whether positions are stored to the last bit: without bits, a step, or an origin.
     bare : bool
@@ -151,7 +153,8 @@ class MethodLayout:
             (CELLS,) if self.anchored else (),
             (CORRECTIONS,) if self.corrected else (),
         )
-        return (*cells, *corrections, *AFTER_GEOMETRY)
+        after = (name for name in AFTER_GEOMETRY if name != POSES or self.anchored)
+        return (*cells, *corrections, *after)
 
 
 METHODS: Final[Mapping[str, MethodLayout]] = {
@@ -199,17 +202,19 @@ PARAMETER_FIELDS: Final = (
 )
 # Where the anchors are random.
 SEED_FIELDS: Final = (Field("seed", "u64"),)
-RANDOM: Final = "random"
 FLAG_DIFFUSION: Final = 1
 FLAG_SINGLE: Final = 2
 FLAG_INTERPOLATED: Final = 4
 # What positions make of deltas and anchors: they go through the anchors, or come near to both.
 INTERPOLATED: Final = "interpolated"
 LEAST_SQUARES: Final = "least-squares"
+FARTHEST: Final = "farthest"
+RANDOM: Final = "random"
+GREEDY: Final = "greedy"
 ANCHOR_METHODS: Final[Mapping[str | None, int]] = {
-    "farthest": 0,
+    FARTHEST: 0,
     RANDOM: 1,
-    "greedy": 2,
+    GREEDY: 2,
     None: 255,
 }
 # Dead zones are stored in hundredths of a step.
@@ -391,6 +396,17 @@ QUARTERS: Final = (1.0, 0.8408964152537145, 0.7071067811865476, 0.59460355750136
 # Octaves of a unit above the step; a byte of 0 stands for the least.
 LEAST_UNIT: Final = -32
 MOST_UNIT: Final = 32
+
+# SPEC.md#521-pose
+
+# Fields of a pose, before its stream. The unit of rotations is 2^-octaves.
+POSE_FIELDS: Final = (
+    Field("name", "string"),
+    Field("step", "f64"),
+    Field("octaves", "u8"),
+    Field("size", "varint"),
+)
+MOST_OCTAVES: Final = 24
 
 
 def required(method: str, present: Collection[str]) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
+from deltamesh_formats.container.pose_table import PoseEntry
 from deltamesh_formats.container.texts import Texts
 from deltamesh_formats.polymesh.kinds import KIND_WORDS
 from deltamesh_formats.printing import printable
@@ -26,6 +27,20 @@ def text_lines(texts: Texts) -> Iterator[str]:
         yield f"{printable(key)} ({len(lines)}): {_listed(lines)}"
     if texts.lost:
         yield f"not kept of the source: {', '.join(map(printable, texts.lost))}"
+
+
+def pose_lines(poses: Sequence[PoseEntry]) -> Iterator[str]:
+    """Yield a line with the names of poses and their bytes, if there are any."""
+    if poses:
+        shown = [f'"{_cut(one.name)}" {one.size} bytes' for one in poses[:_MOST_SHOWN]]
+        if len(poses) > _MOST_SHOWN:
+            shown.append(f"and {len(poses) - _MOST_SHOWN} more")
+        yield f"poses ({len(poses)}): {', '.join(shown)}"
+
+
+def poses_object(poses: Sequence[PoseEntry]) -> list[dict[str, object]]:
+    """Return all poses, for `--json`."""
+    return [{"name": one.name, "step": one.step, "bytes": one.size} for one in poses]
 
 
 def texts_object(texts: Texts) -> dict[str, object]:

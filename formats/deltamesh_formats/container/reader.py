@@ -213,10 +213,15 @@ def _read_field(view: Buffer, position: int, kind: str) -> tuple[Any, int]:
     return code.unpack(take(view, position, code.size))[0], position + code.size
 
 
-def _read_fields(
+def read_fields(
     view: Buffer, position: int, fields: tuple[Field, ...]
 ) -> tuple[dict[str, Any], dict[str, int], int]:
-    """Return the values of a byte table, the offset of each, and the position after the last."""
+    """Return the values of a byte table, the offset of each, and the position after the last.
+
+    Raises
+    ------
+    FormatError
+    """
     values: dict[str, Any] = {}
     offsets: dict[str, int] = {}
     for name, kind in fields:
@@ -227,7 +232,7 @@ def _read_fields(
 
 def read_table(payload: Buffer, fields: tuple[Field, ...]) -> tuple[dict[str, Any], dict[str, int]]:
     """Return the values and the offsets of a payload that is a byte table and nothing else."""
-    values, offsets, end = _read_fields(payload, 0, fields)
+    values, offsets, end = read_fields(payload, 0, fields)
     if end < len(payload):
         raise FormatError(f"{len(payload) - end} bytes follow the last field", end)
     return values, offsets
@@ -243,7 +248,7 @@ def _read_header(view: memoryview) -> tuple[dict[str, Any], int]:
         one = "a newer" if version > layout.VERSION else "an older"
         message = f"container version {version} needs {one} deltamesh"
         raise FormatError(f"{message}, this one reads {layout.VERSION}", len(layout.MAGIC))
-    values, offsets, position = _read_fields(view, 0, layout.HEADER_FIELDS)
+    values, offsets, position = read_fields(view, 0, layout.HEADER_FIELDS)
     _check_crc(view, 0, offsets["crc"], "the header")
     if values["reserved"]:
         raise FormatError("reserved bits are set: it needs a newer deltamesh", offsets["reserved"])
@@ -373,7 +378,7 @@ def read_parameters(payload: Buffer, vertices: int) -> Parameters:
     FormatError
     """
     fields: tuple[Field, ...] = layout.PARAMETER_FIELDS
-    first = _read_fields(payload, 0, fields)[0]
+    first = read_fields(payload, 0, fields)[0]
     if first["anchor_method"] == layout.ANCHOR_METHODS[layout.RANDOM]:
         fields += layout.SEED_FIELDS
     values, offsets = read_table(payload, fields)
@@ -412,11 +417,11 @@ def read_meta(payload: Buffer) -> Meta:
     FormatError
     """
     fields: tuple[Field, ...] = layout.META_FIELDS
-    _, _, end = _read_fields(payload, 0, fields)
+    _, _, end = read_fields(payload, 0, fields)
     has_losses = end < len(payload)
     if has_losses:
         fields += layout.META_LOSS_FIELDS
-        if _read_fields(payload, 0, fields)[0]["parts"] > 1:
+        if read_fields(payload, 0, fields)[0]["parts"] > 1:
             fields += layout.META_PART_FIELDS
     values, offsets = read_table(payload, fields)
     meta = Meta(**values)

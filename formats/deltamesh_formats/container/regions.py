@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import payload_of, read_table
-from deltamesh_formats.container.writer import write_table
+from deltamesh_formats.container.writer import write_fields
 from deltamesh_formats.errors import FormatError
 
 
@@ -49,7 +49,7 @@ def write_regions(regions: Regions) -> bytes:
     MeshError
         For a value that its field does not hold.
     """
-    return write_table(layout.REGION_FIELDS, vars(regions))
+    return write_fields(layout.REGION_FIELDS, vars(regions))
 
 
 def regions_of(container: Container) -> Regions | None:

@@ -33,6 +33,7 @@ from deltamesh_formats.container.layout import (
     ORDER,
     PARAMETERS,
     PARTS,
+    POSES,
 )
 
 POSITIONS: Final = "positions"
@@ -49,6 +50,7 @@ _WORDS: Final = {
     ATTRIBUTES: "attributes",
     PARTS: "names, parts and metadata",
     ORDER: "order of the source",
+    POSES: "poses",
 }
 
 

@@ -18,7 +18,8 @@ from deltamesh_formats.container.layout import (
     QUARTERS,
     STEPS,
 )
-from deltamesh_formats.container.listing import text_lines
+from deltamesh_formats.container.listing import pose_lines, text_lines
+from deltamesh_formats.container.pose_table import entries_of as poses_of
 from deltamesh_formats.container.reader import read_varint
 from deltamesh_formats.container.regions import regions_of
 from deltamesh_formats.container.stages import awaited, stage_of, stages_of
@@ -152,6 +153,7 @@ def _lines(container: Container) -> Iterator[str]:
     if ORDER in container.sections:
         yield "order of vertices and faces: that of the source"
     yield from text_lines(texts_of(container))
+    yield from pose_lines(poses_of(container))
     if meta is not None:
         source = f", from {meta.source}" if meta.source else ""
         source += ", positions in float32" if container.parameters.single else ""

@@ -45,7 +45,7 @@ def write_header(version: int, vertices: int, triangles: int) -> bytes:
         "vertices": vertices,
         "triangles": triangles,
     }
-    return _with_crc(write_table(layout.HEADER_FIELDS[:-1], values))
+    return _with_crc(write_fields(layout.HEADER_FIELDS[:-1], values))
 
 
 def write_parameters(parameters: Parameters) -> bytes:
@@ -78,7 +78,7 @@ def write_parameters(parameters: Parameters) -> bytes:
     fields: tuple[Field, ...] = layout.PARAMETER_FIELDS
     if p.anchor_method == layout.RANDOM:
         fields += layout.SEED_FIELDS
-    return write_table(fields, values)
+    return write_fields(fields, values)
 
 
 def write_meta(meta: Meta) -> bytes:
@@ -94,12 +94,12 @@ def write_meta(meta: Meta) -> bytes:
         fields += layout.META_LOSS_FIELDS
     if meta.parts > 1:
         fields += layout.META_PART_FIELDS
-    return write_table(fields, vars(meta))
+    return write_fields(fields, vars(meta))
 
 
 def write_digest(digest: bytes) -> bytes:
     """Return the payload of `CHEK`."""
-    return write_table(layout.CHECK_FIELDS, {"digest": digest})
+    return write_fields(layout.CHECK_FIELDS, {"digest": digest})
 
 
 def write_varint(value: int) -> bytes:
@@ -129,7 +129,7 @@ def _field(value: Any, kind: str) -> bytes:
     return layout.STRUCT_CODES[kind].pack(value)
 
 
-def write_table(fields: tuple[Field, ...], values: Mapping[str, Any]) -> bytes:
+def write_fields(fields: tuple[Field, ...], values: Mapping[str, Any]) -> bytes:
     """Return the bytes of a byte table."""
     parts = []
     for name, kind in fields:

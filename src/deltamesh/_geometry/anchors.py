@@ -21,11 +21,17 @@ from numpy.typing import NDArray
 from deltamesh._geometry.solve import Factor, LeastSquares, factorization
 from deltamesh._graph.adjacency import Graph, components, lowest
 from deltamesh._kernels.mesh import distance
+from deltamesh._methods import METHODS
+from deltamesh._options import Settings
 from deltamesh_formats.array_types import Bools, Floats, Ints, Shorts
+from deltamesh_formats.container.layout import FARTHEST
 
 # 0.1 % of the vertices: with the quantization error diffused, more of them buy little.
 DEFAULT_FRACTION: Final = 0.001
 
+# Greedy is no default where vertices times anchors are more: 1000 anchors of 50k vertices take some
+# 10 s of CPU time.
+MOST_GREEDY: Final = 50_000_000
 # Greedy: solutions for unit vectors kept before the matrix is factored anew, which costs as much as
 # some 100 of them. 100k vertices: 100 MB.
 MAX_UPDATES: Final = 128
@@ -73,6 +79,18 @@ def count_anchors(anchors: int | float | None, n: int, components: int) -> int:
         if isinstance(anchors, bool) or count < 1:
             raise ValueError(f"anchors as a count must be 1 or more, not {anchors!r}")
     return min(max(count, components), n)
+
+
+def method_of(settings: Settings, n: int, components: int, k: int) -> str:
+    """Return the choice that settings ask for or, if none, the default for k of n vertices.
+
+    Greedy looks at errors of least squares. The default are the farthest where anchors are
+    interpolated, where there is too much to do, and where there is no choice.
+    """
+    if settings.anchor_method is not None:
+        return settings.anchor_method
+    may_pay = not settings.interpolated and k > components and n * k <= MOST_GREEDY
+    return METHODS[settings.method].anchor_method if may_pay else FARTHEST
 
 
 def farthest(indptr: Shorts, indices: Shorts, labels: Ints, k: int) -> Ints:
@@ -182,9 +200,8 @@ def greedy(
     anchors = lowest(labels)
     while len(anchors) < k:
         base = factor(anchors)
-        x = base.solve(delta, positions[anchors])
         count = min(k - len(anchors), MAX_UPDATES)
-        chosen = _updates(base, graph, anchors, x, vertices, positions, count)
+        chosen = _updates(base, graph, anchors, delta, vertices, positions, count)
         anchors = np.concatenate((anchors, chosen))
     return anchors
 
@@ -193,32 +210,39 @@ def _updates(
     base: LeastSquares,
     graph: Graph,
     anchors: Ints,
-    x: Floats,
+    delta: Floats,
     vertices: Floats,
     positions: Floats,
     count: int,
 ) -> Ints:
-    """Return `count` more anchors by updates of one factorization; x is brought up to date."""
-    W = np.empty((len(x), count))
+    """Return `count` more anchors by updates of one factorization."""
+    # One row a coordinate: whatever is done for an anchor goes over whole rows.
+    x = np.ascontiguousarray(base.solve(delta, positions[anchors]).T)
+    V = np.ascontiguousarray(vertices.T)
+    W = np.empty((len(vertices), count))
     chosen: list[int] = []
-    free = np.ones(len(x), dtype=bool)
+    free = np.ones(len(vertices), dtype=bool)
     free[anchors] = False
-    error = _squared_error(x, vertices, free)
+    error = _squared_error(x, V, free)
     while len(chosen) < count:
         candidates = _candidates(graph, error, free, min(CANDIDATES, count - len(chosen)))
-        solved = base.solve_normal(_units(candidates, len(x)))
+        solved = base.solve_normal(_units(candidates, len(vertices)))
         distance.subtract_product(solved, W, len(chosen), candidates)
+        solved = np.ascontiguousarray(solved.T)
+        first, updates = len(chosen), list[Floats]()
         while len(chosen) < count:
             best = int(np.argmax(error[candidates]))
-            a, z = int(candidates[best]), solved[:, best].copy()
+            a, z = int(candidates[best]), solved[best]
             if not free[a] or error[a] < SHARE**2 * error.max():
                 break
-            x += np.outer(z, (positions[a] - x[a]) / (1 + z[a]))
-            w = W[:, len(chosen)] = z / np.sqrt(1 + z[a])
-            solved -= np.outer(w, w[candidates])
+            for w in updates:
+                z -= w[a] * w
+            x += np.outer((positions[a] - x[:, a]) / (1 + z[a]), z)
+            updates.append(z / np.sqrt(1 + z[a]))
             chosen.append(a)
             free[a] = False
-            error = _squared_error(x, vertices, free)
+            error = _squared_error(x, V, free)
+        W[:, first : len(chosen)] = np.stack(updates, axis=1)
     return np.array(chosen, dtype=np.int64)
 
 
@@ -235,10 +259,10 @@ def _candidates(
     return maxima[np.argsort(-error[maxima], kind="stable")[:count]]
 
 
-def _squared_error(x: Floats, vertices: Floats, free: Bools) -> Floats:
-    """Return the squared error of each vertex, -1 at the anchors, which err a little."""
-    d = x - vertices
-    return np.where(free, d[:, 0] * d[:, 0] + d[:, 1] * d[:, 1] + d[:, 2] * d[:, 2], -1.0)
+def _squared_error(x: Floats, V: Floats, free: Bools) -> Floats:
+    """Return the squared errors, (n,), of x (3, n): -1 at the anchors, which err a little."""
+    d = x - V
+    return np.where(free, d[0] * d[0] + d[1] * d[1] + d[2] * d[2], -1.0)
 
 
 def _units(vertices: Ints, n: int) -> Floats:

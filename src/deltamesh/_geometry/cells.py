@@ -48,7 +48,7 @@ class Cells:
         return np.flatnonzero(np.bincount(self._of_anchors)[self._of_anchors] > 1)
 
     @cached_property
-    def _borders(self) -> tuple[Ints, Ints]:
+    def borders(self) -> tuple[Ints, Ints]:
         """The cells at both ends of each half-edge that goes from one to another."""
         indptr, indices = self.graph
         tail, head = np.repeat(self.of, np.diff(indptr)), self.of[indices]
@@ -85,7 +85,7 @@ class Cells:
 
     def fluxes(self, x: Floats) -> Floats:
         """Return the Laplacian of x, float64 (k, c), on the graph of the cells' borders."""
-        tail, head = self._borders
+        tail, head = self.borders
         return _sums(tail, x[tail] - x[head], len(self.anchors))
 
     def centred(self, x: Floats) -> Floats:

@@ -25,7 +25,7 @@ from deltamesh._geometry.positions import (
     placed,
     solved,
 )
-from deltamesh._geometry.quantize import delta_step, quantize_delta, to_delta, to_grid
+from deltamesh._geometry.quantize import Rounding, delta_step, quantize_delta, to_delta, to_grid
 from deltamesh._geometry.systems import Systems
 from deltamesh._graph.adjacency import Graph
 from deltamesh._kernels.coding import points
@@ -46,10 +46,9 @@ from deltamesh_formats.polymesh.permutations import distinct
 # The grid of the anchors is that much finer than the step of the deltas: with diffusion, the
 # error of the surface between anchors is about a fifth of that step, and theirs should not show.
 ANCHOR_REFINEMENT = 8
-# ... and at least as fine as that fraction of the longest side, which alone counts for 0 bits.
-ANCHOR_GRID_BITS = 16
-# Anchors whose indices are stored.
-GREEDY = "greedy"
+# ... and at least as fine as that fraction of the longest side; or as another one of 0 bits, where
+# the surface errs by far more.
+ANCHOR_GRID_BITS, BARE_GRID_BITS = 16, 14
 
 
 def quantize(
@@ -65,15 +64,17 @@ def quantize(
     values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
     integers, none = Integers(values, exponents=exponents), without_bits(settings)
     if step:
-        share, each = float(settings.diffusion), step * steps.ratios(integers)
-        values = quantize_delta(delta, surface.graph, each, (share, share), none=none)
+        rounding, each = (
+            Rounding(tangential=float(settings.diffusion)),
+            step * steps.ratios(integers),
+        )
+        values = quantize_delta(delta, surface.graph, each, rounding, none=none)
         integers = replace(integers, values=values)
     parameters, integers = anchored(surface, vertices, isolated, integers, step, settings, systems)
-    rounded, start = deltas(parameters, integers), vertices
-    if settings.interpolated:
-        parameters, integers, start = fitted(
-            delta - rounded, vertices, isolated, parameters, integers, systems, none
-        )
+    rounded = deltas(parameters, integers)
+    parameters, integers, start = fitted(
+        delta - rounded, vertices, isolated, parameters, integers, systems, none
+    )
     W = solved(rounded, parameters, integers, systems, start=start)
     return corrected(W, vertices, parameters, integers, settings)
 
@@ -99,22 +100,26 @@ def anchored(
 
     Where vertices have no bits, there are further ones around, and all are listed.
     """
-    none = without_bits(settings)
+    anchor_method, k = _how_many(surface, settings)
     parameters = Parameters(
         method=settings.method,
         diffusion=settings.diffusion,
-        anchor_method=settings.anchor_method if none is None else GREEDY,
+        anchor_method=anchor_method,
         bits=settings.bits,
         step=step,
         anchor_step=_anchor_step(np.concatenate([vertices, isolated]), step),
-        seed=settings.seed if none is None and settings.anchor_method == layout.RANDOM else 0,
+        seed=settings.seed if anchor_method == layout.RANDOM else 0,
         isolated=surface.isolated_count,
         coarse=settings.coarse if settings.layout.coarse else 1.0,
         interpolated=settings.interpolated,
     )
-    anchors = _choose(surface, vertices, parameters, integers, settings, systems)
+    anchors, none = (
+        _choose(surface, vertices, parameters, integers, k, systems),
+        without_bits(settings),
+    )
     if none is not None:
         anchors = np.union1d(anchors, holding(surface, none, settings.interpolated))
+        parameters = replace(parameters, anchor_method=layout.GREEDY, seed=0)
     integers = replace(integers, anchors=anchors)
     parameters = replace(parameters, anchor_count=len(anchors))
     return placed(vertices[anchors], vertices, isolated, parameters, integers)
@@ -165,9 +170,11 @@ def step_of(vertices: Floats, delta: Floats, settings: Settings) -> float:
 def _anchor_step(vertices: Floats, step: float) -> float:
     """Return the step of the grid of the anchors."""
     extent = float(sides(vertices).max())
+    if not step:
+        return extent / 2.0**BARE_GRID_BITS or 1.0
     coarsest = extent / 2.0**ANCHOR_GRID_BITS or 1.0
     finest = extent / 2.0 ** (layout.MAX_GRID_BITS - 1)
-    return max(min(coarsest, step / ANCHOR_REFINEMENT if step else coarsest), finest)
+    return max(min(coarsest, step / ANCHOR_REFINEMENT), finest)
 
 
 def _choose(
@@ -175,25 +182,32 @@ def _choose(
     vertices: Floats,
     parameters: Parameters,
     integers: Integers,
-    settings: Settings,
+    k: int,
     systems: Systems,
 ) -> Ints:
-    """Return the anchors of the settings, ascending where their indices are stored."""
-    components = int(surface.labels.max(initial=-1)) + 1
+    """Return k anchors, ascending where their indices are stored."""
+    if parameters.anchor_method == layout.FARTHEST:
+        return systems.farthest(k)
+    if parameters.anchor_method != layout.GREEDY:
+        return _computed(surface, str(parameters.anchor_method), k, parameters.seed)
+    delta, fixed = deltas(parameters, integers), grid_points(vertices, parameters, integers)
+    system = systems.of_choice
+    return np.sort(choice.greedy(surface.graph, vertices, delta, k, fixed, system))
+
+
+def _how_many(surface: Surface, settings: Settings) -> tuple[str, int]:
+    """Return how anchors are chosen, and how many."""
+    n, components = surface.vertex_count, int(surface.labels.max(initial=-1)) + 1
     try:
-        k = choice.count_anchors(settings.anchors, surface.vertex_count, components)
+        k = choice.count_anchors(settings.anchors, n, components)
     except ValueError as error:
         raise OptionError(str(error)) from None
-    if settings.anchor_method != GREEDY:
-        return _computed(surface, settings.anchor_method, k, settings.seed)
-    delta, fixed = deltas(parameters, integers), grid_points(vertices, parameters, integers)
-    system = systems.least_squares
-    return np.sort(choice.greedy(surface.graph, vertices, delta, k, fixed, system))
+    return choice.method_of(settings, n, components, k), k
 
 
 def _computed(surface: Surface, method: str, k: int, seed: int) -> Ints:
     """Return the anchors that follow from connectivity and seed."""
-    if method == "random":
+    if method == layout.RANDOM:
         return choice.random(surface.labels, k, seed)
     return choice.farthest(*surface.graph, surface.labels, k)
 
@@ -272,7 +286,7 @@ def _encode_anchors(surface: Surface, parameters: Parameters, integers: Integers
     bits = steps.grid_bits(integers.positions, extra, integers.isolated)
 
     def run(coder: Coder) -> None:
-        if parameters.anchor_method == GREEDY:
+        if parameters.anchor_method == layout.GREEDY:
             points.code_gaps(coder, integers.anchors.copy(), surface.vertex_count)
         points.code_points(coder, integers.positions.copy(), np.array(bits), extra)
         if len(integers.isolated):  # most meshes have none, and need not wait for this kernel
@@ -292,7 +306,7 @@ def _decode_anchors(
         anchors = np.zeros(k, dtype=np.int64)
         positions = np.zeros((k, 3), dtype=np.int64)
         isolated = np.zeros((surface.isolated_count, 3), dtype=np.int64)
-        if parameters.anchor_method == GREEDY:
+        if parameters.anchor_method == layout.GREEDY:
             if not points.code_gaps(coder, anchors, n):
                 raise FormatError("an anchor beyond the last vertex", 3)
         else:

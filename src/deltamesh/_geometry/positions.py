@@ -18,6 +18,7 @@ from deltamesh._geometry.integers import NO_CELLS, NONE, Integers
 from deltamesh._geometry.interpolation import NORMAL_TOLERANCE, TOLERANCE
 from deltamesh._geometry.quantize import check_size, from_grid, to_grid
 from deltamesh._geometry.systems import Systems
+from deltamesh._geometry.weighed_fit import moves
 from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.container.container import Parameters
 
@@ -111,8 +112,11 @@ def placed(
         Of the anchors.
     vertices, isolated : float64 (n, 3), (i, 3)
     """
-    origin = np.concatenate([vertices, isolated, positions]).min(axis=0)
     grid, extra = parameters.anchor_step, steps.extra_bits(integers.exponents, len(vertices))
+    origin = np.concatenate([vertices, isolated]).min(axis=0)
+    # Anchors may be outside of the box. By whole steps, its corner is no result of a solver.
+    if len(positions):
+        origin = origin - grid * np.ceil(np.maximum(origin - positions.min(axis=0), 0.0) / grid)
     each = grid * steps.anchor_ratios(integers)
     anchors = to_grid(positions, origin, each, extra[integers.anchors, None])
     integers = replace(integers, positions=anchors, isolated=to_grid(isolated, origin, grid))
@@ -129,7 +133,7 @@ def fitted(
     systems: Systems,
     none: Bools | None = None,
 ) -> tuple[Parameters, Integers, Floats]:
-    """Return both with the vectors of the last stage, and the anchors that go with them.
+    """Return both with anchors that fit the deltas and, interpolated, vectors of the last stage.
 
     Parameters
     ----------
@@ -145,16 +149,26 @@ def fitted(
     float64 (n, 3)
         About where the vertices will be.
     """
-    cells = systems.cells(integers.anchors)
-    scale = cells.least(parameters.step * steps.ratios(integers))
-    fit, left = systems.fit(integers.anchors), left / scale
-    y, e = fit.exact(kept(left, none))
-    if none is not None:
-        further, far = fit.exact(left)
-        y, e = balanced(y, further, left, none, cells), np.where(none[:, None], far, e)
-    integers = with_vectors(y * scale[integers.anchors], parameters, integers, cells, -1)
-    near = vertices - e * scale
-    parameters, integers = placed(near[integers.anchors], vertices, isolated, parameters, integers)
+    if not len(integers.anchors):
+        return parameters, integers, vertices
+    anchors, cells = integers.anchors, systems.cells(integers.anchors)
+    # Components are apart, and each is fitted in units of its own; of 0 bits, it has none.
+    each = parameters.step * steps.ratios(integers)
+    scale = cells.least(each) if parameters.step else np.ones_like(each)
+    left = left / scale
+    if parameters.interpolated:
+        y, e = systems.fit(anchors).exact(kept(left, none))
+        if none is not None:
+            further, far = systems.fit(anchors).exact(left)
+            y, e = balanced(y, further, left, none, cells), np.where(none[:, None], far, e)
+        integers = with_vectors(y * scale[anchors], parameters, integers, cells, -1)
+        near = vertices - e * scale
+        fit = near[anchors]
+    else:
+        d, e = moves(systems.least_squares(anchors), cells, kept(left, none))
+        near = vertices + e * scale
+        fit = vertices[anchors] + d * scale[anchors]
+    parameters, integers = placed(fit, vertices, isolated, parameters, integers)
     return parameters, integers, near
 
 

@@ -6,6 +6,7 @@ The step of the papers: the range of the quantized values over 2^B, for B bits a
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -19,6 +20,36 @@ from deltamesh_formats.errors import MeshError
 
 # The entropy coder takes |value| < 2^31; a bit is to spare for diffused errors.
 MOST_STEPS: Final = 1 << MAX_GRID_BITS
+
+
+@dataclass(frozen=True)
+class Rounding:
+    """Rule by which numbers of steps are rounded, and shares of the error that go on.
+
+    Each number is rounded up or down, so that what the numbers of a vertex cost together is the
+    least: the squares of their errors, in steps, and what their bits are worth. By default that is
+    the nearest integer.
+
+    Attributes
+    ----------
+    zone : float
+        Dead zone: what the first step of a number costs is as if it were rounded to 0 up to
+        0.5 + zone steps.
+    pull : float
+        What each step costs more, in the same way, where the neighbours before are 0: that over
+        1 + m, where their mean magnitude is m. A step costs the more bits, the smaller they are.
+    weight : float
+        How often the square of the error along the normal counts, where 3 numbers are rounded.
+    tangential, normal : float
+        The shares of the error that are handed on along the surface and across it; without normals,
+        the first. Zeros are no diffusion.
+    """
+
+    zone: float = 0.0
+    pull: float = 0.0
+    weight: float = 1.0
+    tangential: float = 0.0
+    normal: float = 0.0
 
 
 def delta_step(delta: Floats, bits: int) -> float:
@@ -68,10 +99,9 @@ def quantize_delta(
     delta: Floats,
     graph: Graph,
     step: float | Floats,
-    carry: tuple[float, float],
+    rounding: Rounding,
     *,
     normals: Floats | None = None,
-    zone: float = 0.0,
     along: bool = False,
     none: Bools | None = None,
 ) -> Ints:
@@ -88,12 +118,8 @@ def quantize_delta(
         Neighbours, from `adjacency.adjacency`.
     step : float, or float64 (n, 1)
         Of all vertices, or of each.
-    carry : (float, float)
-        Which shares of the error go on, along the surface and across it; without normals, the
-        first. Zeros are plain rounding.
+    rounding : Rounding
     normals : float64 (n, 3), optional
-    zone : float
-        Dead zone: round to 0 up to 0.5 + zone steps.
     along : bool
         Whether to round the component along the normals alone.
     none : bool (n,), optional
@@ -116,7 +142,9 @@ def quantize_delta(
     N = np.zeros_like(delta) if normals is None else normals
     steps = np.broadcast_to(step, (len(delta), 1))[:, 0].copy()
     out = np.empty((len(delta), 1 if along else 3), dtype=np.int64)
-    kernels.diffuse(*graph, delta, N, steps, zone, carry[0], carry[1], out)
+    r = rounding
+    rule = r.zone, r.pull, r.weight, r.tangential, r.normal
+    kernels.diffuse(*graph, delta, N, steps, *rule, out)
     if none is not None:  # what others have handed on to them
         out[none] = 0
     return out

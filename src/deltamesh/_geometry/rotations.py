@@ -6,11 +6,16 @@ meshes", SIGGRAPH 2005; O. Sorkine, M. Alexa, "As-rigid-as-possible surface mode
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from deltamesh._graph.adjacency import Graph
 from deltamesh._kernels.mesh import rotations as kernels
 from deltamesh_formats.array_types import Floats
+
+# The square of a quaternion's length that stands for no rotation; a unit one does not notice.
+NONE: Final = 2.0**-40
 
 
 def fit(graph: Graph, before: Floats, after: Floats, rings: int = 0) -> Floats:
@@ -52,6 +57,51 @@ def nearest(matrices: Floats) -> Floats:
         Of about the size of rotations: the identity is nearest to zero.
     """
     return kernels.nearest(_plain(matrices))
+
+
+def of_quaternions(quaternions: Floats) -> Floats:
+    """Return the rotations of quaternions of any length, the identity of no length.
+
+    Parameters
+    ----------
+    quaternions : float64 (n, 4)
+        w, x, y, z.
+
+    Returns
+    -------
+    float64 (n, 3, 3)
+    """
+    w, x, y, z = np.ascontiguousarray(quaternions, dtype=np.float64).T
+    rows = (
+        *(w * w + x * x - y * y - z * z + NONE, 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        *(2 * (x * y + w * z), w * w - x * x + y * y - z * z + NONE, 2 * (y * z - w * x)),
+        *(2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z + NONE),
+    )
+    matrices: Floats = np.stack(rows, axis=1) / (w * w + x * x + y * y + z * z + NONE)[:, None]
+    return matrices.reshape(-1, 3, 3)
+
+
+def to_quaternions(matrices: Floats) -> Floats:
+    """Return the unit quaternions of rotations, float64 (n, 4), w first and not negative.
+
+    Parameters
+    ----------
+    matrices : float64 (n, 3, 3)
+    """
+    (a, b, c), (d, e, f), (g, h, i) = np.moveaxis(_plain(matrices), 0, 2)
+    products = np.empty((len(matrices), 4, 4))  # of components, four times
+    products[:, 0, 0], products[:, 1, 1] = 1 + a + e + i, 1 + a - e - i
+    products[:, 2, 2], products[:, 3, 3] = 1 - a + e - i, 1 - a - e + i
+    products[:, 0, 1] = products[:, 1, 0] = h - f
+    products[:, 0, 2] = products[:, 2, 0] = c - g
+    products[:, 0, 3] = products[:, 3, 0] = d - b
+    products[:, 1, 2] = products[:, 2, 1] = b + d
+    products[:, 1, 3] = products[:, 3, 1] = c + g
+    products[:, 2, 3] = products[:, 3, 2] = f + h
+    largest = np.einsum("nii->ni", products).argmax(axis=1)
+    q = products[np.arange(len(products)), largest]
+    lengths = np.sqrt((q * q).sum(axis=1, keepdims=True))
+    return np.asarray(np.where(q[:, :1] < 0, -q, q) / lengths)
 
 
 def turned_deltas(graph: Graph, vertices: Floats, matrices: Floats) -> Floats:

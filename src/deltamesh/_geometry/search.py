@@ -33,16 +33,19 @@ from deltamesh_formats.container.layout import DELTAS, NORMALS
 from deltamesh_formats.errors import MeshError, TargetError
 
 # How coarse the deltas may be, by effort, the likeliest first.
-COARSE: Final = {1: (5.0,), 2: (5.0, 3.0, 8.0), 3: (5.0, 3.0, 8.0, 2.0)}
+COARSE: Final = {1: (4.5,), 2: (4.5, 3.0, 7.0), 3: (4.5, 3.0, 7.0, 2.0)}
 # Of effort 2, one other: finer deltas pay where they take few bytes beside the refinements, and
 # coarser ones, rarely, where they take many or next to none: that is tried where a trial takes no
 # second.
 FEW, MANY, NONE = 1.2, 2.9, 0.5
 CHEAP: Final = 60_000
 # Where a distance, not an angle, would bound the step, twice the anchors divide distances by that,
-# for 0.08 bits a vertex and more; but not more of them than that share of the vertices.
+# for 0.08 bits a vertex and more; but not more of them than that share of the vertices. The search
+# begins there and goes on from file to file: corrections of a few vertices are often cheaper.
 MORE_ANCHORS, LESS_DISTANCE = 2, 1.35
 MOST_ANCHORS: Final = 0.016
+# Fewer anchors err more, by as much as bounds allow: they have to save more than half a percent.
+FEWER_PAY: Final = 0.995
 # ... and no component asks for more than so many times two.
 MOST_TIMES: Final = 10
 # A distance bounds the step if it is so many times nearer to its bound than an angle.
@@ -101,7 +104,7 @@ def smallest(
         try:
             found = _fit(settings, bounds, start, components, options, attempt, best, missed)
             if found is not None and options.anchors is None:
-                found = _with_more_anchors(found, bounds, components, options, attempt)
+                found = _with_other_anchors(found, bounds, components, options, attempt)
         except ScaleError:
             if options.method != AUTO:
                 raise
@@ -201,25 +204,43 @@ def _candidates(options: Options, bounds: Bounds) -> Iterator[Settings]:
         yield replace(refined, coarse=c)
 
 
-def _with_more_anchors(
+def _with_other_anchors(
     found: tuple[Trial, Steps],
     bounds: Bounds,
     components: Components,
     options: Options,
     attempt: Attempt,
 ) -> tuple[Trial, Steps]:
-    """Return a smaller trial, if there is one, with more anchors, where a distance bounds it."""
-    while True:
-        trial, steps = found
+    """Return a smaller trial, if there is one, with fewer or more anchors.
+
+    Fewer are tried where a guess has asked for more than the default; else, or if that does not
+    pay, more are tried where a distance bounds the trial.
+    """
+
+    def walk(
+        found: tuple[Trial, Steps], next_count: Callable[[Trial], int], share: float
+    ) -> tuple[Trial, Steps]:
+        while count := next_count(found[0]):
+            trial, steps = found
+            settings = replace(trial.settings, anchors=count)
+            other = _fit(settings, bounds, steps, components, options, attempt, trial, [])
+            if other is None or other[0].size >= share * trial.size:
+                break
+            found = other
+        return found
+
+    def fewer(trial: Trial) -> int:
+        guessed = trial.settings.anchors is not None
+        return trial.parameters.anchor_count // MORE_ANCHORS if guessed else 0
+
+    def more(trial: Trial) -> int:
         distance, angle = (float(each.max()) for each in bounds.part_excess(trial.measured))
         count = MORE_ANCHORS * trial.parameters.anchor_count
-        if distance < BINDING * angle or not 0 < count <= MOST_ANCHORS * len(trial.vertices):
-            return found
-        settings = replace(trial.settings, anchors=count)
-        other = _fit(settings, bounds, steps, components, options, attempt, trial, [])
-        if other is None or other[0].size >= trial.size:
-            return found
-        found = other
+        fits = count <= MOST_ANCHORS * len(trial.vertices)
+        return count if fits and distance >= BINDING * angle else 0
+
+    least = walk(found, fewer, FEWER_PAY)
+    return walk(found, more, 1.0) if least is found else least
 
 
 def _may_pay(settings: Settings, best: Trial, effort: int) -> bool:

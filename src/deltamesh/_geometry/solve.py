@@ -209,14 +209,14 @@ def _factor(
     n, name = len(graph[0]) - 1, solver_name(solver)
     if n == 0:
         return np.copy
-    short = bool(np.diff(graph[0]).max() < LONGEST_ROW and (weights == 1).all())
+    short = bool(np.diff(graph[0]).max() < LONGEST_ROW and np.isfinite(weights).all())
     if short and solver == "auto" and n <= SMALL:
         with contextlib.suppress(LimitError, ArithmeticError):  # which another may escape
-            if solve := factor_normal(graph, anchors, memory, SMALL_FACTOR):
+            if solve := factor_normal(graph, anchors, weights * weights, memory, SMALL_FACTOR):
                 return solve
     try:
         if short and name == "core":
-            return cast(Solve, factor_normal(graph, anchors, memory))
+            return cast(Solve, factor_normal(graph, anchors, weights * weights, memory))
         matrix = _matrix(graph, anchors, memory, weights)
         solve = SOLVERS[name].factor(matrix, threads, memory)
     except LimitError:

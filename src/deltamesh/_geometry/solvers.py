@@ -182,7 +182,9 @@ def _check_fill(indptr: Ints, indices: Ints, order: Ints, entry: float, memory: 
     check_memory(entry * entries, memory)
 
 
-def factor_normal(graph: Graph, anchors: Ints, memory: float, most: int = MOST) -> Solve | None:
+def factor_normal(
+    graph: Graph, anchors: Ints, squares: Floats, memory: float, most: int = MOST
+) -> Solve | None:
     """Return the core's solver of the normal equations, for which nothing is imported.
 
     Parameters
@@ -190,6 +192,8 @@ def factor_normal(graph: Graph, anchors: Ints, memory: float, most: int = MOST) 
     graph : pair of int32 arrays (n + 1,), (2 e,)
         Neighbour lists of vertices of which none has very many.
     anchors : int64 (k,)
+    squares : float64 (k,)
+        Of the weights of the anchors, finite.
     memory : float
         Bytes that the factorization may take.
     most : int
@@ -205,7 +209,8 @@ def factor_normal(graph: Graph, anchors: Ints, memory: float, most: int = MOST) 
     if bounds[-1] > 2 * most:  # it has both triangles
         return None
     check_memory(CORE_ENTRY * int(bounds[-1]), memory)
-    return _factor_rows(*laplacian.normal_matrix(*graph, anchors, bounds), memory, most)
+    rows = laplacian.normal_matrix(*graph, anchors, bounds, squares)
+    return _factor_rows(*rows, memory, most)
 
 
 def _factor_core(matrix: sparse.csr_array, threads: int, memory: float) -> Solve:

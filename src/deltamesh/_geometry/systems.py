@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import copy
 import math
+from functools import lru_cache
 
+from deltamesh._geometry import anchors as choice
 from deltamesh._geometry.cells import Cells
 from deltamesh._geometry.fit import Fit
 from deltamesh._geometry.interpolation import Interpolation
@@ -41,10 +43,12 @@ class Systems:
     ) -> None:
         graph, labels = surface.graph, surface.labels
         self._least_squares = factorization(graph, solver, threads, memory)
+        self._of_choice = factorization(graph, solver, threads, memory)
         # Not of `self`: a cycle would keep all of it in memory until it is looked for.
         cells = self._cells = remembered(lambda anchors: Cells(graph, labels, anchors))
         self._interpolation = remembered(lambda anchors: Interpolation(cells(anchors)))
         self._fit = remembered(lambda anchors: Fit(cells(anchors)))
+        self._farthest = lru_cache(maxsize=1)(lambda k: choice.farthest(*graph, labels, k))
 
     def to_precision(self, precision: float) -> Systems:
         """Return the same systems, with another factor of the tolerances."""
@@ -52,9 +56,17 @@ class Systems:
         other.precision = precision
         return other
 
+    def farthest(self, k: int) -> Ints:
+        """Return so many anchors by farthest-point sampling, int64 (k,); see `anchors.farthest`."""
+        return self._farthest(k)
+
     def least_squares(self, anchors: Ints) -> LeastSquares:
         """Return the system [L; S], factored."""
         return self._least_squares(anchors)
+
+    def of_choice(self, anchors: Ints) -> LeastSquares:
+        """Return the system [L; S] of the anchors that a greedy choice begins with, factored."""
+        return self._of_choice(anchors)
 
     def cells(self, anchors: Ints) -> Cells:
         """Return the cells of the anchors."""

@@ -6,7 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from deltamesh._graph.halfedges import ends, pair_halfedges
+from deltamesh._graph.halfedges import pair_halfedges
+from deltamesh._kernels.mesh import parallelograms as kernels
 from deltamesh_formats.array_types import Ints, Shorts
 
 NO_QUADS: Final = np.zeros((0, 4), dtype=np.int64)
@@ -41,20 +42,4 @@ def parallelograms(
         Number of parallelograms of each vertex that are quads.
     """
     opposite = pair_halfedges(faces) if opposite is None else opposite
-    (a, b), apex = ends(faces), np.roll(faces, -2, axis=1).ravel()
-    across = np.where(opposite >= 0, apex[opposite], n)
-    if len(quads):
-        sides = [np.roll(quads, -shift, axis=1).ravel() for shift in (3, 1, 2, 0)]
-        a, b, across, apex = (
-            np.concatenate(both) for both in zip(sides, (a, b, across, apex), strict=True)
-        )
-    highest = np.maximum(a, b)
-    known = np.flatnonzero(np.maximum(highest, across, out=highest) < apex)
-    known = known[np.argsort(apex[known], kind="stable")]
-    first = np.zeros(n + 1, dtype=np.int32)
-    np.cumsum(np.bincount(apex[known], minlength=n), out=first[1:])
-    within = np.bincount(apex[known[known < quads.size]], minlength=n).astype(np.int32)
-    corners = np.empty((len(known), 3), dtype=np.int32)
-    for column, end in enumerate((a, b, across)):
-        corners[:, column] = end[known]
-    return first, corners, within
+    return kernels.find(faces, n, opposite, quads)

@@ -36,6 +36,8 @@ class Differences:
     lost, turned : bool (m,)
         Which faces had an area of which less than a thousandth is left; which of the others had one
         and are turned over.
+    area : float
+        Of all faces, over what it was; 1 if there was none.
     """
 
     distance: Floats
@@ -43,6 +45,7 @@ class Differences:
     change: Floats
     lost: Bools
     turned: Bools
+    area: float
 
 
 @dataclass(frozen=True)
@@ -92,15 +95,18 @@ class Reference:
         V = self.vertices
         if V.shape != W.shape:
             raise ValueError(f"{len(V)} and {len(W)} vertices cannot be compared one by one")
-        # Normals are found again: to keep those of the reference takes 48 bytes a vertex.
+        dihedral = self._dihedral
+        # Normals are found again: to keep those of the reference takes 96 bytes a vertex.
         before, after = self._normals_and_areas(V), self._normals_and_areas(W)
         angle, lost, turned = kernels.face_changes(before, after, LOST, TURNED)
+        areas = float(before[1].sum()), float(after[1].sum())
+        area = areas[1] / areas[0] if areas[0] else 1.0
         change = self._dihedral_angles(W, after[0])
         del before, after
-        change -= self._dihedral
+        change -= dihedral
         np.abs(change, out=change)
         np.minimum(change, 360 - change, out=change)
-        return Differences(kernels.distances(V, W, self.unit), angle, change, lost, turned)
+        return Differences(kernels.distances(V, W, self.unit), angle, change, lost, turned, area)
 
 
 def _interior_edges(F: Ints) -> Shorts:
@@ -113,6 +119,7 @@ def _interior_edges(F: Ints) -> Shorts:
     two = bounds[:-1][np.diff(bounds) == 2]
     pairs = np.empty((len(two), 2), dtype=np.int32)
     pairs[:, 0], pairs[:, 1] = order[two], order[two + 1]
+    del order, bounds, two
     h, g = pairs.T
     inner = (h // 3 != g // 3) & (start[h] != end[h])
     return pairs if inner.all() else pairs[inner]

@@ -31,6 +31,8 @@ class Measured:
         Of each part; None if the mesh is one part that has all vertices.
     lost, turned : bool (m,), or None
         See `differences.Differences`.
+    area : float
+        Of the surface, over that of the reference.
     doubt : float
         How far the vertices of another decoder may be from those that were measured.
     """
@@ -39,6 +41,7 @@ class Measured:
     parts: PartErrors | None = None
     lost: Bools | None = None
     turned: Bools | None = None
+    area: float = 1.0
     doubt: float = 0.0
 
 
@@ -76,7 +79,7 @@ class Measure:
             errors = rounded_up(weighted_errors(self._reference, d, self._weights))
             d = self._weights.of(d)
         parts = None if self._parts is None else _rounded_up(self._parts.errors(d))
-        return Measured(errors, parts, d.lost, d.turned)
+        return Measured(errors, parts, d.lost, d.turned, d.area)
 
 
 def errors_by_importance(

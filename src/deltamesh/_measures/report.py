@@ -42,12 +42,15 @@ class Report:
     lost, turned : int64 (k,)
         The polygon of each triangle that had an area and has lost it, or that has turned over;
         ascending.
+    area : float
+        Of the surface, over what it was.
     """
 
     parts: int
     worst: WorstPart | None
     lost: Ints
     turned: Ints
+    area: float
 
 
 def report_of(measured: Measured, named: NamedParts) -> Report:
@@ -62,6 +65,7 @@ def report_of(measured: Measured, named: NamedParts) -> Report:
         worst=worst,
         lost=_polygons(named.polygons, measured.lost),
         turned=_polygons(named.polygons, measured.turned),
+        area=measured.area,
     )
 
 

@@ -16,7 +16,7 @@ from deltamesh._geometry.bounds import POSITION_TOLERANCE
 from deltamesh._geometry.interpolation import FINER
 from deltamesh._measures.metrics import diagonal
 from deltamesh._parts import decode_parts, encode_parts
-from deltamesh._sections import geometry
+from deltamesh._sections import geometry, poses
 from deltamesh._sections.draft import Draft
 from deltamesh._shape import connectivity, merging, split_vertices, stitches
 from deltamesh._shape.draft import ShapeDraft
@@ -174,6 +174,10 @@ def _decode_order(payload: memoryview, container: Container, content: Content) -
     return replace(content, order=order)
 
 
+def _encode_poses(draft: Draft) -> tuple[bytes, Draft]:
+    return poses.encode(draft.content), draft
+
+
 # In the order in which they are coded: each may use what those before it have made.
 SECTIONS: Final = (
     _of_shape(layout.CONNECTIVITY, "connectivity", connectivity),
@@ -201,5 +205,12 @@ SECTIONS: Final = (
         lambda draft: draft.options.keep_order,
         _encode_order,
         _decode_order,
+    ),
+    _single(
+        layout.POSES,
+        "poses",
+        lambda draft: bool(draft.content.poses),
+        _encode_poses,
+        poses.decode,
     ),
 )

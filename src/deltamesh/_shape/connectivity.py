@@ -87,6 +87,8 @@ def encode_connectivity(topology: Topology) -> tuple[bytes, CodedManifold]:
             raise AssertionError("the region grower failed on a manifold")
 
     stream = encode_with(MODEL, face_count, run)
+    del halfedges, old
+    region = region._replace(halfedges=region.halfedges[:0], old=region.old[:0])
     counts = (topology.loop_count, topology.boundary_edge_count, front.counts.join_count)
     faces, is_open = _open(region)
     starts, order = region.starts[is_open], region.vertices["old"][region.vertices["is_loop"] == 0]
@@ -139,8 +141,14 @@ def _region(
 
 
 def _open(region: Region) -> tuple[Ints, Bools]:
-    """Return the faces without those that close boundary loops, and which of all faces they are."""
-    real = region.vertices["is_loop"] == 0
-    index = np.cumsum(real) - 1
-    kept = real[region.faces].all(axis=1)
-    return index[region.faces[kept]], kept
+    """Return the faces without those that close boundary loops, and which of all faces they are.
+
+    Those of the region are renumbered in place.
+    """
+    faces, real = region.faces, region.vertices["is_loop"] == 0
+    if real.all():
+        return faces, np.ones(len(faces), dtype=bool)
+    kept = real[faces].all(axis=1)
+    faces = faces[kept]
+    np.take(np.cumsum(real) - 1, faces, out=faces)
+    return faces, kept

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from deltamesh._graph.adjacency import MOST, Graph, adjacency
+from deltamesh._graph.adjacency import MOST, Graph, adjacency_between
 from deltamesh._graph.adjacency import components as labels_of
+from deltamesh._graph.halfedges import ends
 from deltamesh._graph.laplacian import laplacian as laplacian_of
 from deltamesh._kernels.mesh import laplacian as kernel
 from deltamesh_formats.array_types import Floats, Ints
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
     Sparse: TypeAlias = sparse.csr_array
 
 
-def laplacian(faces: ArrayLike, count: int) -> Sparse:
+def laplacian(faces: ArrayLike | Sequence[ArrayLike], count: int) -> Sparse:
     """Return the combinatorial Laplacian L = D - A of the graph of a mesh.
 
     O. Sorkine, D. Cohen-Or, S. Toledo, "High-Pass Quantization for Mesh Encoding", SGP 2003,
@@ -28,8 +30,9 @@ def laplacian(faces: ArrayLike, count: int) -> Sparse:
 
     Parameters
     ----------
-    faces : int array (m, 3)
-        Triangles; or quads (m, 4), whose diagonals are no edges. Vertices count from 0.
+    faces : int array (m, k), or a sequence of polygons
+        Triangles, quads or polygons of any sizes, as `PolyMesh.faces` has them; diagonals are no
+        edges. Vertices count from 0.
     count : int
         Number of vertices.
 
@@ -41,14 +44,27 @@ def laplacian(faces: ArrayLike, count: int) -> Sparse:
     Raises
     ------
     ValueError
-        If faces are not of three or four corners, or name a vertex that is not there.
+        If a face has no three corners, or names a vertex that is not there.
+    LimitError
+        If there are more edges than 32 bits count.
     """
-    F = np.ascontiguousarray(faces, dtype=np.int64)
-    if F.ndim != 2 or F.shape[1] not in (3, 4):
-        raise ValueError(f"faces have shape {F.shape}, not (m, 3) or (m, 4)")
-    if F.size and not 0 <= F.min() <= F.max() < count:
+    start, end = _halfedges(faces)
+    if len(start) and not 0 <= start.min() <= start.max() < count:
         raise ValueError(f"a face names a vertex outside of 0 to {count - 1}")
-    return laplacian_of(*adjacency(F, count))
+    return laplacian_of(*adjacency_between(start, end, count))
+
+
+def _halfedges(faces: ArrayLike | Sequence[ArrayLike]) -> tuple[Ints, Ints]:
+    """Return the vertices at which the half-edges of faces start and end."""
+    if isinstance(faces, np.ndarray) and faces.ndim == 2 and faces.shape[1] >= 3:
+        return ends(np.ascontiguousarray(faces, dtype=np.int64))
+    polygons = [np.asarray(one, dtype=np.int64) for one in cast("Sequence[ArrayLike]", faces)]
+    for i, polygon in enumerate(polygons):
+        if polygon.ndim != 1 or len(polygon) < 3:
+            raise ValueError(f"face {i} has no three corners")
+    none = np.zeros(0, dtype=np.int64)
+    after = [np.roll(polygon, -1) for polygon in polygons]
+    return np.concatenate([none, *polygons]), np.concatenate([none, *after])
 
 
 def deltas(L: Sparse, vertices: ArrayLike) -> Floats:

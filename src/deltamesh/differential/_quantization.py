@@ -60,7 +60,7 @@ def quantized_deltas(
         raise ValueError("steps are no positive number, nor one for each vertex")
     each = steps.reshape(-1, 1) if steps.ndim else float(steps)
     rows = rows_of(delta, n, "deltas", 3)
-    return quantize.quantize_delta(rows, graph, each, (diffusion, diffusion))
+    return quantize.quantize_delta(rows, graph, each, quantize.Rounding(tangential=diffusion))
 
 
 def coded_size(L: Sparse, values: Ints) -> int:

@@ -45,6 +45,8 @@ class LeastSquares:
 
     Attributes
     ----------
+    count : int
+        Number of vertices.
     anchors : int64 (k,)
     weights : float64 (k,)
 

@@ -5,13 +5,14 @@ import { decodeConnectivity } from "./connectivity.mjs";
 import { readContainer } from "./container.mjs";
 import { decodeCopies } from "./copies.mjs";
 import { digested, digestOf } from "./digest.mjs";
-import { FormatError } from "./errors.mjs";
+import { DeltameshError, FormatError } from "./errors.mjs";
 import { checkScale, decodeGeometry, reconstructed } from "./geometry.mjs";
 import { inverse, largest } from "./integers.mjs";
-import { announced, checkLimits, MAX_VERTICES, MEMORY } from "./limits.mjs";
+import { announced, checkLimits, checkPose, MAX_VERTICES, MEMORY } from "./limits.mjs";
 import { decodeOrder, permutedCorners } from "./order.mjs";
 import { decodeParts } from "./parts.mjs";
 import { decodePolygons } from "./polygons.mjs";
+import { decodePoses, posed, posesOf, turnNormals } from "./poses.mjs";
 import { decodeStitches } from "./stitches.mjs";
 import { complexOf, manifoldOf, plainStructure, trivialStitches } from "./structure.mjs";
 import { readTexts } from "./texts.mjs";
@@ -37,25 +38,35 @@ export function inspect(bytes) {
     parts: (texts?.divisions ?? []).map(({ kind, names }) => ({ kind, names })),
     metadata: texts?.metadata ?? new Map(),
     lost: texts?.lost ?? [],
+    poses: posesOf(container).map(({ name, step, size }) => ({ name, step, bytes: size })),
   };
 }
 
 /**
  * Decode a file, a Uint8Array, with a core of `loadCore`; return its mesh.
  *
- * `maxVertices` and `memory`, in bytes, are the limits. Of the mesh, `positions` has three numbers
+ * `maxVertices` and `memory`, in bytes, are the limits, `pose` the name of one of its poses. Of the mesh, `positions` has three numbers
  * a vertex; `corners` and `offsets` the vertices of each polygon; `triangles` those of each
  * triangle, `triangleCorners` their places among `corners`, `trianglePolygons` their polygons;
  * `anchors` the vertices whose positions are stored; `attributes` and `parts` what else there is.
  */
-export function decode(core, bytes, { maxVertices = MAX_VERTICES, memory = MEMORY } = {}) {
+export function decode(core, bytes, options = {}) {
+  const { maxVertices = MAX_VERTICES, memory = MEMORY, pose = null } = options;
   const container = readContainer(bytes);
+  if (pose !== null) {
+    if (!posesOf(container).some(({ name }) => name === pose)) {
+      throw new DeltameshError(`there is no pose '${pose}'`);
+    }
+    checkPose(container, memory);
+  }
   const content = readContent(core, container, maxVertices, memory);
   checkDigest(core, container, content);
   checkScale(container, content.integers);
   const { surface } = content.structure;
   const points = reconstructed(core, container, content.integers, surface);
-  return meshOf(container, content, points);
+  if (pose === null) return meshOf(container, content, points);
+  const wanted = content.poses.find(({ name }) => name === pose);
+  return meshOf(container, content, points, posed(core, surface, content.integers.anchors, wanted, points));
 }
 
 function readContent(core, container, maxVertices, memory) {
@@ -69,7 +80,11 @@ function readContent(core, container, maxVertices, memory) {
   const attributes = read("ATTR", (payload) => decodeAttributes(core, payload, domains)) ?? [];
   const parts = read("PART", (payload) => decodeParts(core, payload, domains)) ?? null;
   const order = read("ORDR", (payload) => decodeOrder(core, payload, structure)) ?? null;
-  return { structure, domains, integers, attributes, parts, order };
+  const poses =
+    read("POSE", (payload) =>
+      decodePoses(core, payload, structure.surface, integers.anchors),
+    ) ?? [];
+  return { structure, domains, integers, attributes, parts, order, poses };
 }
 
 function readStructure(core, { sections, vertices, triangles }, counts) {
@@ -102,8 +117,8 @@ function checkDigest(core, { digest, sections }, content) {
   }
 }
 
-/** Return the mesh of a content and of the positions of its points. */
-function meshOf(container, content, points) {
+/** Return the mesh of a content and of the positions of its points, in a pose if there is one. */
+function meshOf(container, content, points, pose = null) {
   const { structure, domains, integers, attributes, parts, order } = content;
   const { points: pointOf, polygons } = structure;
   const positions = gathered(points, pointOf, 3);
@@ -119,6 +134,10 @@ function meshOf(container, content, points) {
     anchors: anchorsOf(integers.anchors, pointOf),
     precision: container.parameters.single ? "float32" : "float64",
   };
+  if (pose) {
+    mesh.positions = gathered(pose.positions, pointOf, 3);
+    turnNormals(mesh, gathered(pose.turns, pointOf, 9));
+  }
   if (order) reorder(mesh, order);
   return Object.assign(mesh, trianglesOf(mesh.positions, mesh.corners, mesh.offsets));
 }

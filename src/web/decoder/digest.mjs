@@ -17,7 +17,7 @@ export function digestOf(core, arrays) {
 }
 
 /** Return the arrays of a file that its digest covers, in their order. */
-export function digested({ structure, integers, order, attributes, parts }) {
+export function digested({ structure, integers, order, attributes, parts, poses }) {
   const { faces, points, split, merged } = structure;
   const i = integers;
   const arrays = [faces, ...(split ? [points] : []), i.values, i.anchors, i.positions, i.isolated];
@@ -33,6 +33,11 @@ export function digested({ structure, integers, order, attributes, parts }) {
       arrays.push(ofFace);
       if (transforms) arrays.push(transforms);
     }
+  }
+  const encoder = new TextEncoder();
+  for (const { name, step, octaves, numbers } of poses) {
+    arrays.push(Int32Array.from(encoder.encode(name)), Float64Array.of(step));
+    arrays.push(Int32Array.of(octaves), numbers);
   }
   return arrays;
 }

@@ -19,7 +19,7 @@ export const HEADER_FIELDS = [
 
 // Sections that follow CONN, and those that follow the geometry, in this order, where needed.
 export const AFTER_CONNECTIVITY = ["STCH", "COPY", "POLY", "STEP"];
-export const AFTER_GEOMETRY = ["ATTR", "PART", "ORDR", "FILL"];
+export const AFTER_GEOMETRY = ["ATTR", "PART", "ORDR", "POSE", "FILL"];
 export const METHODS = [
   {
     name: "highpass",
@@ -33,8 +33,8 @@ export const METHODS = [
     name: "cartesian",
     title: "Cartesian",
     geometry: ["CART"],
-    memory: 192 * 2 ** 20,
-    memoryPerVertex: 400,
+    memory: 2 ** 26,
+    memoryPerVertex: 300,
   },
   {
     name: "refined",
@@ -49,12 +49,12 @@ export const METHODS = [
     title: "lossless",
     geometry: ["EXAC"],
     exact: true,
-    memory: 2 ** 28,
-    memoryPerVertex: 600,
+    memory: 2 ** 26,
+    memoryPerVertex: 400,
   },
 ];
 // Memory of decoding, by what positions make of deltas and anchors.
-export const INTERPOLATED = { memory: 192 * 2 ** 20, memoryPerVertex: 400 };
+export const INTERPOLATED = { memory: 2 ** 26, memoryPerVertex: 400 };
 export const LEAST_SQUARES = { memory: 2 ** 28, memoryPerVertex: 4000 };
 export const KNOWN = new Set([
   "PARM",
@@ -153,13 +153,21 @@ export const MAX_EXPONENT = 120;
 export const PER_OCTAVE = 4;
 export const LEAST_UNIT = -32;
 export const MOST_UNIT = 32;
+export const MOST_OCTAVES = 24;
+export const POSE_FIELDS = [
+  ["name", "string"],
+  ["step", "f64"],
+  ["octaves", "u8"],
+  ["size", "varint"],
+];
 export const QUARTERS = [1, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605];
 
 /** Return the sections that a file of a method begins with, where those `present` are. */
 export function required(method, present) {
   const after = AFTER_CONNECTIVITY.filter((id) => id !== "STEP" || !method.exact);
   const cells = method.anchored ? ["CELL"] : [];
-  const further = [...cells, ...(method.corrected ? ["FIXS"] : []), ...AFTER_GEOMETRY];
+  const last = AFTER_GEOMETRY.filter((id) => id !== "POSE" || method.anchored);
+  const further = [...cells, ...(method.corrected ? ["FIXS"] : []), ...last];
   const there = (ids) => ids.filter((id) => present.has(id));
   return ["PARM", "CONN", ...there(after), ...method.geometry, ...there(further)];
 }

@@ -1,6 +1,6 @@
 // Least-squares solution of differential coordinates and anchors (SPEC.md 5.4).
 //
-// x = argmin |L x - delta|^2 + |S x - positions|^2, L the Laplacian of the graph, S the selection of
+// x = argmin |L x - delta|^2 + |w (S x - positions)|^2, w the weight of anchors, L the Laplacian of the graph, S the selection of
 // anchors: normal equations, factored once, and refined by residuals of [L; S] as in A. Bjorck,
 // "Stability analysis of the method of seminormal equations", 1987.
 import { centresOf } from "./cells.mjs";
@@ -25,15 +25,19 @@ const PLAN = 64;
  * `solve(delta, positions)` returns the positions of all vertices, three numbers each; `free` gives
  * its memory back.
  */
-export function leastSquaresOf(core, graph, labels, anchors) {
-  const factor = graph.count ? factorOf(core, graph, anchors) : { solve: (b) => b, free() {} };
+export function leastSquaresOf(core, graph, labels, anchors, weight = 1) {
+  const square = weight * weight;
+  const factor = graph.count
+    ? factorOf(core, graph, anchors, square)
+    : { solve: (b) => b, free() {} };
   return {
-    solve: (delta, positions) => solve(core, graph, labels, anchors, factor, delta, positions),
+    solve: (delta, positions) =>
+      solve(core, graph, labels, anchors, square, factor, delta, positions),
     free: factor.free,
   };
 }
 
-function solve(core, graph, labels, anchors, factor, delta, positions) {
+function solve(core, graph, labels, anchors, square, factor, delta, positions) {
   const apply = (x) => {
     const product = new Float64Array(x.length);
     core.call("dm_apply_laplacian", ...given(graph), x, COLUMNS, out(product));
@@ -42,7 +46,7 @@ function solve(core, graph, labels, anchors, factor, delta, positions) {
   const transposed = (rows, anchored) => {
     const product = apply(rows);
     anchors.forEach((v, i) => {
-      for (let a = 0; a < 3; a++) product[3 * v + a] += anchored[3 * i + a];
+      for (let a = 0; a < 3; a++) product[3 * v + a] += square * anchored[3 * i + a];
     });
     return product;
   };
@@ -79,8 +83,8 @@ function sizesOf(labels, x) {
 }
 
 /** Return the factors of the normal equations: `solve` of right-hand sides, and `free`. */
-function factorOf(core, graph, anchors) {
-  const { size, indptr, columns, values } = normalEquations(core, graph, anchors);
+function factorOf(core, graph, anchors, square) {
+  const { size, indptr, columns, values } = normalEquations(core, graph, anchors, square);
   const matrix = [indptr, size, columns, columns.length];
   const order = new Int32Array(size);
   const memory = [room(columns.length + size), room(14 * (size + 1))];

@@ -3,15 +3,18 @@ import { entriesOf } from "./attribute_table.mjs";
 import { readVarint } from "./bytes.mjs";
 import { FormatError, LimitError } from "./errors.mjs";
 import { INTERPOLATED, LEAST_SQUARES, MAX_ELEMENTS_PER_BYTE } from "./layout.mjs";
+import { posesOf } from "./poses.mjs";
 import { movedParts, textSize } from "./texts.mjs";
 
 // Bytes of memory that decoding takes at most, as the Python library estimates them.
-export const PER_FACE = 320;
+export const PER_FACE = 120;
 export const PER_TEXT_BYTE = 24;
 export const PER_TRANSFORM = 400;
 export const PER_GLUED_FACE = 240;
 export const PER_ELEMENT = 160;
 export const PER_NUMBER = 40;
+export const PER_TREE_VERTEX = 320;
+export const PER_MOTION = 160;
 export const MAX_VERTICES = 2 ** 32;
 export const MEMORY = 16 * 2 ** 30;
 
@@ -59,6 +62,13 @@ export function checkLimits(container, counts, maxVertices, memory) {
   checkMemory(needed + PER_TRANSFORM * movedParts(container), memory);
 }
 
+/** Refuse a pose that takes more memory: it is solved for by least squares. */
+export function checkPose(container, memory) {
+  const needed = memoryOfCounts(container) + PER_TRANSFORM * movedParts(container);
+  const { memory: fixed, memoryPerVertex } = LEAST_SQUARES;
+  checkMemory(needed + fixed + memoryPerVertex * container.vertices, memory);
+}
+
 function checkMemory(needed, memory) {
   if (needed > memory) {
     const reason = `decoding takes about ${needed} bytes`;
@@ -78,7 +88,12 @@ function memoryOfCounts(container) {
     const domain = entry.coding === "octahedral" ? "corner" : entry.domain;
     needed += counts[domain] * (PER_ELEMENT + PER_NUMBER * columns);
   }
-  return needed + PER_TEXT_BYTE * textSize(container);
+  needed += PER_TEXT_BYTE * textSize(container);
+  if (sections.has("POSE")) {
+    const motions = posesOf(container).length * parameters.anchorCount;
+    needed += PER_TREE_VERTEX * n + PER_MOTION * motions;
+  }
+  return needed;
 }
 
 /** Refuse a file that has not exactly the bytes that its elements need (SPEC.md 5.18). */

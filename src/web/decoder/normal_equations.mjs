@@ -14,10 +14,14 @@ const PIN = 1e-5;
 // Entries of a matrix that the memory of WebAssembly, 4 GiB, may hold beside its factor.
 const MOST_ENTRIES = 2 ** 25;
 
-/** Return the rows of the matrix, or of its stand-in: `size`, `indptr`, `columns` and `values`. */
-export function normalEquations(core, graph, anchors) {
+/**
+ * Return the rows of the matrix, or of its stand-in: `size`, `indptr`, `columns` and `values`.
+ *
+ * `square` is that of the weight of the anchors.
+ */
+export function normalEquations(core, graph, anchors, square) {
   for (let v = 0; v < graph.count; v++) {
-    if (graph.indptr[v + 1] - graph.indptr[v] >= LONGEST_ROW) return standIn(graph, anchors);
+    if (graph.indptr[v + 1] - graph.indptr[v] >= LONGEST_ROW) return standIn(graph, anchors, square);
   }
   const size = graph.count;
   const indptr = new Int32Array(size + 1);
@@ -27,7 +31,8 @@ export function normalEquations(core, graph, anchors) {
   const columns = new Int32Array(filled);
   const values = new Float64Array(filled);
   const rows = [indptr, out(columns), out(values), filled, room(size)];
-  core.call("dm_normal_matrix", ...given(graph), anchors, anchors.length, ...rows);
+  const weights = new Float64Array(anchors.length).fill(square);
+  core.call("dm_normal_matrix", ...given(graph), anchors, weights, anchors.length, ...rows);
   return { size, indptr, columns, values };
 }
 
@@ -35,7 +40,7 @@ export function normalEquations(core, graph, anchors) {
 export const tooLarge = () =>
   new LimitError("the edges are not those of a surface: solving for the positions takes too much");
 
-function standIn({ count: n, indptr, indices }, anchors) {
+function standIn({ count: n, indptr, indices }, anchors, square) {
   const degree = (v) => indptr[v + 1] - indptr[v];
   const extra = new Int32Array(n).fill(-1);
   let size = n;
@@ -66,7 +71,7 @@ function standIn({ count: n, indptr, indices }, anchors) {
     };
     take(v, degree(v));
     for (let e = indptr[v]; e < indptr[v + 1]; e++) take(indices[e], -1);
-    if (isAnchor[v]) add(v, 1);
+    if (isAnchor[v]) add(v, square);
     if (extra[v] >= 0) add(v, PIN);
     for (const w of own) {
       columns.push(w);

@@ -104,7 +104,7 @@ export function readMeta(payload) {
 }
 
 // Characters that no terminal may get from a file: control and unassigned ones, and separators.
-const UNPRINTABLE = /[\p{C}\p{Zl}\p{Zp}]|(?! )\p{Zs}/u;
+export const UNPRINTABLE = /[\p{C}\p{Zl}\p{Zp}]|(?! )\p{Zs}/u;
 
 function* metaFaults(meta) {
   for (const name of ["rms", "max", "normal", "dihedral", "diagonal", "part_normal", "part_rms"]) {

@@ -9,47 +9,56 @@ import { angleBetween, cross, dot, faceNormal, less, row } from "./matrices.mjs"
  */
 export function interiorEdges({ positions, triangles }) {
   const site = sitesOf(positions);
-  const count = site.length;
-  const first = new Map();
-  const beyond = new Set();
-  const pairs = new Map();
+  const endOf = (h) => triangles[h % 3 === 2 ? h - 2 : h + 1];
+  const ends = (h) => [site[triangles[h]], site[endOf(h)]];
+  const same = (h, g) => {
+    const [[a, b], [c, d]] = [ends(h), ends(g)];
+    return (a === c && b === d) || (a === d && b === c);
+  };
+  // Of each edge its first half-edge, the second, and how many there are.
+  const first = firstOf(triangles.length, (h) => edgeHash(...ends(h)), same);
+  const second = new Int32Array(triangles.length);
+  const counts = new Int32Array(triangles.length);
   for (let h = 0; h < triangles.length; h++) {
-    const [a, b] = [site[triangles[h]], site[triangles[h % 3 === 2 ? h - 2 : h + 1]]];
-    if (a === b) continue;
-    const key = Math.min(a, b) * count + Math.max(a, b);
-    if (!first.has(key)) first.set(key, h);
-    else if (pairs.has(key)) beyond.add(key);
-    else pairs.set(key, h);
+    if (++counts[first[h]] === 2) second[first[h]] = h;
   }
   const edges = [];
-  for (const [key, other] of pairs) {
-    const h = first.get(key);
-    if (beyond.has(key) || Math.floor(h / 3) === Math.floor(other / 3)) continue;
-    edges.push(triangles[h], triangles[h % 3 === 2 ? h - 2 : h + 1], h, other);
+  for (let h = 0; h < triangles.length; h++) {
+    const [a, b] = ends(h);
+    if (counts[h] !== 2 || a === b || Math.floor(h / 3) === Math.floor(second[h] / 3)) continue;
+    edges.push(triangles[h], endOf(h), h, second[h]);
   }
   return edges;
 }
 
+const MIX = 0x9e3779b1;
+const edgeHash = (a, b) => Math.imul(Math.min(a, b) ^ Math.imul(Math.max(a, b), MIX), MIX);
+
 /** Return for each vertex the first at its position. */
 function sitesOf(positions) {
   const words = new Uint32Array(Float64Array.from(positions, (x) => x + 0).buffer);
-  const count = positions.length / 3;
+  const hash = (v) => {
+    let mixed = 0;
+    for (let i = 6 * v; i < 6 * v + 6; i++) mixed = Math.imul(mixed ^ (mixed >>> 15) ^ words[i], MIX);
+    return mixed;
+  };
+  const isAt = (v, w) => [0, 1, 2].every((a) => positions[3 * v + a] === positions[3 * w + a]);
+  return firstOf(positions.length / 3, hash, isAt);
+}
+
+/** Return for each element the first that is the same. */
+function firstOf(count, hashOf, isSame) {
   const mask = 2 ** Math.ceil(Math.log2(2 * count + 1)) - 1;
   const table = new Int32Array(mask + 1).fill(-1);
-  const isAt = (v, w) => [0, 1, 2].every((a) => positions[3 * v + a] === positions[3 * w + a]);
-  const site = new Int32Array(count);
-  for (let v = 0; v < count; v++) {
-    let place = 0;
-    for (let i = 6 * v; i < 6 * v + 6; i++) {
-      place = Math.imul(place ^ words[i], 0x9e3779b1);
-      place ^= place >>> 15;
-    }
-    place &= mask;
-    while (table[place] >= 0 && !isAt(table[place], v)) place = (place + 1) & mask;
-    if (table[place] < 0) table[place] = v;
-    site[v] = table[place];
+  const first = new Int32Array(count);
+  for (let i = 0; i < count; i++) {
+    const hash = hashOf(i);
+    let place = (hash ^ (hash >>> 15)) & mask;
+    while (table[place] >= 0 && !isSame(table[place], i)) place = (place + 1) & mask;
+    if (table[place] < 0) table[place] = i;
+    first[i] = table[place];
   }
-  return site;
+  return first;
 }
 
 /** Return the sizes of the changes of the dihedral angles at edges, in degrees, at most 180. */

@@ -14,6 +14,8 @@ function meshOf(positions, corners, offsets, attributes = []) {
   const count = positions.length / 3;
   if (!count || offsets.length < 2) throw new Error("a file without a face");
   if (corners.some((v) => !(v >= 0 && v < count))) throw new Error("a face of a vertex that is none");
+  const wrong = positions.findIndex((x) => !Number.isFinite(x));
+  if (wrong >= 0) throw new Error(`vertex ${Math.floor(wrong / 3)} has a position that is no number`);
   const mesh = {
     positions: Float64Array.from(positions),
     corners: Int32Array.from(corners),
@@ -29,7 +31,7 @@ function readObj(bytes) {
   const offsets = [0];
   for (const line of new TextDecoder().decode(bytes).replaceAll("\\\n", " ").split("\n")) {
     const words = line.trim().split(/\s+/);
-    if (words[0] === "v") positions.push(...words.slice(1, 4).map(Number));
+    if (words[0] === "v") positions.push(...[1, 2, 3].map((i) => Number(words[i])));
     if (words[0] !== "f" || words.length < 4) continue;
     for (const word of words.slice(1)) {
       const index = parseInt(word, 10);
@@ -113,16 +115,23 @@ function headerOf(head) {
     const isList = words[1] === "list";
     const [type, name] = words.slice(-2);
     const list = isList ? typeOf(words[2]) : null;
+    const unknown = [typeOf(type), list ?? "int8"].find((one) => !(one in SIZES));
+    if (unknown) throw new Error(`a property of the type ${unknown}`);
     elements.at(-1).properties.push({ name, type: typeOf(type), list });
   }
   return { format, elements };
 }
 
+const cutShort = () => new Error("the file ends before its last row: is it cut short?");
+
 function wordsOf(bytes, end) {
   const text = new TextDecoder().decode(bytes.subarray(end.index + end[0].length));
   const words = text.split(/\s+/).filter((word) => word);
   let i = 0;
-  return () => Number(words[i++]);
+  return () => {
+    if (i === words.length) throw cutShort();
+    return Number(words[i++]);
+  };
 }
 
 function binaryOf(bytes, end, format) {
@@ -130,6 +139,7 @@ function binaryOf(bytes, end, format) {
   let at = end.index + end[0].length;
   const isLittle = format === "binary_little_endian";
   return (type) => {
+    if (at + SIZES[type] > bytes.length) throw cutShort();
     const value = view[GETTERS[type]](at, isLittle);
     at += SIZES[type];
     return value;

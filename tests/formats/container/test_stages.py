@@ -83,7 +83,7 @@ def test_what_has_not_come_is_named() -> None:
     def absent(name: str, more: int = 0) -> tuple[str, ...]:
         return awaited(read_prefix(data[: at(data, name) + more]))
 
-    last = "attributes", "names, parts and metadata", "order of the source"
+    last = "attributes", "names, parts and metadata", "order of the source", "poses"
     assert absent("PARM") == ("deltas", "vectors of cells", "corrections", *last)
     assert absent("ANCH", 9) == absent("PARM")
     assert absent("DELT") == ("vectors of cells", "corrections", *last)
@@ -91,10 +91,11 @@ def test_what_has_not_come_is_named() -> None:
     assert absent("FIXS", ID_SIZE) == last
     assert absent("ATTR") == last[1:]
     assert absent("ATTR", ID_SIZE) == last[2:]
-    assert absent("ORDR") == absent("meta") == absent("CHEK") == ()
+    assert absent("ORDR") == last[3:]
+    assert absent("meta") == absent("CHEK") == ()
     assert prefix_text(read_prefix(data[: at(data, "ATTR") + 7])) == (
         f"stage positions, {at(data, 'ATTR')} bytes, then ORDR is cut;"
-        " not there yet, if the file has them: order of the source"
+        " not there yet, if the file has them: order of the source, poses"
     )
     text = container_text(read_prefix(data[: at(data, "CONN")]))
     assert f"no positions yet, {at(data, 'CONN')} bytes; not there yet" in text

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import sys
 from itertools import chain, pairwise
 
+import children
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -132,3 +134,23 @@ def test_the_machine() -> None:
     assert available_cores() >= 1
     memory = physical_memory()
     assert memory is None or memory > 1 << 26
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="a setting of glibc")
+def test_freed_memory_is_returned_where_that_is_asked() -> None:
+    """The last of 20 arrays is kept: a heap would keep the others, once it has seen such ones."""
+    code = """
+import sys
+import numpy as np
+from deltamesh._machine import RETURNED, return_freed_memory
+return_freed_memory()
+def resident():
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * 4096
+for _ in range(2):
+    arrays = [np.ones(RETURNED + 1, dtype=np.uint8) for _ in range(20)]
+    before, last = resident(), arrays[-1]
+    del arrays
+sys.exit(resident() > before - 18 * RETURNED)
+"""
+    assert children.run([sys.executable, "-c", code]).returncode == 0

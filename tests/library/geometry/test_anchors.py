@@ -11,6 +11,7 @@ from graphs import components_of, graph_of, laplacian_of
 from deltamesh._geometry import anchors
 from deltamesh._geometry.solve import factorization
 from deltamesh._graph.adjacency import adjacency
+from deltamesh._options import Settings
 
 MESHES = meshes.every()
 
@@ -114,6 +115,23 @@ def test_greedy_is_the_same_for_any_number_of_threads() -> None:
 )
 def test_count(wanted: float | None, n: int, components: int, expected: int) -> None:
     assert anchors.count_anchors(wanted, n, components) == expected
+
+
+@pytest.mark.parametrize(
+    ("settings", "n", "components", "k", "expected"),
+    [
+        (Settings("highpass"), 50_000, 1, 1000, "greedy"),
+        (Settings("highpass"), 50_001, 1, 1000, "farthest"),
+        (Settings("highpass"), 50_001, 3, 3, "farthest"),
+        (Settings("highpass", interpolated=True), 1000, 1, 10, "farthest"),
+        (Settings("refined"), 1000, 1, 10, "farthest"),
+        (Settings("refined", interpolated=True), 1000, 1, 10, "farthest"),
+        (Settings("refined", anchor_method="random"), 1000, 1, 10, "random"),
+        (Settings("highpass", anchor_method="greedy"), 10**6, 1, 10**5, "greedy"),
+    ],
+)
+def test_method_of(settings: Settings, n: int, components: int, k: int, expected: str) -> None:
+    assert anchors.method_of(settings, n, components, k) == expected
 
 
 @pytest.mark.parametrize("wanted", [0, -1, 0.0, 1.0, 1.5, -0.1, float("nan"), True, "3"])

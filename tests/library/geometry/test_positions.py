@@ -126,19 +126,21 @@ def test_anchors_are_no_spikes(name: str, method: str) -> None:
     assert rms(error[at]) < 2 * rms(error[~at])
 
 
+@pytest.mark.parametrize("solution", ["interpolated", "least-squares"])
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", ROUGH)
-def test_a_fit_errs_less_than_none(name: str, method: str) -> None:
-    """Than anchors at the vertices' own positions, with or without least squares."""
-    surface, V, p, integers = contents(encoded(name, method, anchors=20))
-    *_, x = dense(surface, p, integers)
-    plain = positions.placed(V[integers.anchors], V, np.zeros((0, 3)), p, integers)
-    bare = plain[0], replace(plain[1], cells=NO_CELLS, units=NONE)
-    *_, without = dense(surface, *bare)
-    assert rms(x - V) < 0.95 * rms(without - V)
-    other = encoded(name, method, anchors=20, solution="least-squares")
-    squares = other.draft.chosen.vertices[: len(V)]
-    assert rms(x - V) < rms(squares - other.draft.positions[: len(V)])
+def test_a_fit_errs_less_than_none(name: str, method: str, solution: str) -> None:
+    """Than anchors at the vertices' own positions."""
+    options = {"anchors": 20, "solution": solution, "anchor_method": "farthest"}
+    surface, V, p, integers = contents(encoded(name, method, **options))
+    assert p.interpolated == (solution == "interpolated")
+    plain, bare = positions.placed(V[integers.anchors], V, np.zeros((0, 3)), p, integers)
+    bare = replace(bare, cells=NO_CELLS, units=NONE)
+    coder, systems = geometry_codec(method), Systems(surface)
+    fitted, copied = (
+        coder.reconstruct(surface, *one, systems) for one in ((p, integers), (plain, bare))
+    )
+    assert rms(fitted - V) < 0.95 * rms(copied - V)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -236,7 +238,8 @@ def test_by_how_much_positions_may_differ() -> None:
 def test_what_is_made_for_anchors_is_remembered() -> None:
     surface = surface_of(ROUGH["sphere"][1], len(ROUGH["sphere"][0]), 0)
     systems, one, two = Systems(surface), np.array([3, 5]), np.array([3, 6])
-    for make in (systems.cells, systems.interpolation, systems.fit, systems.least_squares):
+    kept = systems.cells, systems.interpolation, systems.fit
+    for make in (*kept, systems.least_squares, systems.of_choice):
         first = make(one)
         assert make(one.copy()) is first
         assert make(two) is not first

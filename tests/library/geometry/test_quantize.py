@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from deltamesh._geometry.normals import vertex_normals
 from deltamesh._geometry.quantize import (
     MOST_STEPS,
+    Rounding,
     delta_step,
     from_grid,
     grid_step,
@@ -29,7 +30,7 @@ from deltamesh_formats.errors import MeshError
 
 MESHES = meshes.every()
 NO_FACES = np.empty((0, 3), dtype=np.int64)
-FULL, PLAIN = (1.0, 1.0), (0.0, 0.0)
+FULL, PLAIN = Rounding(tangential=1.0), Rounding()
 
 
 @strategies.SOME
@@ -41,7 +42,7 @@ def test_diffusion_equals_its_oracle(mesh: meshes.Arrays, step: float, steps: fl
     values = quantize_delta(delta, adjacency(F, len(V)), step, FULL)
     np.testing.assert_array_equal(delta, kept)
     around = neighbours_of(F, len(V))
-    expected = oracle.diffuse(around, kept, none, [step] * len(V), 0.0, FULL, along=False)
+    expected = oracle.diffuse(around, kept, none, [step] * len(V), FULL, along=False)
     np.testing.assert_array_equal(values, expected)
 
 
@@ -49,16 +50,21 @@ def test_diffusion_equals_its_oracle(mesh: meshes.Arrays, step: float, steps: fl
 @given(
     strategies.surfaces(),
     st.floats(1e-3, 1e3),
-    st.sampled_from([0.0, 0.15, 0.5]),
-    st.tuples(*[st.sampled_from([0.0, 0.5, 0.7, 1.0])] * 2),
+    st.builds(
+        Rounding,
+        zone=st.sampled_from([0.0, 0.15, 0.5]),
+        pull=st.sampled_from([0.0, 0.3]),
+        weight=st.sampled_from([0.5, 1.0, 3.0]),
+        tangential=st.sampled_from([0.0, 0.7, 1.0]),
+        normal=st.sampled_from([0.0, 0.5, 1.0]),
+    ),
     st.booleans(),
     st.lists(st.floats(0.01, 0.5), min_size=1, max_size=9),
 )
 def test_diffusion_along_normals_equals_its_oracle(
     mesh: meshes.Arrays,
     steps: float,
-    zone: float,
-    carry: tuple[float, float],
+    rounding: Rounding,
     along: bool,
     sizes: list[float],
 ) -> None:
@@ -66,10 +72,10 @@ def test_diffusion_along_normals_equals_its_oracle(
     each = np.resize(sizes, len(V))
     delta, N, around = steps * V, vertex_normals(V, F, 0.1), neighbours_of(F, len(V))
     values = quantize_delta(
-        delta, adjacency(F, len(V)), each[:, None], carry, normals=N, zone=zone, along=along
+        delta, adjacency(F, len(V)), each[:, None], rounding, normals=N, along=along
     )
     assert values.shape == (len(V), 1 if along else 3)
-    expected = oracle.diffuse(around, delta, N, each.tolist(), zone, carry, along)
+    expected = oracle.diffuse(around, delta, N, each.tolist(), rounding, along)
     np.testing.assert_array_equal(values, expected)
 
 
@@ -80,7 +86,7 @@ def test_without_shares_the_component_along_a_normal_is_rounded(
     V, F = mesh
     delta, N = laplacian_of(F, len(V)) @ V, vertex_normals(V, F, 0.1)
     graph = adjacency(F, len(V))
-    values = quantize_delta(delta, graph, step, PLAIN, normals=N, zone=0.2, along=True)
+    values = quantize_delta(delta, graph, step, Rounding(zone=0.2), normals=N, along=True)
     parts = (delta * N).sum(axis=1, keepdims=True) / step
     inside = np.abs(parts) < 0.7 - 1e-9
     assert (values[inside] == 0).all()
@@ -170,14 +176,14 @@ def test_step_of_the_papers(rows: list[tuple[float, ...]], bits: int) -> None:
     assert step == (extent / 2**bits or 1.0)
 
 
-@pytest.mark.parametrize("carry", [FULL, PLAIN])
-def test_a_step_that_is_too_small_is_refused(carry: tuple[float, float]) -> None:
+@pytest.mark.parametrize("rounding", [FULL, PLAIN])
+def test_a_step_that_is_too_small_is_refused(rounding: Rounding) -> None:
     delta = np.array([[0.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
     graph = adjacency(NO_FACES, 2)
-    fits = quantize_delta(delta, graph, 1.001 / MOST_STEPS, carry)
+    fits = quantize_delta(delta, graph, 1.001 / MOST_STEPS, rounding)
     assert fits.min() > -MOST_STEPS
     for step in (1 / MOST_STEPS, 1e-300):
         with pytest.raises(MeshError, match="too small"):
-            quantize_delta(delta, graph, step, carry)
+            quantize_delta(delta, graph, step, rounding)
         with pytest.raises(MeshError, match="too small"):
             to_grid(delta, delta.min(axis=0), step)

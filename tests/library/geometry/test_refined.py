@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import meshes
 import numpy as np
 import oracle
@@ -19,7 +21,7 @@ from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.normals import vertex_normals
 from deltamesh._geometry.positions import doubt
-from deltamesh._geometry.quantize import quantize_delta
+from deltamesh._geometry.quantize import Rounding, quantize_delta
 from deltamesh._geometry.systems import Systems
 from deltamesh._graph.adjacency import adjacency
 from deltamesh._kernels.coding import delta as kernels
@@ -152,15 +154,16 @@ def test_any_bytes_are_the_refinements_of_the_oracle(data, filler, more, draw):
     assert entropy.finish(coder) == twin.finish()
 
 
-@pytest.mark.parametrize("carry", [(1.0, 1.0), (0.0, 0.0)])
+@pytest.mark.parametrize("carry", [1.0, 0.0])
 def test_a_dead_zone_makes_zeros_and_leaves_the_rest(carry):
     V, F = SPHERE
     graph = adjacency(F, len(V))
     delta = np.random.default_rng(9).normal(0, 0.5, (len(V), 3))
-    plain = quantize_delta(delta, graph, 1.0, carry)
-    zoned = quantize_delta(delta, graph, 1.0, carry, zone=0.3)
+    rounding = Rounding(tangential=carry)
+    plain = quantize_delta(delta, graph, 1.0, rounding)
+    zoned = quantize_delta(delta, graph, 1.0, replace(rounding, zone=0.3))
     assert (zoned == 0).sum() > (plain == 0).sum()
-    if carry == (0.0, 0.0):
+    if carry == 0:
         outside = np.abs(delta) > 0.8
         assert (zoned[outside] == plain[outside]).all()
         assert (zoned[~outside] == 0).all()
@@ -168,7 +171,7 @@ def test_a_dead_zone_makes_zeros_and_leaves_the_rest(carry):
 
 def test_what_is_recorded():
     p = info(refined(SPHERE, coarse=3.5).data).parameters
-    zones = refined_method.DEAD_ZONE, refined_method.NORMAL_DEAD_ZONE
+    zones = refined_method.COARSE.zone, refined_method.FINE.zone
     assert (p.method, p.coarse) == ("refined", 3.5)
     assert (p.dead_zone, p.normal_dead_zone) == pytest.approx(zones, abs=0.005)
     assert info(encode(*SPHERE, method="highpass")).parameters.coarse == 1

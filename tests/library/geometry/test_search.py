@@ -105,6 +105,21 @@ def test_drift_is_held_by_anchors():
     assert found.settings.step > 0.8
 
 
+def test_a_guess_of_too_many_anchors_is_taken_back():
+    """An anchor that costs a lot, and corrections that keep the distance all the same."""
+
+    def law(settings):
+        anchors = settings.anchors or 1
+        far = min(9 * settings.step / anchors, settings.largest)
+        return 30 - math.log2(settings.step) + anchors / 4, errors(settings.step, largest=far)
+
+    bounds = Bounds(max=0.05, normal_deviation=1.0)
+    options = Options(method="refined", coarse=8)
+    found, asked = search(law, options, bounds)
+    assert max(settings.anchors or 1 for settings in asked) >= 8
+    assert found.parameters.anchor_count == 1
+
+
 def test_corrections_let_the_step_grow_while_files_shrink():
     def law(settings):
         error = settings.step if settings.largest == math.inf else min(settings.step, 1.0)

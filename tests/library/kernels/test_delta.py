@@ -104,6 +104,6 @@ def test_shares_go_along_and_across_the_normal() -> None:
     for carry in ((1.0, 0.0), (0.0, 1.0)):
         left = delta.copy()
         out = np.zeros((3, 3), dtype=np.int64)
-        delta_kernels.diffuse(*graph, left, N, np.ones(3), 0.0, *carry, out)
+        delta_kernels.diffuse(*graph, left, N, np.ones(3), 0.0, 0.0, 1.0, *carry, out)
         handed[carry] = left[1].tolist()
     assert handed == {(1.0, 0.0): [0.2, 0.0, 0.0], (0.0, 1.0): [0.0, 0.0, 0.2]}

@@ -31,19 +31,21 @@ def diffuse(
     normals: Floats,
     steps: Floats,
     zone: float,
+    pull: float,
+    weight: float,
     tangential: float,
     normal: float,
     out: Ints,
 ) -> None:
     """Round delta / step into `out` (n, 3), or its component along `normals` into `out` (n, 1).
 
-    Each vertex has its own of the `steps` (n,). Numbers within 0.5 + `zone` steps of 0 become 0.
-    The error is passed on, in equal parts, to the neighbours that are still to come, into `delta`
+    Each vertex has its own of the `steps` (n,). See `quantize.Rounding` for the other numbers. The
+    error is passed on, in equal parts, to the neighbours that are still to come, into `delta`
     (n, 3), which is used up: the share `normal` of its component along the normal, the share
     `tangential` of the rest.
     """
     n, columns = out.shape
     vectors = floats_out(delta, n, 3), floats(normals, n, 3), floats(steps, n)
-    shares = float(zone), float(tangential), float(normal)
-    given = *graph(indptr, indices, n), *vectors, *shares, columns
+    rule = float(zone), float(pull), float(weight), float(tangential), float(normal)
+    given = *graph(indptr, indices, n), *vectors, *rule, columns
     call("dm_diffuse", *given, ints_out(out, n, columns))

@@ -38,11 +38,12 @@ def normal_bounds(indptr: Shorts, indices: Shorts) -> Ints:
 
 
 def normal_matrix(
-    indptr: Shorts, indices: Shorts, anchors: Ints, bounds: Ints
+    indptr: Shorts, indices: Shorts, anchors: Ints, bounds: Ints, weights: Floats | None = None
 ) -> tuple[Ints, Ints, Floats]:
-    """Return L^T L + S^T S by rows, the columns of each in no order: indptr, indices, values.
+    """Return L^T L + S^T W S by rows, the columns of each in no order: indptr, indices, values.
 
-    S selects the anchors; the bounds are those of `normal_bounds`.
+    S selects the anchors, W has their weights, 1 by default; the bounds are those of
+    `normal_bounds`.
     """
     n, k, filled = len(indptr) - 1, len(anchors), int(bounds[-1])
     columns, values = np.empty(filled, dtype=np.int64), np.empty(filled)
@@ -50,6 +51,7 @@ def normal_matrix(
         "dm_normal_matrix",
         *graph(indptr, indices, n),
         ints(anchors, k),
+        floats(np.ones(k) if weights is None else weights, k),
         k,
         ints(bounds, n + 1),
         ints_out(columns, filled),

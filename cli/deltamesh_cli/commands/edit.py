@@ -1,0 +1,195 @@
+"""`deltamesh edit`: a pose is added to a `.dmesh` file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from deltamesh_cli import files, options
+from deltamesh_cli.epilogs import epilog
+from deltamesh_cli.failures import attempt, process_all_and_exit
+from deltamesh_cli.meshes import parse_container
+from deltamesh_cli.output import display_name, message, number, print_json
+from deltamesh_cli.progress import displayed_progress
+from deltamesh_cli.regions import Motion, Term, motion, region, target_of, vertices_in
+from deltamesh_cli.signals import interruptible
+from deltamesh_cli.value_types import FILE, positive
+
+if TYPE_CHECKING:
+    from deltamesh import Edited, PolyMesh
+    from deltamesh._handles import Move
+    from deltamesh._progress import Progress
+    from deltamesh_formats.array_types import Bools, Floats
+    from deltamesh_formats.container.container import Container
+
+_EXAMPLES = """\
+deltamesh edit a.dmesh b.dmesh --name up --move 'z>9' turn=y,90 --fix 'z<1'
+deltamesh edit a.dmesh b.dmesh --name out --move vertices:7 shift=1,0,0
+deltamesh edit a.dmesh b.dmesh --name in --move part:arm turn=0,1,1,40
+deltamesh decode b.dmesh up.obj --pose up
+"""
+
+_REGIONS = """\
+REGION is one or more of these, with & between them:
+  y<45%             a share of the bounding box, of x, y or z, by < or >
+  z>2.5             likewise, a coordinate
+  ball:X,Y,Z,R      vertices within R of a point
+  box:X,Y,Z,X,Y,Z   vertices between two corners
+  vertices:3,7-9    vertices by their numbers, from 0
+  part:NAME         vertices of a part; a name ends the region"""
+
+_MOTIONS = """\
+MOTION is one or more of these, with blanks between them:
+  shift=X,Y,Z       by a vector
+  turn=y,30         about an axis, x, y, z or X,Y,Z, by degrees
+  about=X,Y,Z       a point on that axis; else the middle of the region"""
+
+# Errors of a record that are worth a word: those of the default quality.
+_RMS, _NORMAL = 0.0015, 1.0
+
+
+@click.command(epilog=epilog(_EXAMPLES, _REGIONS, _MOTIONS))
+@click.argument("source", type=FILE, metavar="IN")
+@options.output("none; it is needed")
+@click.option("--name", required=True, help="Name of the pose.")
+@click.option(
+    "--move",
+    "moves",
+    type=(region, motion),
+    multiple=True,
+    required=True,
+    metavar="REGION MOTION",
+    help="Move the vertices of a region; may be given several times.",
+)
+@click.option(
+    "--fix",
+    "fixed",
+    type=region,
+    multiple=True,
+    metavar="REGION",
+    help="Leave the vertices of a region where they are; may be given several times.",
+)
+@click.option(
+    "--step",
+    type=positive,
+    metavar="S",
+    help="Step of the displacements in the file, in the unit of the mesh."
+    "  [default: 1/4096 of the diagonal]",
+)
+@options.solver
+@options.threads
+@options.limits
+@options.as_json
+@options.verbosity
+@options.debug
+def command(
+    source: str,
+    target: str | None,
+    output: str | None,
+    force: bool,
+    name: str,
+    moves: tuple[tuple[tuple[Term, ...], Motion], ...],
+    fixed: tuple[tuple[Term, ...], ...],
+    step: float | None,
+    as_json: bool,
+    quiet: bool,
+    verbose: bool,
+    show_progress: bool | None,
+    **parameters: Any,
+) -> None:
+    """Add a pose to a .dmesh file, by moving some of its vertices.
+
+    The surface follows those that are moved (--move) and stays where it is held (--fix). OUT is IN
+    with one pose more: the mesh at rest stays as it is, and deltamesh decode --pose NAME makes the
+    mesh in the pose. A pose is a motion of the anchors of the file, and takes about 0.4 to 3 % of
+    it. What is printed says how far that is from the edit; more anchors (deltamesh encode
+    --anchors) come nearer.
+
+    Without a turn, vertices are put where they are to be, and turn as the surface does; turn=z,0
+    keeps them from turning. Files of methods cartesian and lossless have no anchors, and take no
+    poses.
+    """
+    target = files.chosen_output(target, output)
+    if target is None:
+        raise click.UsageError("OUT is needed: IN is never modified.")
+    files.check_name_of_dmesh(target)
+    files.check_stdout_has_one_use(target, as_json)
+
+    def edit(source: str) -> None:
+        container = parse_container(source, files.read_input(source, parameters), "cannot edit")
+        files.check_output(source, target, force=force)
+        with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
+            with attempt(source, "cannot edit"):
+                made = interruptible(
+                    lambda: _edited(container, moves, fixed, name, progress, step, parameters)
+                )
+            files.write_output(target, made.data, force=force)
+        if as_json:
+            print_json(_object(source, target, made))
+        elif not (quiet or target == files.STDIO):
+            _print_summary(source, target, made)
+        if not quiet and (made.rms > _RMS or made.normal > _NORMAL):
+            anchors = f"its {made.anchors} anchors are few for this edit"
+            message(f"note: {display_name(source)}: {anchors}: deltamesh encode --anchors has more")
+
+    process_all_and_exit([source], edit, as_json=as_json)
+
+
+def _edited(
+    container: Container,
+    moves: tuple[tuple[tuple[Term, ...], Motion], ...],
+    fixed: tuple[tuple[Term, ...], ...],
+    name: str,
+    progress: Progress,
+    step: float | None,
+    parameters: dict[str, Any],
+) -> Edited:
+    from deltamesh._editing import edit_chosen
+
+    def chosen(mesh: PolyMesh) -> tuple[list[Move], list[Bools]]:
+        handles: list[Move] = [_handle(mesh, *one) for one in moves]
+        return handles, [vertices_in(mesh, one) for one in fixed]
+
+    keywords = options.specified({**parameters, "step": step})
+    return edit_chosen(container, chosen, name=name, progress=progress, **keywords)
+
+
+def _handle(mesh: PolyMesh, terms: tuple[Term, ...], moved: Motion) -> tuple[Bools, Floats]:
+    """Return the vertices of faces in a region, and where they go."""
+    import numpy as np
+
+    in_face = np.zeros(len(mesh.vertices), dtype=bool)
+    in_face[mesh.corners] = True
+    chosen = vertices_in(mesh, terms) & in_face
+    return chosen, target_of(moved, mesh.vertices[chosen])
+
+
+def _object(source: str, target: str, made: Edited) -> dict[str, object]:
+    """Return what was done for `--json`; lengths are shares of the diagonal."""
+    return {
+        "source": source,
+        "file": target,
+        "bytes": len(made.data),
+        "pose": made.name,
+        "pose_bytes": made.size,
+        "anchors": made.anchors,
+        "missed": made.missed,
+        "recorded_missed": made.recorded_missed,
+        "rms_relative": made.rms,
+        "max_relative": made.max,
+        "normal_deviation_degrees": made.normal,
+        "dihedral_degrees": made.dihedral,
+        "recorded_dihedral_degrees": made.recorded_dihedral,
+    }
+
+
+def _print_summary(source: str, target: str, made: Edited) -> None:
+    sizes = f"{len(made.data)} bytes, {made.size} of them pose {display_name(made.name)}"
+    click.echo(f"{display_name(source)} -> {display_name(target)}: {sizes}")
+    click.echo(f"edit: dihedral angles change by {number(made.dihedral)} degrees")
+    click.echo(
+        f"as recorded by {made.anchors} anchors: RMS {number(made.rms)} and max {number(made.max)}"
+        f" of the diagonal, normals {number(made.normal)} degrees from the edit; moved vertices"
+        f" miss their places by {number(made.recorded_missed)} of the diagonal at most"
+    )
