@@ -29,7 +29,9 @@ FILES = {
     "highpass": encode(BAR, method="highpass", bits=9, anchors=40),
     "0 bits": encode(BAR, method="highpass", bits=0, anchors=90),
     "kept order": encode(BAR, method="refined", bits=9, anchors=40, keep_order=True),
-    "frames": encode([BAR, replace(BAR, vertices=1.1 * BAR.vertices)], bits=9, method="highpass"),
+    "frames": encode(
+        [BAR, replace(BAR, vertices=1.1 * BAR.vertices)], bits=9, method="highpass", anchors=40
+    ),
     "random": encode(BAR, method="highpass", bits=9, anchors=40, anchor_method="random", seed=3),
 }
 DATA = FILES["refined"]
