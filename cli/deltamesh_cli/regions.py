@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
 _HALF: Final = re.compile(r"([xyz])([<>])(-?[0-9.]+(?:[eE][+-]?[0-9]+)?)(%?)")
-_SPAN: Final = re.compile(r"(\d+)(?:-(\d+))?")
+# Numbers of vertices that a float has exactly; no mesh has as many.
+_SPAN: Final = re.compile(r"(\d{1,15})(?:-(\d{1,15}))?")
 _AXES: Final = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _PART: Final = "part:"
 
@@ -97,6 +98,8 @@ def motion(text: str) -> Motion:
                 f"{word!r} is none of shift=X,Y,Z, turn=AXIS,DEGREES and about=X,Y,Z, each once."
             )
         found[name] = value
+    if not found:
+        raise click.BadParameter("an empty motion: it has no shift and no turn.")
     shift = _numbers(found.get("shift", "0,0,0"), 3, text)
     about = _numbers(found["about"], 3, text) if "about" in found else None
     if "turn" in found:

@@ -145,7 +145,8 @@ def test_regions(text: str, chosen: list[int]) -> None:
 @pytest.mark.parametrize(
     "text",
     ["", "z", "w<1", "z<", "z<a", "ball:1,2,3", "ball:1,2,3,x", "box:1,2,3,4,5,nan", "vertices:",
-     "vertices:-1", "vertices:3-1", "vertices:1,,2", "sphere:1,2,3,4", "x<1 & "],
+     "vertices:-1", "vertices:3-1", "vertices:1,,2", "sphere:1,2,3,4", "x<1 & ",
+     "vertices:1-99999999999999999999999", "vertices:" + "9" * 5000],
 )  # fmt: skip
 def test_what_is_no_region_is_refused(text: str) -> None:
     with pytest.raises(click.BadParameter):
@@ -155,7 +156,7 @@ def test_what_is_no_region_is_refused(text: str) -> None:
 @pytest.mark.parametrize(
     "text",
     ["turn=y", "turn=y,a", "turn=0,0,0,9", "turn=1,2,9", "shift=1", "shift=1,2,3 shift=1,2,3",
-     "about=1,2,3", "scale=2", "shift=1,2,inf", "shift"],
+     "about=1,2,3", "scale=2", "shift=1,2,inf", "shift", "", " "],
 )  # fmt: skip
 def test_what_is_no_motion_is_refused(text: str) -> None:
     with pytest.raises(click.BadParameter):
