@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
-# The place of the number in a name: %d, or %04d with at least four digits.
-_NUMBER: Final = re.compile(r"%(?:0(\d))?d")
+# The place of the number in a name: %d, or %04d with at least four digits; %% is a sign.
+_NUMBER: Final = re.compile(r"(?<!%)((?:%%)*)%(?:0(\d))?d")
 _DIGITS: Final = re.compile(r"(\d+)")
 
 
@@ -41,7 +41,7 @@ def in_order(names: tuple[str, ...]) -> tuple[str, ...]:
 
 def _by_numbers(name: str) -> list[tuple[int, str]]:
     parts = _DIGITS.split(name)
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in parts]
+    return [(int(part), "") if part.isdecimal() else (-1, part) for part in parts]
 
 
 def encode_sequence_file(
@@ -161,8 +161,8 @@ class NumberedFiles:
         folder, base = os.path.split(self._pattern)
         match = _NUMBER.search(base)
         assert match is not None
-        number = str(index).zfill(int(match[1] or 0))
-        filled = base[: match.start()] + number + base[match.end() :]
+        number = str(index).zfill(int(match[2] or 0))
+        filled = base[: match.end(1)] + number + base[match.end() :]
         return os.path.join(folder, filled).replace("%%", "%")
 
 

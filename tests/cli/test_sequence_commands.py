@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import click
 import meshes
 import numpy as np
 import pytest
@@ -37,6 +38,7 @@ def test_names_of_a_shell_are_in_the_order_of_their_numbers() -> None:
     assert in_order(shell) == ("a/f1.ply", "a/f2.ply", "a/f10.ply")
     assert in_order(shell[::-1]) == shell[::-1]
     assert in_order(("b", "a", "b")) == ("b", "a", "b")
+    assert in_order(("1²10", "1²9", "²1")) == ("1²9", "1²10", "²1")
 
 
 def test_frames_become_one_file_and_files_again(
@@ -150,3 +152,11 @@ def test_names_of_files_have_the_number_where_it_is_asked_for(frames: Path) -> N
         (str(frames), str(frames / "walk_03.ply")),
     ):
         assert NumberedFiles("walk.dmesh", target, None, container).name(3) == name
+    for source, target, name in (
+        ("50%d.dmesh", None, "50%d_03.ply"),
+        ("%%%d.dmesh", str(frames), str(frames / "%%%d_03.ply")),
+        ("walk.dmesh", "%%d%%%d.ply", "%d%3.ply"),
+    ):
+        assert NumberedFiles(source, target, None, container).name(3) == name
+    with pytest.raises(click.UsageError, match="has no %04d"):
+        NumberedFiles("walk.dmesh", "%%d.ply", None, container)
