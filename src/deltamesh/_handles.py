@@ -58,17 +58,18 @@ def held(
     if not len(moves):
         raise OptionError("no vertices are moved")
     for vertices, target in moves:
-        chosen = indices_of(mesh, vertices)
-        points, at = np.unique(content.points[chosen], return_index=True)
-        chosen = chosen[at]
+        listed = indices_of(mesh, vertices)
+        points, at, back = np.unique(content.points[listed], return_index=True, return_inverse=True)
+        chosen = listed[at]
         if not len(chosen):
             raise OptionError("a move of no vertices")
         _refuse(chosen, points >= n, "belongs to no face, and cannot be moved")
         _refuse(chosen, state[points] == 1, "is moved, and fixed")
         _refuse(chosen, state[points] == 2, "is moved twice")
         state[points] = 2
-        placed, quaternion = _target(np.asarray(target), rest[points], at)
-        positions[points] = placed
+        placed, quaternion = _target(np.asarray(target), rest[points[back]])
+        _refuse(listed, (placed != placed[at[back]]).any(axis=1), "is put in two places")
+        positions[points] = placed[at]
         turned[points] = quaternion is not None
         quaternions[points] = _STILL if quaternion is None else quaternion
     components = np.bincount(surface.labels[state > 0], minlength=int(surface.labels.max()) + 1)
@@ -119,11 +120,8 @@ def _refuse(vertices: Ints, wrong: Bools, fault: str) -> None:
         raise OptionError(f"vertex {int(vertices[wrong].min())} {fault}")
 
 
-def _target(target: np.ndarray, rest: Floats, at: Ints) -> tuple[Floats, Floats | None]:
-    """Return where points go, and the quaternion by which they turn, if that is given.
-
-    Positions are those of the vertices `at` the places of points in the list of the user.
-    """
+def _target(target: np.ndarray, rest: Floats) -> tuple[Floats, Floats | None]:
+    """Return where vertices go, and the quaternion by which they turn, if that is given."""
     if target.dtype.kind not in "iuf" or not np.isfinite(target).all():
         raise OptionError("a move that is not of finite numbers")
     target = target.astype(np.float64)
@@ -136,6 +134,7 @@ def _target(target: np.ndarray, rest: Floats, at: Ints) -> tuple[Floats, Floats 
         if not np.linalg.det(linear) > 0:
             raise OptionError("a matrix that mirrors, or flattens")
         return rest @ linear.T + target[:3, 3], to_quaternions(nearest(linear[None]))[0]
-    if target.ndim != 2 or target.shape[1] != 3 or len(target) <= at.max():
-        raise OptionError(f"a move of shape {target.shape}: it is (4, 4), (3,) or (k, 3)")
-    return target[at], None
+    if target.shape != rest.shape:
+        shape = f"(4, 4), (3,) or {rest.shape}"
+        raise OptionError(f"a move of shape {target.shape}: it is {shape}")
+    return target, None

@@ -149,6 +149,12 @@ def test_positions_are_those_of_the_list_in_its_order() -> None:
     np.testing.assert_allclose(made.exact.vertices[three], target, atol=1e-7)
 
 
+def test_a_vertex_that_is_listed_twice_has_one_place() -> None:
+    target = REST.vertices[[9, 3, 9]] + 0.1
+    made = edit(DATA, [([9, 3, 9], target)], name="a")
+    assert made.data == edit(DATA, [([3, 9], target[[1, 0]])], name="a").data
+
+
 def test_parts_are_chosen_by_their_names() -> None:
     V, F = meshes.union(meshes.torus(9, 7), meshes.icosphere(1))
     of_face = (F[:, 0] >= 63).astype(np.int64)
@@ -211,6 +217,9 @@ REFUSED = {
     "a matrix that mirrors": ([([3], np.diag([1, 1, -1, 1]))], []),
     "0 0 0 1": ([([3], np.ones((4, 4)))], []),
     "a move of shape": ([([3], [0, 1])], []),
+    r"of shape \(2, 3\): it is \(4, 4\), \(3,\) or \(3, 3\)": ([([3, 4, 5], np.ones((2, 3)))], []),
+    r"of shape \(3, 3\): it is \(4, 4\), \(3,\) or \(2, 3\)": ([([3, 4], np.eye(3))], []),
+    "vertex 9 is put in two places": ([([9, 3, 9], np.eye(3))], []),
     "finite": ([([3], [0, np.nan, 1])], []),
 }
 
