@@ -57,8 +57,8 @@ def laplacian(faces: ArrayLike | Sequence[ArrayLike], count: int) -> Sparse:
 def _halfedges(faces: ArrayLike | Sequence[ArrayLike]) -> tuple[Ints, Ints]:
     """Return the vertices at which the half-edges of faces start and end."""
     if isinstance(faces, np.ndarray) and faces.ndim == 2 and faces.shape[1] >= 3:
-        return ends(np.ascontiguousarray(faces, dtype=np.int64))
-    polygons = [np.asarray(one, dtype=np.int64) for one in cast("Sequence[ArrayLike]", faces)]
+        return ends(integers_of(faces, "faces"))
+    polygons = [integers_of(one, "faces") for one in cast("Sequence[ArrayLike]", faces)]
     for i, polygon in enumerate(polygons):
         if polygon.ndim != 1 or len(polygon) < 3:
             raise ValueError(f"face {i} has no three corners")
@@ -131,6 +131,8 @@ def rows_of(x: ArrayLike, count: int, name: str, columns: int | None = None) -> 
     ValueError
         If it has another shape, or numbers that are not finite.
     """
+    if np.iscomplexobj(x):
+        raise ValueError(f"{name} are not real numbers")
     array = np.ascontiguousarray(x, dtype=np.float64)
     if array.ndim != 2 or len(array) != count or columns not in (None, array.shape[1]):
         shape = f"({count}, {'c' if columns is None else columns})"
@@ -147,9 +149,23 @@ def vertices_of(x: ArrayLike, count: int) -> Ints:
     ------
     ValueError
     """
-    array = np.ascontiguousarray(x, dtype=np.int64)
+    array = integers_of(x, "anchors")
     if array.ndim != 1 or (len(array) and not 0 <= array.min() <= array.max() < count):
         raise ValueError(f"anchors are not a list of vertices from 0 to {count - 1}")
     if len(np.unique(array)) != len(array):
         raise ValueError("a vertex is an anchor twice")
     return array
+
+
+def integers_of(x: ArrayLike, name: str) -> Ints:
+    """Return an array of integers as int64.
+
+    Raises
+    ------
+    ValueError
+        If it has other numbers, such as 2.5, which would be another vertex.
+    """
+    array = np.asarray(x)
+    if array.size and array.dtype.kind not in "iu":
+        raise ValueError(f"{name} are not integers, but {array.dtype}")
+    return np.ascontiguousarray(array, dtype=np.int64)

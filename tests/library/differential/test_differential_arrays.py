@@ -201,3 +201,25 @@ def test_the_metrics_are_those_of_the_codec() -> None:
     assert errors.rms == pytest.approx(1)
     assert errors.normal_deviation == pytest.approx(0, abs=1e-6)
     assert diagonal(V) == pytest.approx(np.linalg.norm(np.ptp(V, axis=0)))
+
+
+def test_errors_are_those_of_arrays_of_any_layout() -> None:
+    V, F = meshes.torus(9, 7)
+    errors = vertex_errors(V, 2 * V, F)
+    assert vertex_errors(V.tolist(), np.asfortranarray(2 * V), F.astype(np.int32)) == errors
+    with pytest.raises(ValueError, match="outside of 0 to 62"):
+        vertex_errors(V, V, F + 1)
+    with pytest.raises(TypeError, match="Cannot cast"):
+        vertex_errors(V, V, F + 0.5)
+
+
+def test_numbers_that_are_no_vertices_are_refused() -> None:
+    V, F = meshes.torus(9, 7)
+    L = laplacian(F, len(V))
+    for faces in (F + 0.5, (F + 0.5).tolist(), F * np.nan):
+        with pytest.raises(ValueError, match="faces are not integers, but float64"):
+            laplacian(faces, len(V))
+    with pytest.raises(ValueError, match="anchors are not integers, but float64"):
+        LeastSquares(L, [2.5])
+    with pytest.raises(ValueError, match="vertices are not real numbers"):
+        deltas(L, V + 1j)
