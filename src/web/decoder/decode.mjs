@@ -50,9 +50,10 @@ export function inspect(bytes) {
  * Decode a file, a Uint8Array, with a core of `loadCore`; return its mesh, of a sequence a frame.
  *
  * `maxVertices` and `memory`, in bytes, are the limits, `pose` is the name of one of its poses,
- * `frame` the number of a frame. Of the mesh, `positions` has three numbers a vertex; `corners` and `offsets` the vertices of each polygon; `triangles` those of each
- * triangle, `triangleCorners` their places among `corners`, `trianglePolygons` their polygons;
- * `anchors` the vertices whose positions are stored; `attributes` and `parts` what else there is.
+ * `frame` the number of a frame. Of the mesh, `positions` has three numbers a vertex; `corners` and
+ * `offsets` the vertices of each polygon; `triangles` those of each triangle, `triangleCorners` their
+ * places among `corners`, `trianglePolygons` their polygons; `anchors` the vertices whose positions
+ * are stored; `attributes` and `parts` what else there is.
  */
 export function decode(core, bytes, options = {}) {
   const { maxVertices = MAX_VERTICES, memory = MEMORY, pose = null, frame = 0 } = options;
@@ -80,7 +81,9 @@ export function decode(core, bytes, options = {}) {
   let moved = null;
   try {
     points = reconstructed(core, parameters, integers, surface, solver);
-    if (frame) moved = { positions: framePositions(core, container, content, solver, points, frame) };
+    if (frame) {
+      moved = { positions: framePositions(core, container, content, solver, points, frame) };
+    }
   } finally {
     solver.free();
   }

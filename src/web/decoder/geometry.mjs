@@ -101,7 +101,8 @@ export function decodeFrame(core, sections, parameters, surface, first) {
   }
   const rows = alone(anchors.length + surface.isolated);
   const points = sections.get("ANCH").read((payload) => decodeVectors(core, payload, rows));
-  const [positions, isolated] = [points.slice(0, 3 * anchors.length), points.slice(3 * anchors.length)];
+  const end = 3 * anchors.length;
+  const [positions, isolated] = [points.slice(0, end), points.slice(end)];
   const found = { ...NOTHING, anchors, positions, isolated, exponents };
   return decodeDeltas(core, sections, parameters, surface, found);
 }
