@@ -145,11 +145,31 @@ def stream(mesh: TriangleMesh, look: Look) -> list[list[Panel]]:
     return [[*panels[1:], panels[0]]]
 
 
+def importance() -> list[list[Panel]]:
+    """Return a bunny whose head matters, and a camel's head of which nothing does but the neck."""
+    from importance import HEADS, head_of, hole, row_of
+
+    mesh, look, row = corpus.bare("bunny"), LOOKS["bunny"][0], []
+    inside = head_of(mesh, HEADS["bunny"])
+    for outside in (0.125, 0.0):
+        found, made = row_of("bunny", mesh, inside, outside, {})
+        decoded = TriangleMesh(made.mesh.vertices, np.asarray(made.mesh.triangulation().faces))
+        degrees = f"normals {found.normals[0]:.2f}° inside, {found.normals[1]:.1f}° outside"
+        text = f"importance {outside:g} outside the head\n{found.bytes:,} bytes\n{degrees}"
+        row.append(Panel(decoded, mesh, look, text))
+    camel, side = hole(), Look((1, 0.25, 0.5), height=1.1)
+    text = f"{int(camel.none.sum()):,} of {len(camel.none):,} vertices\nwithout bits (dark)\n"
+    row.append(Panel(camel.original, camel.original, side, text, np.where(camel.none, 0.0, 1.0)))
+    text = f"from connectivity and anchors\n{camel.bytes:,} bytes of {camel.whole:,}\n"
+    row.append(Panel(camel.mesh, camel.original, side, text))
+    return [row]
+
+
 @click.command(epilog=corpus.epilog(_EXAMPLES))
 @click.option(
     "--figure",
     "figures",
-    type=click.Choice(["sphere", "model", "equal_bytes", "stream", *PAPER]),
+    type=click.Choice(["sphere", "model", "equal_bytes", "stream", "importance", *PAPER]),
     multiple=True,
     help="Draw this figure only; may be repeated.",
 )
@@ -189,6 +209,9 @@ def command(figures: tuple[str, ...], names: tuple[str, ...], bpv: float, output
         _render(output / "model.png", rows, _WIDE, Scale("", 2e-5, 2e-3))
     if (not figures or "stream" in figures) and _there("stream", "bunny"):
         _render(output / "stream.png", stream(corpus.bare("bunny"), LOOKS["bunny"][0]), _WIDE)
+    of_importance = not figures or "importance" in figures
+    if of_importance and all(_there("importance", name) for name in ("bunny", "camelhead")):
+        _render(output / "importance.png", importance(), _WIDE, Scale("", 0.01, 1.0))
     for name in names if not figures or "equal_bytes" in figures else ():
         if not _there("equal_bytes", name):
             continue

@@ -107,6 +107,17 @@ def machine_part():
     return V, np.concatenate([*sides, *ends])
 
 
+def slope(mesh):
+    """An importance that falls along x, from 1 to an eighth."""
+    x = mesh[0][:, 0]
+    return 2.0 ** (-3 * (x.max() - x) / np.ptp(x))
+
+
+def half(mesh):
+    """An importance of 1 on one side, and none on the other."""
+    return (mesh[0][:, 0] > 0.1).astype(float)
+
+
 def golden():
     """Name, mesh and options of each golden file; the name begins with the method."""
     sphere, torus = meshes.icosphere(2), meshes.torus(9, 7)
@@ -132,6 +143,8 @@ def golden():
         ("refined-corrected", patch, {"anchors": 1} | CORRECTED),
         ("refined-corrected-isolated", meshes.with_isolated(patch), {"anchors": 1} | CORRECTED),
         ("refined-quality", torus, {"quality": 4}),
+        ("refined-steps-importance", torus, {"bits": 8, "importance": slope(torus)}),
+        ("refined-interpolated-no-importance", torus, {"bits": 8, "importance": half(torus)}),
         ("highpass-0-bits-greedy", torus, {"bits": 0, "anchors": 12, "anchor_method": "greedy"}),
         ("highpass-far-away", far, {"bits": 10}),
         ("highpass-interpolated", torus, THROUGH | {"bits": 8, "anchors": 7}),

@@ -21,7 +21,10 @@ from deltamesh_formats.errors import OptionError
 _RATES: Final = (*RATES, *BOUNDS)
 _CROSSED: Final = ("method", "anchors", "anchor_method")
 _LISTS: Final = (*_CROSSED, *_RATES)
-_NOT_SHARED: Final = ("solver", "threads", "source_format", "drop_isolated", *ATTRIBUTE_BOUNDS)
+_NOT_SHARED: Final = (
+    *("solver", "threads", "source_format", "drop_isolated", "importance"),
+    *ATTRIBUTE_BOUNDS,
+)
 
 
 def bench_options() -> list[click.Parameter]:

@@ -92,6 +92,13 @@ _BOUNDS: Final = options.combined(
         f" only distances (RMS, max), are bounded, quality {DEFAULT_QUALITY} bounds the others.",
     ),
     click.option(
+        "--importance",
+        metavar="NAME",
+        help="Attribute of the vertices, from 0 to 1, that says where the bounds hold: where it is"
+        " 1; one half allows twice the error and takes a bit less of each vertex, 0 allows any and"
+        " takes none. MeshLab writes such an attribute as quality.",
+    ),
+    click.option(
         "--effort",
         type=whole(1, MAX_EFFORT),
         metavar=f"1..{MAX_EFFORT}",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 from deltamesh_cli.output import display_name
 from deltamesh_formats.container.container import Container, Meta, Parameters
 from deltamesh_formats.container.layout import ATTRIBUTES, ORDER, PARTS
+from deltamesh_formats.container.regions import regions_of
 from deltamesh_formats.container.stages import awaited, stage_of, stages_of
 from deltamesh_formats.container.summary import (
     attributes_of,
@@ -61,6 +62,7 @@ def container_object(name: str, container: Container) -> dict[str, object]:
         "poses": poses_object(poses_of(container)),
         "errors": None if meta is None else errors_object(meta),
         "sequence": _sequence_object(container),
+        "importance": _regions_object(container),
         "encoder": None if meta is None else meta.encoder,
         "source_format": None if meta is None else meta.source or None,
         "digest": container.digest.hex() or None,
@@ -103,6 +105,22 @@ def _sequence_object(container: Container) -> dict[str, object] | None:
             for frame in frames
         ],
     }
+
+
+def _regions_object(container: Container) -> dict[str, object] | None:
+    """Return the errors of what is important and of the rest, None where all is."""
+    regions = regions_of(container)
+    if regions is None:
+        return None
+    found = vars(regions)
+    counts = {f"vertices_{name}": found[name] for name in ("full", "reduced", "none")}
+    kinds = {"rms": "rms", "max": "max"}
+    kinds |= {"normal": "normal_deviation_degrees", "dihedral": "dihedral_degrees"}
+    errors = {
+        name: {kind: found[f"{field}_{name}"] for field, kind in kinds.items()}
+        for name in ("full", "reduced")
+    }
+    return {**counts, **errors}
 
 
 def _attribute_object(entry: Entry) -> dict[str, object]:

@@ -85,6 +85,7 @@ def encode(
     lossless_attributes: bool = False,
     fps: float | None = None,
     key_every: int = DEFAULT_KEY_EVERY,
+    importance: str | Iterable[float] | None = None,
     source_format: str = "",
     progress: Progress | None = None,
 ) -> bytes:
@@ -196,6 +197,13 @@ def encode(
     key_every : int
         Of a sequence, one frame in so many, 1 to 255, is predicted from the first frame alone: a
         frame is decoded from the first one, the key frame before it, and those in between.
+    importance : str or array_like (n,), optional
+        Of each vertex, from 0 to 1; or the name of an attribute of the vertices that has it.
+        Bounds hold where it is 1. Elsewhere they are divided by it: one half allows twice the
+        error, and takes a bit less, and 0 allows any and takes none. The error of a face, or of
+        an edge, counts times the least importance of its corners; means are weighted by it. The
+        file has the errors of both regions, and, roughly, the importance, in its steps. Not with
+        "lossless"; "cartesian" has one step for each component, for the most important vertex.
     source_format : str
         Stored; the format that `deltamesh decode` writes by default.
     progress : callable, optional
@@ -259,6 +267,7 @@ def encode(
         lossless_attributes=lossless_attributes,
         fps=fps,
         key_every=key_every,
+        importance=importance,
         source_format=source_format,
     )
     frames = _frames_of(mesh, faces)

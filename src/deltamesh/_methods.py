@@ -81,14 +81,14 @@ class Method:
 REFINED: Final = Method(
     layout.METHODS["refined"],
     memory=None,
-    options=(*RATES, *BOUNDS, *ANCHORING, "coarse"),
+    options=(*RATES, *BOUNDS, *ANCHORING, "coarse", "importance"),
     solution=layout.INTERPOLATED,
     first_step=0.11,
 )
 HIGHPASS: Final = Method(
     layout.METHODS["highpass"],
     memory=None,
-    options=(*RATES, *BOUNDS, *ANCHORING),
+    options=(*RATES, *BOUNDS, *ANCHORING, "importance"),
     solution=layout.LEAST_SQUARES,
     anchor_method=GREEDY,
     first_step=0.12,
@@ -96,7 +96,7 @@ HIGHPASS: Final = Method(
 CARTESIAN: Final = Method(
     layout.METHODS["cartesian"],
     memory=Memory(64 << 20, 300),
-    options=(*RATES, *BOUNDS),
+    options=(*RATES, *BOUNDS, "importance"),
     first_step=0.03,
 )
 LOSSLESS: Final = Method(

@@ -71,6 +71,7 @@ class EncodeOptions(TypedDict, total=False):
     lossless_attributes: bool
     fps: float | None
     key_every: int
+    importance: str | Iterable[float] | None
     source_format: str
     progress: Callable[[str], None] | None
 
@@ -116,6 +117,7 @@ class Options:
     lossless_attributes: bool = False
     fps: float | None = None
     key_every: int = DEFAULT_KEY_EVERY
+    importance: str | Iterable[float] | None = None
     source_format: str = ""
 
     def __post_init__(self) -> None:
@@ -154,7 +156,7 @@ class Options:
 
     def _check_rate(self) -> None:
         # Options with defaults may be left as they are with any method.
-        names = (*RATES, *BOUNDS, *ATTRIBUTE_BOUNDS, "coarse")
+        names = (*RATES, *BOUNDS, *ATTRIBUTE_BOUNDS, "coarse", "importance")
         given = [name for name in names if getattr(self, name) is not None]
         given += [name for name in ("only", "lossless_attributes") if getattr(self, name)]
         check_together(self.method, given)
@@ -167,6 +169,8 @@ class Options:
             # Of 0 bits, the connectivity and the anchors make a surface; nothing else does.
             bare = self.method == AUTO or METHODS[self.method].layout.bare
             _require_within("bits", self.bits, 0 if bare else 1, MAX_BITS)
+            told = self.bits > 0 or self.importance is None
+            _require(told, "importance means nothing with 0 bits")
 
     @property
     def asks_nothing(self) -> bool:
@@ -248,6 +252,11 @@ class Settings:
     exponents : bytes
         Of the step of each vertex of the faces in coding order, in quarters of an octave below
         `step`; the smallest is 0. None: all vertices have the same step.
+    coarser : bytes
+        By how many quarters of an octave the step of each of these vertices is coarser than that,
+        since it is less important; the smallest is 0. None: all are important.
+    no_bits : bytes
+        Whether each of these vertices has no importance at all, 0 or 1. None: all have some.
     """
 
     method: str
@@ -261,6 +270,8 @@ class Settings:
     interpolated: bool = False
     largest: float = math.inf
     exponents: bytes = b""
+    coarser: bytes = b""
+    no_bits: bytes = b""
 
     @property
     def layout(self) -> MethodLayout:

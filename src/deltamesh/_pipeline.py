@@ -40,9 +40,11 @@ from deltamesh_formats.container.layout import (
     FRAMES,
     MAX_COUNT,
     PARAMETERS,
+    REGIONS,
     STRING_MAX_BYTES,
 )
 from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.container.regions import write_regions
 from deltamesh_formats.container.writer import write_container
 from deltamesh_formats.errors import (
     FormatError,
@@ -114,7 +116,8 @@ def encode_mesh(
     except TargetError:
         if not options.asks_nothing:
             raise
-    return _encoded(mesh, replace(options, method=LOSSLESS.name, coarse=None), progress)
+    exact = replace(options, method=LOSSLESS.name, coarse=None, importance=None)
+    return _encoded(mesh, exact, progress)
 
 
 def _encoded_sequence(
@@ -125,8 +128,10 @@ def _encoded_sequence(
     Raises
     ------
     OptionError
-        If the method, or 0 bits, cannot have several frames.
+        If the method, 0 bits, or an importance, cannot have several frames.
     """
+    if options.importance is not None:
+        raise OptionError("several frames cannot have an importance: encode each for itself")
     if options.exact or options.bits == 0:
         what = f"method {options.method}" if options.exact else "0 bits"
         raise OptionError(f"{what} cannot have several frames: encode each for itself")
@@ -162,6 +167,8 @@ def _encoded(
         meta=_meta(draft),
         digest=draft.content.digest(),
     )
+    if draft.regions is not None:
+        payloads[REGIONS] = write_regions(draft.regions)
     container = build(payloads)
     lacking = filling(container, announced(container))
     if lacking:

@@ -43,6 +43,7 @@ SCRIPTS = (
     "paper",
     "renderings",
     "bounds",
+    "importance",
     "parts",
     "partial",
     "sequences",

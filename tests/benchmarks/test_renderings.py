@@ -124,7 +124,7 @@ def test_what_needs_a_mesh_that_is_absent_is_skipped(call: Any) -> None:
     assert drawn == ["sphere.png", "paper_edits.png"]
     skipped = [line.split(" skipped")[0] for line in done.stderr.splitlines()]
     others = [name for name in renderings.PAPER if name != "paper_edits"]
-    assert skipped == ["model", "stream", "equal_bytes", *others]
+    assert skipped == ["model", "stream", "importance", "equal_bytes", *others]
 
 
 def test_without_pyvista_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -55,9 +55,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     V, F = meshes.torus(16, 12)
     uv = Attribute("uv", "vertex", V[:, :2].astype(np.float32), "uv")
     normals = Attribute("normal", "vertex", V / np.linalg.norm(V, axis=1, keepdims=True), "normal")
+    quality = Attribute("quality", "vertex", (V[:, :1] > 0).astype(np.float32))
     for name in (*FILES, "scans/a.ply", "scans/deep/b.obj"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        deltamesh.write_mesh(name, replace(from_triangles(V, F), attributes=(uv, normals)))
+        deltamesh.write_mesh(name, replace(from_triangles(V, F), attributes=(uv, normals, quality)))
     assert run(["batch", "-q", "-r", "scans", "--output-dir-flat", "archive"]) == 0
     assert run(["batch", "-q", "-r", "scans", "--output-dir-mirror", "."]) == 0
     (tmp_path / "packed").mkdir()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import bars
@@ -28,6 +29,9 @@ FILES = {
     "highpass": encode(BAR, method="highpass", bits=9, anchors=40),
     "0 bits": encode(BAR, method="highpass", bits=0, anchors=90),
     "kept order": encode(BAR, method="refined", bits=9, anchors=40, keep_order=True),
+    "frames": encode(
+        [BAR, replace(BAR, vertices=1.1 * BAR.vertices)], bits=9, method="highpass", anchors=40
+    ),
     "random": encode(BAR, method="highpass", bits=9, anchors=40, anchor_method="random", seed=3),
 }
 DATA = FILES["refined"]

@@ -102,6 +102,12 @@ KEPT = {
     "isolated": meshes.with_isolated(),
 }
 
+# An importance that falls along an axis, and none beyond the middle.
+IMPORTANCE = {
+    "steps": lambda x: 0.125 + 0.875 * (x - x.min()) / np.ptp(x),
+    "no bits": lambda x: (x > x.mean()).astype(float),
+}
+
 # Few anchors, and a bound on the largest error that is kept best by corrections.
 CORRECTED = {
     "highpass": (meshes.grid(15, 15), HIGHPASS | {"anchors": 1}),
@@ -169,6 +175,15 @@ def test_fresh_file(name: str) -> None:
     (vertices, faces), options = FRESH[name]
     noise = np.random.default_rng(2003).normal(size=vertices.shape)
     assert_same(encode(vertices + 0.03 * noise, faces, **options))
+
+
+@pytest.mark.parametrize("method", ["refined", "highpass", "cartesian"])
+@pytest.mark.parametrize("name", IMPORTANCE)
+def test_file_of_importance(name: str, method: str) -> None:
+    V, F = meshes.two_components()
+    data = encode(V, F, method=method, step=0.02, importance=IMPORTANCE[name](V[:, 0]))
+    assert "regs" in info(data).sections
+    assert_same(data)
 
 
 @pytest.mark.parametrize("name", CORRECTED)

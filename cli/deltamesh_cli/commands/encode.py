@@ -24,6 +24,7 @@ from deltamesh_formats.container.summary import (
     attributes_of,
     counts,
     frame_lines,
+    region_lines,
 )
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ deltamesh encode part.3mf --max-error 0.05mm
 deltamesh encode scan.ply --rms-error 0.05%      of the diagonal
 deltamesh encode scan.obj --method highpass --bits 6
 deltamesh encode scan.obj --step 0.01 --anchors 500
+deltamesh encode face.ply --importance quality   more bits where it is 1
 deltamesh encode rig.obj --keep-order            keeps vertex numbers
 deltamesh encode part.obj --lossless             keeps every bit
 deltamesh encode part.obj --drop all             keeps the shape alone
@@ -106,6 +108,10 @@ def command(
     bounds. It prints the errors that it measured and stores them in the file. If a bound cannot be
     met, encoding fails with exit code 4, and the message gives the smallest errors that were found.
     With --lossless, positions do not change.
+
+    With --importance, bounds are divided by the importance of each vertex, an attribute from 0 to
+    1, and means are weighted by it. The errors of what is important, and of the rest, are printed
+    and stored.
 
     Attributes of vertices, corners and faces are kept. All numbers are kept to the last bit, except
     texture coordinates, unit normals and floating-point colours, which are rounded (--bits-uv,
@@ -229,6 +235,8 @@ def _print_summary(sources: tuple[str, ...], target: str, encoded: EncodedFile) 
         click.echo(f"achieved: {achieved(container.meta)}")
         if container.meta.parts > 1:
             click.echo(achieved_in_worst_part(container.meta))
+        for line in region_lines(container):
+            click.echo(line)
     for line in frame_lines(container):
         click.echo(line)
     for line in costly_lines(container):

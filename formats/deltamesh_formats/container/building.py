@@ -84,7 +84,8 @@ def _check_payloads(method: str, payloads: Mapping[str, bytes]) -> None:
     others = [name for name in payloads if name not in required]
     if not set(required) <= set(payloads):
         raise ValueError(f"the payloads are {list(payloads)}, not {required}")
-    if any(name in layout.KNOWN or not _is_optional_id(name) for name in others):
+    taken = layout.KNOWN - {layout.REGIONS}
+    if any(name in taken or not _is_optional_id(name) for name in others):
         raise ValueError(f"not ids of optional sections: {others}")
     if len(others) + len(required) + 3 > layout.MAX_SECTIONS:
         raise ValueError(f"more than {layout.MAX_SECTIONS} sections")

@@ -94,6 +94,7 @@ FRAMES: Final = "FRAM"
 EXACT: Final = "EXAC"
 CORRECTIONS: Final = "FIXS"
 META: Final = "meta"
+REGIONS: Final = "regs"
 CHECK: Final = "CHEK"
 # Sections that follow `CONN`, and those that follow the geometry, in this order, where needed.
 AFTER_CONNECTIVITY: Final = (STITCHES, SPLIT_VERTICES, POLYGONS, STEPS)
@@ -178,7 +179,7 @@ METHODS: Final[Mapping[str, MethodLayout]] = {
     )
 }
 KNOWN: Final = frozenset(
-    {META, CHECK, *AFTER_CONNECTIVITY}.union(
+    {META, REGIONS, CHECK, *AFTER_CONNECTIVITY}.union(
         *({*method.required, *method.further} for method in METHODS.values())
     )
 )
@@ -245,6 +246,22 @@ META_PART_FIELDS: Final = (
     Field("part_normal", "f32"),
     Field("part_rms", "f64"),
     Field("part", "string"),
+)
+
+# SPEC.md#43-regs
+
+REGION_FIELDS: Final = (
+    Field("full", "varint"),
+    Field("reduced", "varint"),
+    Field("none", "varint"),
+    Field("rms_full", "f64"),
+    Field("max_full", "f64"),
+    Field("normal_full", "f32"),
+    Field("dihedral_full", "f32"),
+    Field("rms_reduced", "f64"),
+    Field("max_reduced", "f64"),
+    Field("normal_reduced", "f32"),
+    Field("dihedral_reduced", "f32"),
 )
 
 # SPEC.md#53-anch

@@ -99,7 +99,7 @@ def _read(data: Buffer, *, partial: bool) -> Container:
     digest = b""
     if is_whole:
         with payload_of(sections[layout.CHECK]) as payload:
-            digest = _read_table(payload, layout.CHECK_FIELDS)[0]["digest"]
+            digest = read_table(payload, layout.CHECK_FIELDS)[0]["digest"]
     counts = header["version"], vertices, triangles
     return Container(*counts, parameters, meta, sections, digest, cut)
 
@@ -230,9 +230,7 @@ def read_fields(
     return values, offsets, position
 
 
-def _read_table(
-    payload: Buffer, fields: tuple[Field, ...]
-) -> tuple[dict[str, Any], dict[str, int]]:
+def read_table(payload: Buffer, fields: tuple[Field, ...]) -> tuple[dict[str, Any], dict[str, int]]:
     """Return the values and the offsets of a payload that is a byte table and nothing else."""
     values, offsets, end = read_fields(payload, 0, fields)
     if end < len(payload):
@@ -383,7 +381,7 @@ def read_parameters(payload: Buffer, vertices: int) -> Parameters:
     first = read_fields(payload, 0, fields)[0]
     if first["anchor_method"] == layout.ANCHOR_METHODS[layout.RANDOM]:
         fields += layout.SEED_FIELDS
-    values, offsets = _read_table(payload, fields)
+    values, offsets = read_table(payload, fields)
     for field, names in (("method", _METHODS), ("anchor_method", _ANCHOR_METHODS)):
         if values[field] not in names:
             message = f"{field.replace('_', ' ')} {values[field]} is unknown"
@@ -425,7 +423,7 @@ def read_meta(payload: Buffer) -> Meta:
         fields += layout.META_LOSS_FIELDS
         if read_fields(payload, 0, fields)[0]["parts"] > 1:
             fields += layout.META_PART_FIELDS
-    values, offsets = _read_table(payload, fields)
+    values, offsets = read_table(payload, fields)
     meta = Meta(**values)
     for field, message in meta_faults(meta):
         raise FormatError(message, offsets[field])

@@ -22,6 +22,7 @@ from deltamesh_formats.container.layout import (
 from deltamesh_formats.container.listing import pose_lines, text_lines
 from deltamesh_formats.container.pose_table import entries_of as poses_of
 from deltamesh_formats.container.reader import read_varint
+from deltamesh_formats.container.regions import regions_of
 from deltamesh_formats.container.stages import awaited, stage_of, stages_of
 from deltamesh_formats.container.texts import texts_of
 from deltamesh_formats.errors import FormatError
@@ -139,6 +140,31 @@ def frame_lines(container: Container) -> Iterator[str]:
     )
 
 
+def region_lines(container: Container) -> Iterator[str]:
+    """Yield the errors of what is important and of the rest, if a file weighs them.
+
+    Raises
+    ------
+    FormatError
+    """
+    r, meta = regions_of(container), container.meta
+    if r is None or meta is None:
+        return
+    scale = meta.diagonal
+    full = r.rms_full, r.max_full, r.normal_full, r.dihedral_full
+    rest = r.rms_reduced, r.max_reduced, r.normal_reduced, r.dihedral_reduced
+    without = f", {r.none} of them without bits" if r.none else ""
+    yield f"errors are weighted: importance 1 of {r.full} vertices: {_four(full, scale)}"
+    others = f"less importance of {r.reduced + r.none} vertices{without}"
+    yield f"{others}: {_four(rest, scale)}"
+
+
+def _four(errors: tuple[float, float, float, float], scale: float) -> str:
+    rms, largest, normal, dihedral = errors
+    lengths = f"RMS {number(relative(rms, scale))}, max {number(relative(largest, scale))}"
+    return f"{lengths}, normals {number(normal)}, dihedral angles {number(dihedral)}"
+
+
 def container_text(container: Container) -> str:
     """Return everything about a file, as `deltamesh info` prints it after the name."""
     lines = [_headline(container), *(f"  {line}" for line in _lines(container))]
@@ -181,6 +207,7 @@ def _lines(container: Container) -> Iterator[str]:
         yield f"{whose}: {achieved(meta)}"
         if meta.parts > 1:
             yield achieved_in_worst_part(meta)
+        yield from region_lines(container)
         if meta.lost or meta.turned:
             yield f"triangles that lost their area: {meta.lost}, that turned over: {meta.turned}"
         yield f"written by {meta.encoder}{source}; format version {container.version}"

@@ -53,7 +53,8 @@ def quantize(
         return _on_grid(surface, everything, settings, systems, predicted)
     origin = everything.min(axis=0)
     step = settings.step or grid_step(everything, settings.bits or 1)
-    exponents, coarsest = _of_components(surface, steps.exponents_of(settings, surface, step))
+    step, exponents = steps.chosen(settings, surface, step)
+    exponents, coarsest = _of_components(surface, exponents)
     step *= float(steps.RATIOS[coarsest])
     integers = Integers(np.zeros((len(everything), 3), dtype=np.int64), exponents=exponents)
     extra = steps.extra_bits(exponents, len(everything))[:, None]

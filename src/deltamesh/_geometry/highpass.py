@@ -14,6 +14,7 @@ import numpy as np
 from deltamesh._geometry import anchors as choice
 from deltamesh._geometry import steps
 from deltamesh._geometry.cells import Cells
+from deltamesh._geometry.importance import holding, largest_distances, without_bits
 from deltamesh._geometry.integers import NO_POINTS, Integers, Quantized
 from deltamesh._geometry.positions import (
     UNITS,
@@ -63,22 +64,24 @@ def quantize(
     delta = laplacian.apply(*surface.graph, vertices)
     expected: Floats | float = 0.0 if predicted is None else predicted.deltas
     delta -= expected
-    step = step_of(vertices, delta, settings)
+    step, exponents = steps.chosen(settings, surface, step_of(vertices, delta, settings))
     values = np.zeros((surface.vertex_count, 3), dtype=np.int64)
-    integers = Integers(values, exponents=steps.exponents_of(settings, surface, step))
+    integers, none = Integers(values, exponents=exponents), without_bits(settings)
     if step:
         rounding, each = (
             Rounding(tangential=float(settings.diffusion)),
             step * steps.ratios(integers),
         )
-        values = quantize_delta(delta, surface.graph, each, rounding)
+        values = quantize_delta(delta, surface.graph, each, rounding, none=none)
         integers = replace(integers, values=values)
     parameters, integers = anchored(
         surface, vertices, isolated, integers, step, settings, systems, predicted
     )
     rounded = deltas(parameters, integers)
     parameters, integers, start = fitted(
-        delta - rounded, vertices, isolated, parameters, integers, systems, origin_of(predicted)
+        *(delta - rounded, vertices, isolated, parameters, integers, systems),
+        origin=origin_of(predicted),
+        none=none,
     )
     W = solved(rounded + expected, parameters, integers, systems, start=start)
     return corrected(W, vertices, parameters, integers, settings)
@@ -112,6 +115,7 @@ def anchored(
     """Choose the anchors of quantized deltas, and round their positions.
 
     Those of a predicted frame are the same as in the frame before, on its grid or a finer one.
+    Where vertices have no bits, there are further ones around, and all are listed.
     """
     if predicted is not None:
         grid = predicted.anchor_step(step / ANCHOR_REFINEMENT)
@@ -134,7 +138,13 @@ def anchored(
         coarse=_coarse_of(settings),
         interpolated=settings.interpolated,
     )
-    anchors = _choose(surface, vertices, parameters, integers, k, systems)
+    anchors, none = (
+        _choose(surface, vertices, parameters, integers, k, systems),
+        without_bits(settings),
+    )
+    if none is not None:
+        anchors = np.union1d(anchors, holding(surface, none, settings.interpolated))
+        parameters = replace(parameters, anchor_method=layout.GREEDY, seed=0)
     integers = replace(integers, anchors=anchors)
     parameters = replace(parameters, anchor_count=len(anchors))
     return placed(vertices[anchors], vertices, isolated, parameters, integers)
@@ -160,7 +170,7 @@ def corrected(
         If a correction takes more than 2^30 steps.
     """
     error = vertices - W
-    far = safe_lengths(error) > settings.largest - doubt(parameters)
+    far = safe_lengths(error) > largest_distances(settings) - doubt(parameters)
     if parameters.step and far.any():
         each = parameters.step * steps.ratios(integers)
         fixes = to_grid(np.where(far[:, None], error, 0.0), np.zeros(3), each)

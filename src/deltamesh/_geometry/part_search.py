@@ -245,7 +245,7 @@ def with_fewer_levels(
         least = _smaller(rival, found[0])
         trial = fit_step(settings, bounds, one.base, effort, attempt, least, [])
         if trial is not None and trial is _smaller(found[0], trial):
-            found = trial, replace(one, base=trial.parameters.step)
+            found = trial, replace(one, base=trial.step)
     return found
 
 

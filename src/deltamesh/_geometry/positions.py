@@ -19,7 +19,7 @@ from deltamesh._geometry.interpolation import NORMAL_TOLERANCE, TOLERANCE
 from deltamesh._geometry.quantize import check_size, from_grid, to_grid
 from deltamesh._geometry.systems import Systems
 from deltamesh._geometry.weighed_fit import moves
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.container.container import Parameters
 
 # Units of what a cell has lost, by the stages of a method, in octaves above the step; that of the
@@ -146,6 +146,7 @@ def fitted(
     integers: Integers,
     systems: Systems,
     origin: Floats | None = None,
+    none: Bools | None = None,
 ) -> tuple[Parameters, Integers, Floats]:
     """Return both with anchors that fit the deltas and, interpolated, vectors of the last stage.
 
@@ -156,6 +157,8 @@ def fitted(
     vertices, isolated : float64 (n, 3), (i, 3)
     origin : float64 (3,), optional
         See `placed`.
+    none : bool (n,), optional
+        Vertices without bits, of whose deltas all is left: they do not move the others.
 
     Returns
     -------
@@ -169,25 +172,69 @@ def fitted(
     # Components are apart, and each is fitted in units of its own; of 0 bits, it has none.
     each = parameters.step * steps.ratios(integers)
     scale = cells.least(each) if parameters.step else np.ones_like(each)
+    left = left / scale
     if parameters.interpolated:
-        y, e = systems.fit(anchors).exact(left / scale)
+        y, e = systems.fit(anchors).exact(kept(left, none))
+        if none is not None:
+            further, far = systems.fit(anchors).exact(left)
+            y, e = balanced(y, further, left, none, cells), np.where(none[:, None], far, e)
         integers = with_vectors(y * scale[anchors], parameters, integers, cells, -1)
         near = vertices - e * scale
         fit = near[anchors]
     else:
-        d, e = moves(systems.least_squares(anchors), cells, left / scale)
+        d, e = moves(systems.least_squares(anchors), cells, kept(left, none))
         near = vertices + e * scale
         fit = vertices[anchors] + d * scale[anchors]
     parameters, integers = placed(fit, vertices, isolated, parameters, integers, origin)
     return parameters, integers, near
 
 
+def kept(left: Floats, none: Bools | None) -> Floats:
+    """Return what is left of deltas, float64 (n, 3), without that of vertices without bits."""
+    return left if none is None else np.where(none[:, None], 0.0, left)
+
+
+def balanced(y: Floats, further: Floats, left: Floats, none: Bools, cells: Cells) -> Floats:
+    """Return vectors of the cells with which the deltas of each component have no mean.
+
+    A decoder takes that off everywhere, and what vertices without bits lack would be felt by all.
+
+    Parameters
+    ----------
+    y, further : float64 (k, 3)
+        Those of the cells if nothing is left where there are no bits; and if all is: of anchors
+        there.
+    left : float64 (n, 3)
+    none : bool (n,)
+    cells : Cells
+    """
+    has_none = none[cells.anchors]
+    y = np.where(has_none[:, None], further, y)
+    sums = cells.sums(left) - y * cells.sizes
+    count = np.bincount(cells.of, none, len(cells.anchors))
+    of_component = cells.labels[cells.anchors]
+
+    def total(x: Floats) -> Floats:
+        return np.stack([np.bincount(of_component, c)[of_component] for c in x.T], axis=1)
+
+    own = np.where(has_none, count, 0.0)[:, None]
+    share = np.where(total(own) > 0, own, count[:, None])
+    return y + total(sums) * share / np.maximum(total(share), 1) / cells.sizes
+
+
 def smoothed(
-    left: Floats, parameters: Parameters, integers: Integers, systems: Systems
+    left: Floats,
+    parameters: Parameters,
+    integers: Integers,
+    systems: Systems,
+    none: Bools | None = None,
 ) -> Integers:
-    """Return the integers with vectors of the first stage that need no solve."""
-    y = systems.fit(integers.anchors).smooth(left)
-    return with_vectors(y, parameters, integers, systems.cells(integers.anchors), 0)
+    """Return the integers with vectors of the first stage that need no solve; see `fitted`."""
+    fit, cells = systems.fit(integers.anchors), systems.cells(integers.anchors)
+    y = fit.smooth(kept(left, none))
+    if none is not None:
+        y = balanced(y, fit.smooth(left), left, none, cells)
+    return with_vectors(y, parameters, integers, cells, 0)
 
 
 def doubt(parameters: Parameters) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 from deltamesh._graph.adjacency import Graph
 from deltamesh._kernels.coding import delta as kernels
 from deltamesh._vectors import largest, sides
-from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.container.layout import MAX_GRID_BITS
 from deltamesh_formats.errors import MeshError
 
@@ -103,6 +103,7 @@ def quantize_delta(
     *,
     normals: Floats | None = None,
     along: bool = False,
+    none: Bools | None = None,
 ) -> Ints:
     """Round delta / step, or its component along the normals, diffusing the error.
 
@@ -121,6 +122,8 @@ def quantize_delta(
     normals : float64 (n, 3), optional
     along : bool
         Whether to round the component along the normals alone.
+    none : bool (n,), optional
+        Vertices that are rounded to 0, and hand no error on.
 
     Returns
     -------
@@ -131,6 +134,9 @@ def quantize_delta(
     MeshError
         If a step is too small for the deltas: a file holds up to 2^30 steps.
     """
+    delta = delta.copy()
+    if none is not None:
+        delta[none] = 0
     with np.errstate(divide="ignore", invalid="ignore"):
         check_size(delta / step, step)
     N = np.zeros_like(delta) if normals is None else normals
@@ -138,7 +144,9 @@ def quantize_delta(
     out = np.empty((len(delta), 1 if along else 3), dtype=np.int64)
     r = rounding
     rule = r.zone, r.pull, r.weight, r.tangential, r.normal
-    kernels.diffuse(*graph, delta.copy(), N, steps, *rule, out)
+    kernels.diffuse(*graph, delta, N, steps, *rule, out)
+    if none is not None:  # what others have handed on to them
+        out[none] = 0
     return out
 
 

@@ -18,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from deltamesh._geometry import highpass, steps
+from deltamesh._geometry.importance import without_bits
 from deltamesh._geometry.integers import Integers, Quantized, without_deltas
 from deltamesh._geometry.normals import vertex_normals
 from deltamesh._geometry.positions import all_positions, fitted, smoothed, solved
@@ -69,8 +70,9 @@ def quantize(
     if predicted is not None:
         delta -= predicted.deltas
     step = highpass.step_of(vertices, delta, settings)
-    integers = Integers(np.zeros_like(delta, dtype=np.int64))
-    integers = replace(integers, exponents=steps.exponents_of(settings, surface, step))
+    step, exponents = steps.chosen(settings, surface, step)
+    integers = Integers(np.zeros_like(delta, dtype=np.int64), exponents=exponents)
+    none = without_bits(settings)
     each = step * steps.ratios(integers)
     N = vertex_normals(vertices, surface.faces, each)
     coarse_step = settings.coarse * each
@@ -78,7 +80,7 @@ def quantize(
         one if settings.diffusion else replace(one, tangential=0.0, normal=0.0)
         for one in (_coarse_rounding(delta, graph, coarse_step, N), FINE)
     ]
-    values = quantize_delta(delta, graph, coarse_step, roundings[0], normals=N)
+    values = quantize_delta(delta, graph, coarse_step, roundings[0], normals=N, none=none)
     integers = replace(integers, values=values)
     parameters, integers = highpass.anchored(
         surface, vertices, isolated, integers, step, settings, systems, predicted
@@ -87,13 +89,13 @@ def quantize(
     coarse = highpass.deltas(parameters, integers)
     left = np.subtract(delta, coarse, out=delta)
     if parameters.interpolated:
-        integers = smoothed(left, parameters, integers, systems)
+        integers = smoothed(left, parameters, integers, systems, none)
     W, N = _bent(surface, systems, parameters, integers, predicted, vertices.copy(), ROUGHLY)
-    fine = quantize_delta(left, graph, each, roundings[1], normals=N, along=True)
+    fine = quantize_delta(left, graph, each, roundings[1], normals=N, along=True, none=none)
     integers = replace(integers, refinements=fine)
     left -= (each * fine) * N
     parameters, integers, near = fitted(
-        left, vertices, isolated, parameters, integers, systems, origin
+        left, vertices, isolated, parameters, integers, systems, origin, none
     )
     # The anchors have moved a little, and the normals with them.
     _, N = _bent(surface, systems, parameters, integers, predicted, W)

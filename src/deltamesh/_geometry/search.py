@@ -141,7 +141,7 @@ def _fit(
     """Return a trial within the bounds whose steps are about the largest; None if it cannot win."""
     if components.alone:
         trial = fit_step(settings, bounds, start.base, options.effort, attempt, best, missed)
-        return None if trial is None else (trial, replace(start, base=trial.parameters.step))
+        return None if trial is None else (trial, replace(start, base=trial.step))
     effort = options.effort
     tried = fit_steps(settings, bounds, start, components, effort, attempt, best, missed)
     trial, steps = with_fewer_levels(settings, bounds, tried, components, effort, attempt, best)
@@ -317,7 +317,7 @@ def _with_corrections(best: Trial, bounds: Bounds, attempt: Attempt) -> Trial:
         return best
     change = 1 / GROWTH if bounds.has_angle else GROWTH
     while True:
-        step = change * best.parameters.step
+        step = change * best.step
         try:
             trial = attempt(replace(best.settings, step=step, largest=bounds.max))
         except MeshError:  # too small a step for the mesh

@@ -59,7 +59,7 @@ def fit_step(
         x = excess[step] = bounds.excess(trial.measured)
         if x > 1:
             missed[:] = [trial]
-        elif good is None or step > good.parameters.step:
+        elif good is None or step > good.step:
             good = trial
         if close <= x <= 1 or (good is not None and tries >= _tries(excess)):
             break

@@ -43,29 +43,45 @@ def _ratios() -> Floats:
 RATIOS: Final = _ratios()
 
 
-def exponents_of(settings: Settings, surface: Surface, step: float) -> Ints:
-    """Return the exponents of the settings, int64 (n,), or none where all steps are alike.
+def chosen(settings: Settings, surface: Surface, step: float) -> tuple[float, Ints]:
+    """Return the coarsest step, and the exponents of the settings, none where all steps are alike.
 
     Parameters
     ----------
     settings : Settings
     surface : Surface
     step : float
-        The coarsest step. Where it is 0, no step has an exponent.
+        The coarsest step of what has importance 1. Where it is 0, no step has an exponent.
+
+    Returns
+    -------
+    float
+    int64 (n,) or (0,)
 
     Raises
     ------
     ValueError
-        For exponents of another number of vertices, beyond the largest, or without a 0.
+        For exponents, or levels of importance, of another number of vertices, beyond the largest,
+        or without a 0.
     """
-    exponents = np.frombuffer(settings.exponents, dtype=np.uint8).astype(np.int64)
-    if not step or not exponents.any():
-        return NONE
-    if len(exponents) != surface.vertex_count:
-        raise ValueError(f"{len(exponents)} exponents of {surface.vertex_count} vertices")
-    if exponents.min() > 0 or exponents.max() > MAX_EXPONENT:
-        raise ValueError(f"exponents of {exponents.min()} to {exponents.max()}")
-    return exponents
+    exponents, coarser = (
+        np.frombuffer(each, dtype=np.uint8).astype(np.int64)
+        for each in (settings.exponents, settings.coarser)
+    )
+    for each in (exponents, coarser):
+        if len(each) not in (0, surface.vertex_count):
+            raise ValueError(f"{len(each)} exponents of {surface.vertex_count} vertices")
+        if (each.min(initial=MAX_EXPONENT) > 0 and len(each)) or each.max(initial=0) > MAX_EXPONENT:
+            raise ValueError(f"exponents of {each.min()} to {each.max()}")
+    if not step or not (exponents.any() or coarser.any()):
+        return step, NONE
+    level = np.zeros(surface.vertex_count, dtype=np.int64)
+    level += exponents if len(exponents) else 0
+    level -= coarser if len(coarser) else 0
+    level = np.maximum(level, level.max() - MAX_EXPONENT)
+    coarsest = int(level.min())
+    level -= coarsest
+    return step * 2.0 ** (-coarsest / PER_OCTAVE), level if level.any() else NONE
 
 
 def ratios(integers: Integers) -> Floats:

@@ -48,6 +48,11 @@ class Trial:
         return self.encode()
 
     @property
+    def step(self) -> float:
+        """The coarsest step of what is most important; that of the parameters at a rate."""
+        return self.parameters.step if self.settings.step is None else self.settings.step
+
+    @property
     def size(self) -> int:
         """Bytes of the payloads."""
         return sum(map(len, self.payloads.values()))

@@ -11,12 +11,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from deltamesh._measures.differences import Differences, Reference
 from deltamesh_formats.array_types import Floats, Ints
+
+if TYPE_CHECKING:  # which are of this one's errors
+    from deltamesh._measures.weights import Weights
 from deltamesh_formats.caching import cached_property
 from deltamesh_formats.polymesh.permutations import distinct
 
@@ -97,9 +100,11 @@ class PartReference:
     ----------
     reference : Reference
     parts : Parts
+    weights : Weights, optional
+        Of the elements, by which the means of their differences are weighted.
     """
 
-    def __init__(self, reference: Reference, parts: Parts) -> None:
+    def __init__(self, reference: Reference, parts: Parts, weights: Weights | None = None) -> None:
         self.parts = parts
         self._unit, q = reference.unit, parts.count
         V, F = reference.vertices, reference.faces
@@ -109,20 +114,30 @@ class PartReference:
         high = np.maximum.reduceat(V[self._vertex], self._starts)
         self.diagonal: Floats = np.array([math.hypot(*side) for side in high - low])
         self._weights: list[tuple[Ints, Ints, Floats]] = []
-        self._edges: list[tuple[Ints, Ints]] = []
-        self._counts = np.diff(np.append(self._starts, len(self._vertex)))
-        self._edge_counts = np.zeros(q, dtype=np.int64)
+        self._edges: list[tuple[Ints, Ints, Floats]] = []
+        alike: Floats = np.broadcast_to(1.0, len(self._vertex))
+        self._of_vertex = alike if weights is None else weights.vertices[self._vertex]
+        self._counts = _divisors(np.add.reduceat(self._of_vertex, self._starts))
+        counts = np.zeros(q)
         square = (self.diagonal / self._unit) ** 2
         for part in parts.divisions:
             faces = np.flatnonzero(part >= 0)
             area = reference.areas[faces]
             total = np.bincount(part[faces], area, q)
             surface = total > 2 * LINE * square
+            if weights is not None:
+                area = area * weights.faces[faces]
+                total = np.bincount(part[faces], area, q)
+                surface &= total > 0
             weight = np.where(surface, 1 / np.where(surface, total, 1), 0)[part[faces]] * area
             self._weights.append((part[faces], faces, weight))
             edges = np.flatnonzero((part[left] >= 0) & (part[left] == part[right]))
-            self._edges.append((part[left][edges], edges))
-            self._edge_counts += np.bincount(self._edges[-1][0], minlength=q)
+            of_edge: Floats = np.broadcast_to(1.0, len(edges))
+            if weights is not None:
+                of_edge = weights.edges[edges]
+            self._edges.append((part[left][edges], edges, of_edge))
+            counts += np.bincount(part[left][edges], of_edge, q)
+        self._edge_counts = _divisors(counts)
 
     def errors(self, d: Differences) -> PartErrors:
         """Return the errors that differences from the reference amount to."""
@@ -131,15 +146,21 @@ class PartReference:
         normal, change = np.zeros(q), np.zeros(q)
         for part, faces, weight in self._weights:
             normal += np.bincount(part, weight * d.angle[faces], q)
-        for part, at in self._edges:
-            change += np.bincount(part, d.change[at], q)
+        for part, at, weight in self._edges:
+            change += np.bincount(part, weight * d.change[at], q)
+        squares = np.add.reduceat(self._of_vertex * (distance * distance), self._starts)
         return PartErrors(
-            rms=unit * np.sqrt(np.add.reduceat(distance * distance, self._starts) / self._counts),
+            rms=unit * np.sqrt(squares / self._counts),
             max=unit * np.maximum.reduceat(distance, self._starts),
             normal_deviation=normal,
-            dihedral=change / np.maximum(self._edge_counts, 1),
+            dihedral=change / self._edge_counts,
             diagonal=self.diagonal,
         )
+
+
+def _divisors(sums: Floats) -> Floats:
+    """Return sums to divide by, 1 for those of nothing."""
+    return np.where(sums > 0, sums, 1.0)
 
 
 def _members(F: Ints, parts: Parts, n: int) -> tuple[Ints, Ints]:

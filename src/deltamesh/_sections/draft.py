@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from deltamesh._content import NOTHING, Content
+from deltamesh._geometry.importance import importance_of
 from deltamesh._geometry.systems import Systems
 from deltamesh._geometry.trial import Trial
 from deltamesh._measures.measure import Measured
@@ -17,6 +18,7 @@ from deltamesh._shape.diagonals import cut_polygons
 from deltamesh._shape.draft import ShapeDraft, first_draft
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.caching import cached_property
+from deltamesh_formats.container.regions import Regions
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.dropping import without
 from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -102,6 +104,10 @@ class Draft:
         What became of the shape.
     cost : Cost or None
         The bound that cost the bytes; None where there were no bounds.
+    importance : float64 (n,), or None
+        Of each vertex of the input; None where all are alike.
+    regions : Regions or None
+        What became of the vertices of importance 1, and of the others, where they are not alike.
     margin : int
         How far a writer may round decoded positions, as `Meta.margin` has it.
     frames : tuple of FrameResult
@@ -119,6 +125,8 @@ class Draft:
     trial: Trial | None = None
     report: Report | None = None
     cost: Cost | None = None
+    importance: Floats | None = None
+    regions: Regions | None = None
     margin: int = 0
     frames: tuple[FrameResult, ...] = ()
     content: Content = NOTHING
@@ -159,8 +167,12 @@ def begin(
     Raises
     ------
     MeshError
-        If the mesh has no faces.
+        If the mesh has no faces, or a vertex an importance outside of 0..1.
+    OptionError
+        If there is no such importance.
     """
+    given = options.importance
+    importance = None if given is None else importance_of(mesh, given)
     mesh = without(mesh, options.drop)
     triangles = cut_polygons(mesh)
     if len(triangles.faces) == 0:
@@ -169,4 +181,4 @@ def begin(
     exact, drop_isolated = options.exact, options.drop_isolated
     frames = sequence.positions
     shape = first_draft(mesh.vertices, triangles, frames, drop_isolated=drop_isolated, exact=exact)
-    return Draft(mesh, options, progress, shape, sequence)
+    return Draft(mesh, options, progress, shape, sequence, importance=importance)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from typing import Final
 
 from deltamesh._content import Content
 from deltamesh._geometry.bounds import furthest_at_rate
@@ -12,13 +13,24 @@ from deltamesh._geometry.part_search import components_of
 from deltamesh._geometry.search import smallest
 from deltamesh._geometry.systems import Systems
 from deltamesh._limits import memory_to_encode
+from deltamesh._measures.measure import Measure, errors_by_importance
 from deltamesh._measures.report import report_of
 from deltamesh._methods import AUTO, CARTESIAN
 from deltamesh._options import Options
 from deltamesh._sections.draft import Draft
 from deltamesh._sections.trials import Trials
+from deltamesh_formats.array_types import Floats
 from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.regions import Regions
 from deltamesh_formats.errors import LimitError, MeshError, SolveError
+
+# Errors as regions have them, and as measures do.
+_ERRORS: Final = {
+    "rms": "rms",
+    "max": "max",
+    "normal": "normal_deviation",
+    "dihedral": "dihedral",
+}
 
 
 def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
@@ -47,16 +59,38 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
     if bounds is not None and bounds.excess(decoded.measured) > 1 >= bounds.excess(trial.measured):
         decoded = search(lambda settings: trials.as_decoded(trials.attempt(settings)))
     trial = decoded
+    margin, cost = 0 if options.exact else trials.margin(trial), trials.cost(trial)
+    regions = None
+    if trials.importance is not None:
+        # What a file and a report tell is not weighted.
+        plain = Measure(V, trials.faces, named.parts)
+        told = replace(plain(trial.vertices), doubt=trial.measured.doubt)
+        trial = replace(trial, encode=partial(dict, trial.payloads), measured=told)
+        regions = _regions(trials, trial.vertices, trials.importance)
     made = replace(
         draft,
         trial=trial,
         systems=systems,
         report=report_of(trial.measured, named),
-        cost=trials.cost(trial),
-        margin=0 if options.exact else trials.margin(trial),
+        cost=cost,
+        regions=regions,
+        margin=margin,
         content=replace(draft.content, integers=trial.integers),
     )
     return trial.payloads, made
+
+
+def _regions(trials: Trials, W: Floats, importance: Floats) -> Regions:
+    """Return what became of what is important, and of the rest."""
+    full, reduced = errors_by_importance(trials.positions, trials.faces, W, importance)
+    here = importance[: trials.used]
+    return Regions(
+        full=int((here == 1).sum()),
+        reduced=int(((here > 0) & (here < 1)).sum()),
+        none=int((here == 0).sum()),
+        **{f"{name}_full": getattr(full, field) for name, field in _ERRORS.items()},
+        **{f"{name}_reduced": getattr(reduced, field) for name, field in _ERRORS.items()},
+    )
 
 
 def decode(container: Container, content: Content) -> Content:

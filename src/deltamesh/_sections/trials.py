@@ -10,6 +10,7 @@ import numpy as np
 
 from deltamesh._geometry.bounds import Binding, Bounds, bounds_of
 from deltamesh._geometry.frames import encode_frame, relative
+from deltamesh._geometry.importance import important, of_points
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.interpolation import FINER
 from deltamesh._geometry.methods import frame_codec, geometry_codec
@@ -52,11 +53,12 @@ class Trials:
         self.surface, self.used = structure.surface, structure.complex.used
         self.positions = draft.of_points(vertices)
         mesh = replace(draft.mesh, vertices=vertices)
-        faces, polygons = _measured(draft, vertices)
+        self.faces, polygons = _measured(draft, vertices)
         isolated = len(self.positions) - self.used
         component = np.pad(self.surface.labels, (0, isolated), constant_values=-1)
-        self.named: NamedParts = named_parts(mesh, faces, polygons, component)
-        self.measure = Measure(self.positions, faces, self.named.parts)
+        self.named: NamedParts = named_parts(mesh, self.faces, polygons, component)
+        self.importance = _importance(draft)
+        self.measure = Measure(self.positions, self.faces, self.named.parts, self.importance)
         self.scale = diagonal(self.positions)
         self.bounds: Bounds | None = bounds_of(draft.options, self.scale)
 
@@ -75,9 +77,11 @@ class Trials:
         self._draft.progress(f"{self._label}, {settings.method}")
         coder, V, used = frame_codec(settings.method), self.positions, self.used
         known = () if predicted is None else (predicted,)
+        solution = self._draft.options.solution
+        weighted = important(self.surface, self.importance, settings, solution)
         try:
             parameters, integers, decoded = coder.quantize(
-                self.surface, V[:used], V[used:], settings, self.systems, *known
+                self.surface, V[:used], V[used:], weighted, self.systems, *known
             )
         except SolveError as error:
             if self.bounds is None:
@@ -171,6 +175,13 @@ def has_scale(p: Parameters, i: Integers) -> bool:
     values = max(map(largest, numbers))
     steps, origin = max(p.coarse * p.step, p.anchor_step), max(map(abs, p.origin))
     return bool(values * steps + origin <= 100 * LARGEST)
+
+
+def _importance(draft: Draft) -> Floats | None:
+    """Return the importance of each point, float64 (p,); None where all are alike."""
+    if draft.importance is None:
+        return None
+    return of_points(draft.importance, draft.shape.points, len(draft.positions))
 
 
 def _measured(draft: Draft, vertices: Floats) -> tuple[Ints, Ints]:

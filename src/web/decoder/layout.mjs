@@ -60,6 +60,7 @@ export const KNOWN = new Set([
   "PARM",
   "CONN",
   "meta",
+  "regs",
   "CHEK",
   "CELL",
   "FIXS",

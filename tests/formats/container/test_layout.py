@@ -42,6 +42,7 @@ def test_spec_types():
         ("2", [layout.HEADER_FIELDS]),
         ("4.1", [layout.PARAMETER_FIELDS, layout.SEED_FIELDS]),
         ("4.2", [layout.META_FIELDS, layout.META_LOSS_FIELDS, layout.META_PART_FIELDS]),
+        ("4.3", [layout.REGION_FIELDS]),
         ("5.7", [layout.CHECK_FIELDS]),
         ("5.12", [layout.COLUMN_FIELDS, layout.OPERATION_FIELDS, layout.FORMAT_FIELDS]),
         ("5.14", [layout.INTEGER_FIELDS]),

@@ -120,6 +120,11 @@ def test_what_has_no_steps_is_no_sequence(options) -> None:
         encode(MOVING, **options)
 
 
+def test_an_importance_is_for_one_mesh() -> None:
+    with pytest.raises(OptionError, match="several frames cannot have an importance"):
+        encode(MOVING, importance=np.ones(len(MOVING[0].vertices)))
+
+
 def test_auto_is_cartesian_where_refined_cannot_keep_the_bounds(monkeypatch) -> None:
     whole, tried = _pipeline._encoded, []
 
