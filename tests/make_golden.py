@@ -448,7 +448,7 @@ def write_posed():
         arrays = {"vertices": mesh.vertices, "faces": mesh.triangles.astype(np.uint16)}
         for pose in posed.NAMES:
             arrays[f"pose {pose}"] = decode(data, pose=pose).vertices
-            found = spec_decoder.decode(data, pose)[0]
+            found = spec_decoder.decode(data, pose=pose)[0]
             error = np.abs(found - arrays[f"pose {pose}"])
             assert (error <= posed.tolerances(data, mesh)).all()
         (GOLDEN / f"{name}.dmesh").write_bytes(data)

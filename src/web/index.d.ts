@@ -86,6 +86,8 @@ export interface Limits {
 export interface Options extends Limits {
   /** Name of a pose of the mesh; at rest without one. */
   pose?: string | null;
+  /** Number of a frame of a sequence, from 0. It is decoded from the key frame before it on. */
+  frame?: number;
 }
 
 export interface About {
@@ -98,7 +100,7 @@ export interface About {
   /** Errors that the encoder measured, its name, and its source; null if the file has none. */
   meta: { [name: string]: number | string } | null;
   sections: { id: string; bytes: number }[];
-  /** Frames of a sequence, of which the first is decoded; 1 for one mesh. */
+  /** Number of the frames of a sequence; 1 for one mesh. */
   frames: number;
   /** Frames a second, as far as that is known. */
   fps: number | null;

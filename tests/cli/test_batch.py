@@ -292,8 +292,10 @@ def test_usage(scans: Path, capsys: pytest.CaptureFixture[str], line: str, told:
 def test_every_option_of_encode_and_decode_is_there() -> None:
     from deltamesh_cli.commands import batch, decode, encode
 
-    # A batch decodes whole files, and meshes at rest: the names of poses are those of one file.
-    of_one_file = ("source", "target", "output", "force_name", "partial", "pose")
+    # A batch makes a file of each mesh, and decodes whole files, at rest and in frame 0: the names
+    # of poses, and the numbers of frames, are those of one file.
+    of_one_file = {"source", "names", "target", "output", "force_name", "partial", "pose"}
+    of_one_file |= {"sequence", "fps", "key_every", "frame", "all_frames"}
     ours = {parameter.name: parameter for parameter in batch.command.params}
     for other in (encode, decode):
         for parameter in other.command.params:

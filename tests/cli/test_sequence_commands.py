@@ -94,6 +94,10 @@ def test_one_frame_of_many_is_said_to_be_one(
     assert "walk.dmesh: frame 0, without frames 1 to 11" in capsys.readouterr().err
     assert cli("compare -q f0.ply walk.dmesh") == 0
     assert capsys.readouterr().err == ""
+    assert cli("view --no-open walk.dmesh -o walk.html") == 0
+    assert "without frames" not in capsys.readouterr().err
+    assert cli("view --no-open -f walk.dmesh f0.ply -o walk.html") == 0
+    assert "walk.dmesh: frame 0, without frames 1 to 11" in capsys.readouterr().err
 
 
 def test_frames_that_do_not_fit_are_named(frames: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1542,8 +1542,8 @@ def decode(data, cut=False, pose=None):
         import spec_frames  # likewise
 
         mesh = surface, near + [[] for _ in range(p["isolated"])], inner
-        found = spec_frames.frames(sections["FRAM"], p, near, mesh, surface, exact, rest)
-        exact["frames"] = [frame[list(points)] for frame in found]
+        further = spec_frames.frames(sections["FRAM"], p, near, mesh, surface, exact, rest)
+        exact["frames"] = [frame[list(points)] for frame in further]
     x = rest[list(points)]
     exact["attributes"] = [one.decoded(x) for one in exact["attributes"]]
     if pose is not None:

@@ -39,7 +39,7 @@ def assert_same(data: bytes) -> None:
         error = np.abs(found - frame.vertices)
         assert (error <= (1 + i) * tolerances_of(data, frame)).all(), i
     for pose in entries_of(info(data)):
-        theirs, ours = spec_decoder.decode(data, pose.name)[0], decode(data, pose=pose.name)
+        theirs, ours = spec_decoder.decode(data, pose=pose.name)[0], decode(data, pose=pose.name)
         assert (np.abs(theirs - ours.vertices) <= posed.tolerances(data, mesh)).all()
 
 

@@ -28,14 +28,18 @@ async function stored(value) {
 }
 
 for await (const line of createInterface({ input: process.stdin })) {
-  const [path, memory] = line.split("\t");
+  const [path, memory, wanted] = line.split("\t");
   const bytes = new Uint8Array(await readFile(path));
   let result;
   try {
-    const mesh = decoder.decode(bytes, memory ? { memory: Number(memory) } : {});
+    const limits = memory ? { memory: Number(memory) } : {};
+    const mesh = decoder.decode(bytes, { ...limits, ...(wanted ? { frame: Number(wanted) } : {}) });
     const about = decoder.inspect(bytes);
     const poses = about.poses.map(({ name }) => decoder.decode(bytes, { pose: name }));
-    result = { mesh: await stored(mesh), about: await stored(about), poses: await stored(poses) };
+    const further = wanted ? [] : Array.from({ length: about.frames - 1 }, (_, i) => i + 1);
+    const frames = further.map((frame) => decoder.decode(bytes, { frame }));
+    const [found, told] = await Promise.all([mesh, about].map(stored));
+    result = { mesh: found, about: told, poses: await stored(poses), frames: await stored(frames) };
   } catch (error) {
     const { name, message, offset = null, stack } = error;
     result = { error: { name, message, offset, stack } };

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import animated
 import children
 import forging
+import meshes
 import numpy as np
 import posed
 import pytest
 from graphs import tolerances_of
 from places import GOLDEN, REFUSED
 
-from deltamesh import decode, edit, encode
+from deltamesh import decode, edit, encode, frames, from_arrays
+from deltamesh._measures.metrics import diagonal
 from deltamesh_formats.container.pose_table import entries_of
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import DeltameshError
@@ -39,11 +43,11 @@ ARRAYS = {
 
 
 def decoded_by_node(
-    node: str, package: Path, folder: Path, paths: list[Path], memory: str = ""
+    node: str, package: Path, folder: Path, paths: list[Path], memory: str = "", frame: str = ""
 ) -> list[dict[str, Any]]:
     """Return what comes of files, one after the other, with arrays where meshes have some."""
     folder.mkdir()
-    lines = "".join(f"{path}\t{memory}\n" for path in paths)
+    lines = "".join(f"{path}\t{memory}\t{frame}\n" for path in paths)
     command = [node, str(HERE / "decode_all.mjs"), str(package), str(folder)]
     done = children.run(command, given=lines.encode(), text=True)
     assert done.stderr == ""
@@ -84,6 +88,8 @@ def test_golden_file_decodes_alike(name: str, golden: dict[str, dict[str, Any]])
         mesh = decode(data, pose=entry.name)
         allowed = posed.tolerances(data, decode(data))
         assert (np.abs(found["positions"].reshape(-1, 3) - mesh.vertices) <= allowed).all()
+    assert (about["frames"], about["fps"]) == (container.frame_count, container.fps)
+    assert_frames_alike(golden[name]["frames"], data)
     assert about["parameters"]["method"] == container.parameters.method
     assert [one["id"] for one in about["sections"]] == list(container.sections)
     assert [one["bytes"] for one in about["sections"]] == [
@@ -110,6 +116,24 @@ def assert_alike(found: dict[str, Any], mesh: PolyMesh, data: bytes) -> None:
     assert found["metadata"] == {key: list(lines) for key, lines in mesh.metadata.items()}
     assert (found["lost"], found["precision"]) == (list(mesh.lost), mesh.precision)
     assert len(found["anchors"]) == container.parameters.anchor_count
+
+
+def assert_frames_alike(found: list[dict[str, Any]], data: bytes) -> None:
+    """Compare the frames beyond the first, which may differ by the sums of what each may."""
+    container = read_container(data)
+    assert len(found) == len(container.frames)
+    first = decode(data)
+    allowed = zero = tolerances_of(data, first)
+    for one, frame, mesh in zip(found, container.frames, list(frames(data))[1:], strict=True):
+        coarser = max(1.0, frame.step / container.parameters.step)
+        larger = max(1.0, diagonal(mesh.vertices) / diagonal(first.vertices))
+        allowed = (zero if frame.is_key else allowed) + zero * max(coarser, larger)
+        V = one["positions"].reshape(-1, 3)
+        assert (np.abs(V - mesh.vertices) <= allowed).all()
+        assert np.abs(V - first.vertices).max() > 100 * allowed.max()
+        np.testing.assert_array_equal(one["corners"], mesh.corners)
+        for own, attribute in zip(one["attributes"], mesh.attributes, strict=True):
+            assert_attribute_alike(own, attribute)
 
 
 def assert_attribute_alike(found: dict[str, Any], attribute: Attribute) -> None:
@@ -219,6 +243,103 @@ def test_normals_turn_alike(node: str, package: Path, tmp_path: Path, domain: st
         assert wanted.domain == domain
         own = one["attributes"][0]["values"].reshape(-1, 3)
         np.testing.assert_allclose(own, wanted.values, atol=1e-5)
+
+
+MOVING = animated.moving(meshes.torus(12, 9), 8, each=0.1)
+
+
+@pytest.mark.parametrize("method", ["refined", "highpass", "cartesian"])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"step": 0.05, "key_every": 3, "solution": "interpolated"},
+        {"step": 0.05, "key_every": 255, "solution": "least-squares"},
+        {"quality": 6, "keep_order": True},
+    ],
+)
+def test_frames_decode_alike(
+    node: str, package: Path, tmp_path: Path, method: str, options: dict[str, Any]
+) -> None:
+    path = tmp_path / "walk.dmesh"
+    path.write_bytes(encode(MOVING, method=method, **options))
+    (found,) = decoded_by_node(node, package, tmp_path / "arrays", [path])
+    assert "error" not in found, found["error"]
+    assert_frames_alike(found["frames"], path.read_bytes())
+
+
+def test_frames_on_finer_and_coarser_grids_decode_alike(
+    node: str, package: Path, tmp_path: Path
+) -> None:
+    V, F = meshes.torus(24, 18)
+    given = [from_arrays(V * size, F) for size in (1, 1.2, 2e-4, 1.1)]
+    paths = []
+    for method, options in (("refined", {}), ("cartesian", {"quality": 5})):
+        paths.append(tmp_path / f"{method}.dmesh")
+        paths[-1].write_bytes(encode(given, method=method, keep_order=True, **options))
+    found = decoded_by_node(node, package, tmp_path / "arrays", paths)
+    for path, one in zip(paths, found, strict=True):
+        data = path.read_bytes()
+        assert len({frame.finer for frame in read_container(data).frames}) > 1
+        assert_frames_alike(one["frames"], data)
+
+
+def test_frames_with_streams_that_are_wrong_are_refused_alike(
+    node: str, package: Path, tmp_path: Path
+) -> None:
+    """Their records have right checksums, so that only decoding the frame shows it."""
+    generator = np.random.default_rng(5)
+    refined, cartesian = (animated.file_of(f"{name}-sequence") for name in ("refined", "cartesian"))
+    files = [
+        animated.with_first(refined, digest=bytes(8)),
+        animated.with_first(refined, maps=0),
+        animated.with_first(refined, rounds=0, unit=0),
+        animated.with_first(refined, step=1e160),
+        animated.with_first(cartesian, digest=bytes(8)),
+    ]
+    for k in range(60):
+        data = (refined, cartesian)[k % 3 == 2]
+        (frame, *_) = read_container(data).frames
+        names = list(frame.sections)
+        name = names[generator.integers(len(names))]
+        payload = bytearray(frame.sections[name].payload)
+        if not payload:
+            continue
+        payload[generator.integers(len(payload))] ^= 1 << int(generator.integers(8))
+        section = replace(frame.sections[name], payload=memoryview(bytes(payload)))
+        files.append(animated.with_first(data, sections={**frame.sections, name: section}))
+    paths, expected = [], []
+    for k, data in enumerate(files):
+        paths.append(tmp_path / f"{k}.dmesh")
+        paths[-1].write_bytes(data)
+        expected.append(None)
+        try:
+            decode(data, frame=1)
+        except DeltameshError as error:
+            expected[-1] = (type(error).__name__, str(error), getattr(error, "offset", None))
+    found = decoded_by_node(node, package, tmp_path / "arrays", paths, frame="1")
+    assert sum(one is not None for one in expected) > 50
+    for path, one, wanted in zip(paths, found, expected, strict=True):
+        error = one.get("error")
+        own = error and (error["name"], error["message"], error["offset"])
+        assert own == wanted, (path, error)
+
+
+def test_frames_that_are_missing_are_refused(node: str, package: Path, tmp_path: Path) -> None:
+    path = GOLDEN / "refined-sequence.dmesh"
+    for frame in ("4", "-1", "0.5"):
+        (one,) = decoded_by_node(node, package, tmp_path / frame, [path], frame=frame)
+        assert one["error"]["name"] == "DeltameshError"
+        assert one["error"]["message"] == f"there is no frame {frame}: the file has 4, from 0 on"
+
+
+def test_frames_decode_in_a_worker(node: str, package: Path) -> None:
+    path = GOLDEN / "refined-sequence.dmesh"
+    done = children.run(
+        [node, str(HERE / "decode_in_worker.mjs"), str(package), str(path)], text=True
+    )
+    assert done.stderr == ""
+    wanted = "4 DeltameshError: there is no frame 4: the file has 4, from 0 on"
+    assert done.stdout.strip() == wanted
 
 
 def test_limits_are_kept(node: str, package: Path, tmp_path: Path) -> None:

@@ -427,3 +427,49 @@ def test_poses_are_chosen_from_a_list(browser: Browser, tmp_path: Path) -> None:
         assert total == pytest.approx(mesh.vertices.sum(), rel=1e-6, abs=1e-4)
         assert (colours(browser) == rest) == (name == "")
     assert browser.run(browsers.MESSAGES) == ""
+
+
+def test_frames_are_chosen_by_a_slider_and_played(browser: Browser, tmp_path: Path) -> None:
+    data = (GOLDEN / "refined-sequence.dmesh").read_bytes()
+    page = tmp_path / "frames.html"
+    page.write_text(page_of([PageFile("a.dmesh", data, "", len(data))], "frames"), encoding="utf-8")
+    browser.open(page)
+    slide = "const s = document.querySelector('#frame'); s.value = 3; "
+    at = "return deltameshViewer.panels[0].frame === "
+    first = colours(browser)
+    steps = [lambda: browser.press("."), lambda: browser.press(".")]
+    steps += [lambda: browser.run(slide + "s.dispatchEvent(new Event('change'))")]
+    steps += [lambda: browser.press("."), lambda: browser.press(",")]
+    for step, frame in zip(steps, (1, 2, 3, 0, 3), strict=True):
+        step()
+        browser.wait(at + str(frame))
+        total = browser.run(
+            "return deltameshViewer.panels[0].mesh.positions.reduce((a, b) => a + b)"
+        )
+        wanted = deltamesh.decode(data, frame=frame).vertices.sum()
+        assert total == pytest.approx(wanted, rel=1e-6, abs=1e-4)
+        assert (colours(browser) == first) == (frame == 0)
+    shown = "return document.querySelector('[for=frame]').textContent"
+    assert browser.run(shown) == "3 of 3"
+    assert browser.run("return document.querySelector('#frame').labels[0].textContent.trim()")
+    browser.run(
+        "globalThis.seen = new Set(); const { panels: [p] } = deltameshViewer; "
+        "const change = p.change; "
+        "p.change = function (...all) { seen.add(all[2]); return change.apply(this, all); }"
+    )
+    browser.press("v")
+    browser.wait("return seen.size === 4")
+    pressed = "return document.querySelector('#play').getAttribute('aria-pressed')"
+    assert browser.run(pressed) == "true"
+    browser.press("v")
+    assert browser.run(pressed) == "false"
+    assert browser.run(browsers.MESSAGES) == ""
+    assert browser.log() == []
+
+
+def test_one_mesh_has_no_slider(browser: Browser, compared: Path) -> None:
+    browser.open(compared)
+    assert browser.run("return document.querySelector('#play').parentElement.hidden")
+    for key in (".", ",", "v"):
+        browser.press(key)
+    assert browser.run("return [deltameshViewer.frame, deltameshViewer.playing]") == [0, None]

@@ -189,7 +189,7 @@ def test_file_of_importance(name: str, method: str) -> None:
 @pytest.mark.parametrize("name", CORRECTED)
 def test_corrected_file(name: str) -> None:
     mesh, options = CORRECTED[name]
-    data = encode(*mesh, **options, normal_error=8.0, max_error_rel=2e-3)
+    data = encode(*mesh, **options, normal_error=8.0, max_error_rel=1e-3)
     assert "FIXS" in info(data).sections
     assert_same(data)
 

@@ -80,7 +80,9 @@ def command(
     def view(name: str) -> None:
         files.check_output(name, target, force=force, text=True)
         with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
-            mesh = load_mesh(name, input_format, progress, quiet=quiet, **parameters)
+            # The page has all frames; only what is compared is one of them.
+            alone = quiet or original is None
+            mesh = load_mesh(name, input_format, progress, quiet=alone, **parameters)
             make = partial(page_of_mesh, name)
             if original is not None:
                 other = load_mesh(original, input_format, progress, quiet=quiet, **parameters)

@@ -120,4 +120,5 @@ def complex_faces(faces: Ints, stitches: Stitches) -> Ints:
     coded = np.where(s.reversed[:, None], coded[:, REVERSED], coded)
     again = coded[s.repeated]
     again = np.where(s.against[:, None], again[:, REVERSED], again)
-    return np.concatenate([coded, again, s.degenerate[:, [0, 0, 1]]])
+    # Columns that an index has taken lie in another order, and kernels go by rows.
+    return np.ascontiguousarray(np.concatenate([coded, again, s.degenerate[:, [0, 0, 1]]]))

@@ -41,7 +41,8 @@ export function decodeAnchors(core, payload, parameters, surface, exponents) {
 
 const clipped = (k, labels) => Math.min(Math.max(k, largest(labels) + 1), labels.length);
 
-function farthestAnchors(core, graph, labels, k) {
+/** Return so many vertices that are far apart, the lowest of each component first. */
+export function farthestAnchors(core, graph, labels, k) {
   const first = lowestOf(labels);
   const anchors = new Int32Array(clipped(k, labels));
   const rest = [first, first.length, out(anchors), anchors.length];

@@ -16,7 +16,7 @@ import {
 import { readMeta, readParameters } from "./parameters.mjs";
 
 /** Section of a file: its id, the byte where it begins, and its payload, a view of the file. */
-class Section {
+export class Section {
   constructor(id, offset, payload) {
     Object.assign(this, { id, offset, payload });
     this.start = offset + ID_SIZE + varintSize(payload.length);

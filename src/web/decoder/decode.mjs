@@ -7,7 +7,8 @@ import { decodeCopies } from "./copies.mjs";
 import { digested, digestOf } from "./digest.mjs";
 import { DeltameshError, FormatError } from "./errors.mjs";
 import { framesOf } from "./frame_table.mjs";
-import { checkScale, decodeGeometry, reconstructed } from "./geometry.mjs";
+import { framePositions } from "./frames.mjs";
+import { decodeGeometry, geometrySolver, hasScale, reconstructed } from "./geometry.mjs";
 import { inverse, largest } from "./integers.mjs";
 import { announced, checkLimits, checkPose, MAX_VERTICES, MEMORY } from "./limits.mjs";
 import { decodeOrder, permutedCorners } from "./order.mjs";
@@ -46,18 +47,23 @@ export function inspect(bytes) {
 }
 
 /**
- * Decode a file, a Uint8Array, with a core of `loadCore`; return its mesh, of a sequence frame 0.
+ * Decode a file, a Uint8Array, with a core of `loadCore`; return its mesh, of a sequence a frame.
  *
- * `maxVertices` and `memory`, in bytes, are the limits, `pose` the name of one of its poses. Of the mesh, `positions` has three numbers
- * a vertex; `corners` and `offsets` the vertices of each polygon; `triangles` those of each
- * triangle, `triangleCorners` their places among `corners`, `trianglePolygons` their polygons;
- * `anchors` the vertices whose positions are stored; `attributes` and `parts` what else there is.
+ * `maxVertices` and `memory`, in bytes, are the limits, `pose` is the name of one of its poses,
+ * `frame` the number of a frame. Of the mesh, `positions` has three numbers a vertex; `corners` and
+ * `offsets` the vertices of each polygon; `triangles` those of each triangle, `triangleCorners` their
+ * places among `corners`, `trianglePolygons` their polygons; `anchors` the vertices whose positions
+ * are stored; `attributes` and `parts` what else there is.
  */
 export function decode(core, bytes, options = {}) {
-  const { maxVertices = MAX_VERTICES, memory = MEMORY, pose = null } = options;
+  const { maxVertices = MAX_VERTICES, memory = MEMORY, pose = null, frame = 0 } = options;
   const container = readContainer(bytes);
-  framesOf(container); // their table has to be right; only the first one is decoded
+  const count = framesOf(container).frames.length + 1;
+  if (!(Number.isInteger(frame) && frame >= 0 && frame < count)) {
+    throw new DeltameshError(`there is no frame ${frame}: the file has ${count}, from 0 on`);
+  }
   if (pose !== null) {
+    if (frame) throw new DeltameshError("a pose is one of frame 0");
     if (!posesOf(container).some(({ name }) => name === pose)) {
       throw new DeltameshError(`there is no pose '${pose}'`);
     }
@@ -65,12 +71,27 @@ export function decode(core, bytes, options = {}) {
   }
   const content = readContent(core, container, maxVertices, memory);
   checkDigest(core, container, content);
-  checkScale(container, content.integers);
-  const { surface } = content.structure;
-  const points = reconstructed(core, container, content.integers, surface);
-  if (pose === null) return meshOf(container, content, points);
-  const wanted = content.poses.find(({ name }) => name === pose);
-  return meshOf(container, content, points, posed(core, surface, content.integers.anchors, wanted, points));
+  const { parameters, sections } = container;
+  const { integers, structure: { surface } } = content;
+  if (!hasScale(parameters, integers)) {
+    throw new FormatError("positions that are too large", sections.get("PARM").offset);
+  }
+  const solver = geometrySolver(core, parameters, integers, surface);
+  let points;
+  let moved = null;
+  try {
+    points = reconstructed(core, parameters, integers, surface, solver);
+    if (frame) {
+      moved = { positions: framePositions(core, container, content, solver, points, frame) };
+    }
+  } finally {
+    solver.free();
+  }
+  if (pose !== null) {
+    const wanted = content.poses.find(({ name }) => name === pose);
+    moved = posed(core, surface, integers.anchors, wanted, points);
+  }
+  return meshOf(container, content, points, moved);
 }
 
 function readContent(core, container, maxVertices, memory) {
@@ -121,8 +142,12 @@ function checkDigest(core, { digest, sections }, content) {
   }
 }
 
-/** Return the mesh of a content and of the positions of its points, in a pose if there is one. */
-function meshOf(container, content, points, pose = null) {
+/**
+ * Return the mesh of a content and of the positions of its points in frame 0.
+ *
+ * Where it has `moved`, its points are at other `positions`; in a pose, their `turns` are matrices.
+ */
+function meshOf(container, content, points, moved) {
   const { structure, domains, integers, attributes, parts, order } = content;
   const { points: pointOf, polygons } = structure;
   const positions = gathered(points, pointOf, 3);
@@ -138,10 +163,8 @@ function meshOf(container, content, points, pose = null) {
     anchors: anchorsOf(integers.anchors, pointOf),
     precision: container.parameters.single ? "float32" : "float64",
   };
-  if (pose) {
-    mesh.positions = gathered(pose.positions, pointOf, 3);
-    turnNormals(mesh, gathered(pose.turns, pointOf, 9));
-  }
+  if (moved) mesh.positions = gathered(moved.positions, pointOf, 3);
+  if (moved?.turns) turnNormals(mesh, gathered(moved.turns, pointOf, 9));
   if (order) reorder(mesh, order);
   return Object.assign(mesh, trianglesOf(mesh.positions, mesh.corners, mesh.offsets));
 }

@@ -1,5 +1,6 @@
-// Section FRAM: the table of the frames beyond the first, none of which is decoded (SPEC.md 5.22).
-import { readField, readFields, readVarint, take } from "./bytes.mjs";
+// Section FRAM: the table of the frames beyond the first (SPEC.md 5.22).
+import { readField, readFields, readVarint, take, varintSize } from "./bytes.mjs";
+import { Section } from "./container.mjs";
 import { crc32 } from "./crc32.mjs";
 import { FormatError, located, spelled } from "./errors.mjs";
 import {
@@ -8,6 +9,7 @@ import {
   FRAME_CORRECTIONS,
   FRAME_FIELDS,
   FRAME_KEY,
+  ID_SIZE,
   MAP_FIELDS,
   MAX_FINER,
   MAX_MAP_UNIT,
@@ -19,13 +21,18 @@ import {
 const LEAST_RECORD = 42;
 const ERRORS = ["rms", "max", "normal", "dihedral"];
 
-/** Return the rate of a file, 0 if that is unknown, and what is told of its further frames. */
+/**
+ * Return the rate of a file, 0 if that is unknown, and its further frames.
+ *
+ * Of these, `sections` are the streams, a Map by name, and `offset` is where the record begins.
+ */
 export function framesOf(container) {
   const section = container.sections.get("FRAM");
-  return section ? section.read((payload) => readFrames(payload, container)) : { rate: 0, frames: [] };
+  if (!section) return { rate: 0, frames: [] };
+  return section.read((payload) => readFrames(payload, section.start, container));
 }
 
-function readFrames(payload, { parameters, vertices }) {
+function readFrames(payload, start, { parameters, vertices }) {
   const [{ rate, count }, offsets, end] = readFields(payload, 0, SEQUENCE_FIELDS);
   if (!(Number.isFinite(rate) && rate >= 0)) {
     throw new FormatError(`a rate of ${spelled(rate)} frames a second`, offsets.rate);
@@ -45,7 +52,7 @@ function readFrames(payload, { parameters, vertices }) {
   const frames = sizes.map((bytes, i) => {
     const record = take(payload, at, bytes);
     const frame = located(at, `frame ${i + 1}: `, () => {
-      const found = readFrame(record, i + 1, parameters, vertices);
+      const found = readFrame(record, start + at, i + 1, parameters, vertices);
       run = found.isKey ? 0 : run + 1;
       if (run > MAX_RUN) throw new FormatError(`more than ${MAX_RUN} frames since a key frame`, 0);
       return found;
@@ -57,7 +64,8 @@ function readFrames(payload, { parameters, vertices }) {
   return { rate, frames };
 }
 
-function readFrame(record, index, parameters, vertices) {
+/** Return the frame in a record that begins at byte `start` of the file. */
+function readFrame(record, start, index, parameters, vertices) {
   const end = record.length - CRC_SIZE;
   take(record, Math.max(end, 0), CRC_SIZE);
   const [stored] = readField(record, end, "u32");
@@ -75,17 +83,20 @@ function readFrame(record, index, parameters, vertices) {
   for (const [name, reason] of faults(values, index, parameters, vertices)) {
     throw new FormatError(reason, offsets[name]);
   }
-  const sizes = streams(parameters.method, values).map(() => {
+  const sizes = streams(parameters.method, values).map((name) => {
     const [size, after] = readVarint(inside, at);
     at = after;
-    return size;
+    return [name, size];
   });
-  for (const size of sizes) {
-    take(inside, at, size);
+  const sections = new Map();
+  for (const [name, size] of sizes) {
+    // As if an id and a length were before it: the section then starts where the stream does.
+    const offset = start + at - ID_SIZE - varintSize(size);
+    sections.set(name, new Section(name, offset, take(inside, at, size)));
     at += size;
   }
   if (at < end) throw new FormatError("bytes after the last stream", at);
-  return { isKey: (values.flags & FRAME_KEY) > 0, bytes: record.length };
+  return { ...values, index, isKey: (values.flags & FRAME_KEY) > 0, sections, offset: start };
 }
 
 /** Return the names of the streams of a frame, in their order. */

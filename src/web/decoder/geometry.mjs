@@ -51,10 +51,14 @@ export function decodeGeometry(core, container, surface) {
 
 /** Return anchors, deltas, refinements and corrections. */
 function decodeDifferences(core, { sections, parameters }, surface, exponents) {
-  const { graph, count: n } = surface;
   const found = sections
     .get("ANCH")
     .read((payload) => decodeAnchors(core, payload, parameters, surface, exponents));
+  return decodeDeltas(core, sections, parameters, surface, { ...NOTHING, ...found, exponents });
+}
+
+/** Return integers with deltas, refinements and corrections, from those that have anchors. */
+function decodeDeltas(core, sections, parameters, { graph, count: n, labels }, found) {
   const vectors = (payload) => decodeVectors(core, payload, graph);
   const values = sections.get("DELT").read((payload) => {
     if (parameters.step) return vectors(payload);
@@ -63,7 +67,7 @@ function decodeDifferences(core, { sections, parameters }, surface, exponents) {
   });
   const lost = sections
     .get("CELL")
-    ?.read((payload) => decodeCells(core, payload, parameters, surface, found.anchors));
+    ?.read((payload) => decodeCells(core, payload, parameters, labels, found.anchors));
   const corrections = sections.get("FIXS")?.read((payload) => {
     if (!parameters.step) throw new FormatError("corrections in a file of 0 bits", 0);
     return vectors(payload);
@@ -76,18 +80,35 @@ function decodeDifferences(core, { sections, parameters }, surface, exponents) {
     return fine;
   });
   return {
-    ...NOTHING,
     ...found,
     ...lost,
     values,
-    exponents,
     corrections: corrections ?? NONE,
     refinements: refinements ?? NONE,
   };
 }
 
+/**
+ * Return the integers of a further frame, its grid points less those of another one.
+ *
+ * Anchors and exponents are those of the `first` frame.
+ */
+export function decodeFrame(core, sections, parameters, surface, first) {
+  const { anchors, exponents } = first;
+  if (!parameters.method.anchored) {
+    const read = (payload) => decodeThree(core, payload, surface.elements);
+    return { ...NOTHING, values: sections.get("CART").read(read), exponents };
+  }
+  const rows = alone(anchors.length + surface.isolated);
+  const points = sections.get("ANCH").read((payload) => decodeVectors(core, payload, rows));
+  const end = 3 * anchors.length;
+  const [positions, isolated] = [points.slice(0, end), points.slice(end)];
+  const found = { ...NOTHING, anchors, positions, isolated, exponents };
+  return decodeDeltas(core, sections, parameters, surface, found);
+}
+
 /** Return what the cells of anchors have lost at each stage, and its units in octaves. */
-function decodeCells(core, payload, { method, interpolated }, { labels }, anchors) {
+function decodeCells(core, payload, { method, interpolated }, labels, anchors) {
   const shared = sharedCells(labels, anchors);
   const stages = STAGES[method.name];
   if (!(interpolated && shared.length)) {
@@ -145,14 +166,12 @@ function decodeRoots(core, payload, roots, exponents) {
 const floatsOf = (numbers) =>
   numbers instanceof BigInt64Array ? doubled(numbers) : Float64Array.from(numbers);
 
-/** Refuse integers that mean positions that no mesh has (SPEC.md 5.8). */
-export function checkScale({ parameters, sections }, integers) {
+/** Return whether integers mean positions that a mesh may have (SPEC.md 5.8). */
+export function hasScale(parameters, integers) {
   const { coarse, step, anchorStep, origin } = parameters;
   const steps = Math.max(coarse * step, anchorStep);
   const away = Math.max(...origin.map(Math.abs));
-  if (!(largestOf(integers, parameters) * steps + away <= 100 * POSITION_LARGEST)) {
-    throw new FormatError("positions that are too large", sections.get("PARM").offset);
-  }
+  return largestOf(integers, parameters) * steps + away <= 100 * POSITION_LARGEST;
 }
 
 function largestOf(integers, { method }) {
@@ -180,13 +199,25 @@ function largestOf(integers, { method }) {
   return most;
 }
 
-/** Return the positions of all points, Float64Array, three numbers each. */
-export function reconstructed(core, { parameters }, integers, surface) {
+/**
+ * Return what makes positions of integers, for all frames of a file; `free` gives its memory back.
+ */
+export function geometrySolver(core, { method, interpolated }, { anchors }, { graph, labels }) {
+  return method.anchored ? solverOf(core, graph, labels, anchors, interpolated) : { free() {} };
+}
+
+/**
+ * Return the positions of all points, Float64Array, three numbers each.
+ *
+ * `solver` is of `geometrySolver`; of a frame that is predicted, `expected` are its `deltas`, and
+ * positions near its own.
+ */
+export function reconstructed(core, parameters, integers, surface, solver, expected = null) {
   const { method, step, origin } = parameters;
   if (method.exact) return new Float64Array(integers.values.buffer.slice(0));
   const ratios = ratiosOf(integers.exponents, surface.count + surface.isolated);
   if (!method.anchored) return onGrid(integers.values, origin, (v) => step * ratios[v]);
-  return solved(core, parameters, integers, surface, ratios);
+  return solved(core, parameters, integers, surface, solver, ratios, expected);
 }
 
 function onGrid(points, origin, stepOf) {
@@ -194,35 +225,29 @@ function onGrid(points, origin, stepOf) {
 }
 
 /** Return the solution of deltas and anchors, refined and corrected. */
-function solved(core, parameters, integers, surface, ratios) {
+function solved(core, parameters, integers, surface, solver, ratios, expected) {
   const { step, origin, anchorStep, coarse, interpolated } = parameters;
   const { values, anchors, positions, isolated, refinements, corrections } = integers;
   const fixed = onGrid(positions, origin, (i) => anchorStep * ratios[anchors[i]]);
   const delta = floatsOf(values);
   for (let v = 0, i = 0; i < delta.length; v++) {
     const unit = coarse * (step * ratios[v]);
-    for (const end = i + 3; i < end; i++) delta[i] *= unit;
+    for (const end = i + 3; i < end; i++) delta[i] = delta[i] * unit + (expected?.deltas[i] ?? 0);
   }
-  const solver = solverOf(core, surface.graph, surface.labels, anchors, interpolated);
   const steps = ratios.slice(0, surface.count).map((ratio) => step * ratio);
   const solve = (stage, isLast, start) => {
     const lost = interpolated ? lostOf(parameters, integers, solver.cells, ratios, stage) : null;
     return solver.solve(delta, fixed, { steps, lost, start, isLast });
   };
-  let points;
-  try {
-    points = solve(0, !refinements.length, null);
-    if (refinements.length) {
-      const coarser = steps.map((s) => coarse * s);
-      const normals = vertexNormals(core, points, surface.faces, coarser);
-      for (let v = 0, i = 0; v < steps.length; v++) {
-        const along = steps[v] * refinements[v];
-        for (const end = i + 3; i < end; i++) delta[i] += along * normals[i];
-      }
-      points = solve(1, true, points);
+  let points = solve(0, !refinements.length, expected?.positions);
+  if (refinements.length) {
+    const coarser = steps.map((s) => coarse * s);
+    const normals = vertexNormals(core, points, surface.faces, coarser);
+    for (let v = 0, i = 0; v < steps.length; v++) {
+      const along = steps[v] * refinements[v];
+      for (const end = i + 3; i < end; i++) delta[i] += along * normals[i];
     }
-  } finally {
-    solver.free();
+    points = solve(1, true, points);
   }
   const all = new Float64Array(points.length + isolated.length);
   all.set(points);

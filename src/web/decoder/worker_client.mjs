@@ -1,7 +1,7 @@
 // Decoder in a worker, as the one who asks sees it; `worker.mjs` is the other side.
 
 /**
- * Return a decoder: its `decode(bytes, limits)` returns a promise of { mesh, about }, `close()` ends
+ * Return a decoder: its `decode(bytes, options)` returns a promise of { mesh, about }, `close()` ends
  * the worker.
  *
  * `module` is the compiled core, a WebAssembly.Module.
@@ -19,11 +19,11 @@ export function decoderIn(worker, module) {
     waiting.forEach(({ reject }) => reject(new Error(event.message)));
     waiting.clear();
   };
-  const decode = (bytes, limits) =>
+  const decode = (bytes, options) =>
     new Promise((resolve, reject) => {
       const id = next++;
       waiting.set(id, { resolve, reject });
-      worker.postMessage({ id, module, bytes, limits });
+      worker.postMessage({ id, module, bytes, options });
     });
   return { decode, close: () => worker.terminate() };
 }

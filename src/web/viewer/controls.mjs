@@ -69,6 +69,7 @@ export class Controls {
     const options = [new Option("at rest", ""), ...[...names].map((name) => new Option(name, name))];
     find("#pose").replaceChildren(...options);
     find("#pose").parentElement.hidden = !names.size;
+    find("#play").parentElement.hidden = this.viewer.frames < 2;
   }
 
   #fillFacts() {
@@ -113,6 +114,10 @@ export class Controls {
     find("#upwards").textContent = `${this.viewer.camera.upwards} up`;
     find("#colouring").value = look.colouring;
     find("#pose").value = this.viewer.pose;
+    const { frame, frames, playing } = this.viewer;
+    Object.assign(find("#frame"), { max: frames - 1, value: frame });
+    find("[for=frame]").textContent = `${frame} of ${frames - 1}`;
+    press(find("#play"), Boolean(playing));
     find("#layouts").hidden = panels.length < 2;
     find("#anchors").disabled = !panels.some(({ mesh }) => mesh.anchors.length);
   }
@@ -128,7 +133,11 @@ export class Controls {
     on("#help", () => find("#keys").showModal());
     on("#panel", () => document.body.classList.toggle("narrow"));
     find("#colouring").addEventListener("change", ({ target }) => viewer.set({ colouring: target.value })); // prettier-ignore
-    find("#pose").addEventListener("change", ({ target }) => viewer.setPose(target.value));
+    find("#pose").addEventListener("change", ({ target }) => viewer.show({ pose: target.value }));
+    find("#frame").addEventListener("change", ({ target }) => {
+      this.#step(target.value - viewer.frame);
+    });
+    on("#play", () => viewer.play());
     find("#scale").addEventListener("input", ({ target }) => {
       viewer.scale = 2 ** Number(target.value);
       viewer.paint();
@@ -144,6 +153,14 @@ export class Controls {
 
   #toggle(name) {
     this.viewer.set({ [name]: !this.viewer.look[name] });
+  }
+
+  /** Stop playing, and show the frame so many after the one that is seen, round the ends. */
+  #step(by) {
+    const { viewer } = this;
+    if (viewer.frames < 2) return;
+    viewer.playing = null;
+    viewer.show({ frame: (viewer.frame + by + viewer.frames) % viewer.frames });
   }
 
   #reset() {
@@ -184,7 +201,10 @@ export class Controls {
       w: () => this.#toggle("wire"),
       a: () => this.#toggle("anchors"),
       c: () => viewer.set({ colouring: next(find("#colouring")) }),
-      p: () => viewer.setPose(next(find("#pose"))),
+      p: () => viewer.show({ pose: next(find("#pose")) }),
+      ",": () => this.#step(-1),
+      ".": () => this.#step(1),
+      v: () => viewer.play(),
       s: () => viewer.setLayout("side"),
       1: () => viewer.setLayout("single"),
       x: () => viewer.setLayout(viewer.layout === "flicker" ? "single" : "flicker"),

@@ -22,7 +22,7 @@ export function factsOf({ mesh, about, size }) {
   if (about?.size === size) {
     rows.push(["bits per vertex", short((8 * size) / vertices)], ...codingFacts(about));
   }
-  if (about?.frames > 1) rows.push(["frames", `${short(about.frames)}, of which the first is shown`]);
+  if (about?.frames > 1) rows.push(["frames", short(about.frames)]);
   if (about?.poses?.length) rows.push(["poses", about.poses.map(({ name }) => name).join(", ")]);
   const names = mesh.attributes.map(({ name, domain, type, width }) => `${name} (${domain}, ${width} × ${type})`);
   if (names.length) rows.push(["attributes", names.join(", ")]);

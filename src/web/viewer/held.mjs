@@ -19,8 +19,8 @@ export async function decoderOf(core, program) {
       // No workers here: the page waits while it decodes.
     }
   }
-  return async (bytes) => {
-    const [{ mesh, about, error }] = await answered({ id: 0, module, bytes });
+  return async (bytes, options) => {
+    const [{ mesh, about, error }] = await answered({ id: 0, module, bytes, options });
     if (error) throw Object.assign(new Error(error.message), error);
     return { mesh, about };
   };

@@ -9,11 +9,11 @@ const PLAIN = [196, 202, 208];
 
 /**
  * A mesh with its file's name and size, and what the file says, null for other files; `held` are the
- * bytes of a file that has poses.
+ * bytes of a file that has poses or frames.
  */
 export class Panel {
   constructor({ name, role, mesh, about, size, held = null }) {
-    Object.assign(this, { name, role, mesh, about, size, held, pose: "" });
+    Object.assign(this, { name, role, mesh, about, size, held, pose: "", frame: 0 });
     this.box = boxOf(mesh.positions);
     this.fields = new Map();
     this.buffers = null;
@@ -22,7 +22,7 @@ export class Panel {
   /** Hand the mesh to a renderer, in the frame of a box. */
   upload(renderer, box) {
     if (this.buffers) renderer.forget(this.buffers);
-    this.frame = box;
+    this.around = box;
     this.model = modelOf(this.mesh, box);
     const anchors = new Float32Array(3 * this.mesh.anchors.length);
     this.mesh.anchors.forEach((v, i) => {
@@ -38,14 +38,19 @@ export class Panel {
     return (this.about?.poses ?? []).map(({ name }) => name);
   }
 
-  /** Take the mesh in another pose, "" for none. */
-  change(mesh, pose, renderer, hidden) {
+  /** The number of frames of the file. */
+  get frames() {
+    return this.about?.frames ?? 1;
+  }
+
+  /** Take the mesh in another pose, "" for none, or in another frame. */
+  change(mesh, pose, frame, renderer, hidden) {
     const { triangles, triangleCorners, trianglePolygons } = this.mesh;
-    Object.assign(this, { mesh, pose });
+    Object.assign(this, { mesh, pose, frame });
     Object.assign(mesh, { triangles, triangleCorners, trianglePolygons });
     this.fields.clear();
     if (!renderer) return;
-    this.upload(renderer, this.frame);
+    this.upload(renderer, this.around);
     this.hide(renderer, hidden);
   }
 

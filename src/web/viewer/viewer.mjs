@@ -10,6 +10,7 @@ import { Renderer } from "./renderer.mjs";
 import { placeOf, viewAt } from "./views.mjs";
 
 const FLICKER = 600; // milliseconds that each mesh is shown
+const USUAL_FPS = 25; // where a file does not say
 const MOST_SHOWN = 0.98; // of the errors, below the end of the scale
 
 /** Meshes in panels, and how they are seen; `decode` returns a promise of what is in a file. */
@@ -23,6 +24,8 @@ export class Viewer {
     this.scale = 1;
     this.hidden = new Map();
     this.pose = "";
+    this.frame = 0;
+    this.playing = null;
     this.decode = decode;
     this.canvas = document.querySelector("canvas");
     this.controls = new Controls(this);
@@ -48,7 +51,7 @@ export class Viewer {
     try {
       const other = readMeshFile(name, bytes);
       const { mesh, about } = other ? { mesh: other, about: null } : await this.decode(bytes);
-      const held = about?.poses?.length ? bytes : null;
+      const held = about?.poses?.length || about?.frames > 1 ? bytes : null;
       this.#add(new Panel({ name, role: role || (other ? "original" : ""), mesh, about, size, held }));
     } catch (error) {
       this.controls.say(`${name}: ${error.message}`, true);
@@ -70,25 +73,48 @@ export class Viewer {
     this.paint();
   }
 
-  /** Show a pose of all files that have one by that name, and the others at rest, as by "". */
-  async setPose(pose) {
-    this.pose = pose;
+  /** The frames of the longest sequence. */
+  get frames() {
+    return Math.max(1, ...this.panels.map(({ frames }) => frames));
+  }
+
+  /**
+   * Show a pose of all files that have one by that name, and the others at rest, as by ""; or a frame
+   * of all sequences, of shorter ones the last.
+   */
+  async show({ pose = "", frame = 0 }) {
+    Object.assign(this, { pose, frame });
     this.controls.update();
     for (const panel of this.panels) {
       const own = panel.poses.includes(pose) ? pose : "";
-      if (panel.pose === own) continue;
-      const done = this.controls.wait(`${panel.name}: ${own || "at rest"} …`);
+      const at = Math.min(frame, panel.frames - 1);
+      if (panel.pose === own && panel.frame === at) continue;
+      const done = this.playing ? () => {} : this.controls.wait(`${panel.name}: decoding …`);
       try {
-        const { mesh } = await this.decode(panel.held, own ? { pose: own } : {});
-        if (this.pose !== pose) return;
-        panel.change(mesh, own, this.renderer, this.hidden);
+        const { mesh } = await this.decode(panel.held, { pose: own || null, frame: at });
+        if (this.pose !== pose || this.frame !== frame) return;
+        panel.change(mesh, own, at, this.renderer, this.hidden);
       } catch (error) {
+        this.playing = null;
         this.controls.say(`${panel.name}: ${error.message}`, true);
       } finally {
         done();
       }
     }
     this.paint();
+  }
+
+  /** Show one frame after the other, as fast as they come, or stop that. */
+  async play() {
+    const own = this.playing || this.frames < 2 ? null : {};
+    this.playing = own;
+    this.controls.update();
+    const fps = Math.max(...this.panels.map(({ about }) => about?.fps ?? 0)) || USUAL_FPS;
+    while (own && this.playing === own) {
+      const time = new Promise((resolve) => setTimeout(resolve, 1000 / fps));
+      await this.show({ frame: (this.frame + 1) % this.frames });
+      await time;
+    }
   }
 
   /** Take a panel away. */
@@ -103,7 +129,7 @@ export class Viewer {
   /** Take all panels away. */
   closeAll() {
     while (this.panels.length) this.close(this.panels.length - 1);
-    this.pose = "";
+    Object.assign(this, { pose: "", frame: 0, playing: null });
     this.hidden.clear();
   }
 

@@ -9,6 +9,7 @@ from polygon_meshes import lists_of, quad_torus, soups
 
 from deltamesh._attributes.domains import Domains
 from deltamesh._shape.polygons import assembled
+from deltamesh_formats.polymesh.arrays import from_arrays
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
 
@@ -28,6 +29,12 @@ def test_corners_lead_to_their_vertices_and_polygons(mesh: PolyMesh) -> None:
     assert domains.polygon_of_corners.tolist() == owner
     assert domains.vertices.count == counts[0]
     assert domains.faces.count == counts[2]
+
+
+def test_degenerate_polygons_have_vertices_and_faces_as_elements() -> None:
+    mesh = from_arrays(np.eye(10, 3), [[2, 0, 0, 1], [1, 2, 0, 0]])
+    domains = domains_of(mesh)
+    assert (domains.vertices.count, domains.faces.count) == (10, 2)
 
 
 def test_quads_are_neighbours_of_quads() -> None:
