@@ -6,7 +6,7 @@
 const char SECTION_IDS[SECTIONS][5] = {"PARM", "CONN", "STCH", "COPY", "POLY", "STEP",
                                        "ANCH", "DELT", "NORM", "CART", "EXAC", "CELL",
                                        "FIXS", "ATTR", "PART", "ORDR", "POSE", "FILL",
-                                       "meta", "CHEK"};
+                                       "FRAM", "meta", "CHEK"};
 
 int64_t left_of(const bytes *from) { return from->end - from->at; }
 

@@ -53,10 +53,11 @@ int64_t left_of(const bytes *from);
 dm_coder *decoder_of(const char *model, int64_t formats, bytes payload);
 void check_end(const dm_coder *c);
 
-/* Sections of a container, by their ids; `at` is NULL for those that are not there. */
+/* Sections of a container, by their ids; `at` is NULL for those that are not there. Of FRAM nothing is
+   read: its streams are those of other sections again. */
 enum {
     PARM, CONN, STCH, COPY, POLY, STEP, ANCH, DELT, NORM, CART, EXAC, CELL, FIXS, ATTR, PART, ORDR,
-    POSE, FILL, META, CHEK, SECTIONS
+    POSE, FILL, FRAM, META, CHEK, SECTIONS
 };
 extern const char SECTION_IDS[SECTIONS][5];
 typedef struct {
