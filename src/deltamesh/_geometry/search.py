@@ -35,9 +35,11 @@ from deltamesh_formats.errors import MeshError, TargetError
 # How coarse the deltas may be, by effort, the likeliest first.
 COARSE: Final = {1: (4.5,), 2: (4.5, 3.0, 7.0), 3: (4.5, 3.0, 7.0, 2.0)}
 # Of effort 2, one other: finer deltas pay where they take few bytes beside the refinements, and
-# coarser ones, rarely, where they take many or next to none: that is tried where a trial takes no
+# coarser ones, rarely, where they take many or next to none, or where a file has a few bits a
+# vertex, as of exact spheres, whose anchors weigh as much: that is tried where a trial takes no
 # second.
 FEW, MANY, NONE = 1.2, 2.9, 0.5
+FEW_BYTES: Final = 0.4
 CHEAP: Final = 60_000
 # Where a distance, not an angle, would bound the step, twice the anchors divide distances by that,
 # for 0.08 bits a vertex and more; but not more of them than that share of the vertices. The search
@@ -253,6 +255,7 @@ def _may_pay(settings: Settings, best: Trial, effort: int) -> bool:
     if settings.coarse < best.settings.coarse:
         return deltas < FEW * normals
     is_extreme = deltas > MANY * normals or deltas < NONE * normals
+    is_extreme |= best.size < FEW_BYTES * len(best.vertices)
     return is_extreme and len(best.vertices) <= CHEAP
 
 

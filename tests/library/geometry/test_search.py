@@ -19,7 +19,7 @@ from deltamesh._geometry.step_search import MOST_TRIES
 from deltamesh._geometry.trial import Trial
 from deltamesh._measures.measure import Measured
 from deltamesh._measures.metrics import VertexErrors, diagonal
-from deltamesh._options import Options, Settings
+from deltamesh._options import DEFAULT_COARSE, Options, Settings
 from deltamesh_formats.container.container import Parameters
 from deltamesh_formats.errors import MeshError
 
@@ -103,6 +103,15 @@ def test_drift_is_held_by_anchors():
     found, _ = search(law, Options(method="refined", coarse=8), Bounds(1.0, normal_deviation=1.0))
     assert found.parameters.anchor_count == 16
     assert found.settings.step > 0.8
+
+
+@pytest.mark.parametrize(("bits", "is_tried"), [(1.0, True), (9.0, False)])
+def test_coarser_deltas_are_tried_where_a_file_has_few_bits(bits, is_tried):
+    def law(settings):
+        return bits - 1e-3 * settings.coarse, errors(settings.step)
+
+    _, asked = search(law, Options(method="refined"), Bounds(normal_deviation=1.0))
+    assert (max(settings.coarse for settings in asked) > DEFAULT_COARSE) == is_tried
 
 
 def test_a_guess_of_too_many_anchors_is_taken_back():
