@@ -394,8 +394,9 @@ def decode(
     PolyMesh
         Polygons, attributes (as exactly as they were encoded), parts, metadata, and the words for
         what of the source is not kept; in the order of the source only with `keep_order`. Faces and
-        stored integers are exact; positions to within 1e-9 of the bounding box diagonal,
-        whatever the machine and the solver, of a lossless file bit for bit.
+        stored integers are exact. Positions are those of any machine and solver to within a
+        thousandth of a step, where anchors are interpolated; where they are weighed in least
+        squares, 1e-9 of the diagonal of the bounding box; of a lossless file, bit for bit.
     Partial
         The same in its `mesh`, if `partial`, with the stage that is reached.
 
