@@ -142,7 +142,8 @@ def encode(
         Keep the bounds that are given, and no others. Otherwise, where a bound of one kind is given
         and none of the other, those of the default quality hold for the other kind.
     effort : int
-        From 1 to 3: how long to search for the fewest bytes within the bounds.
+        From 1 to 3: how long to search for the fewest bytes within the bounds. From two million
+        vertices on, 2, the default, ends with errors of 85 % of their bounds, not 93 %.
     diffusion : bool
         Hand the error of each rounding on to the neighbours still to come.
     anchors : int or float, optional

@@ -11,11 +11,14 @@ from typing import Final
 
 from deltamesh._geometry.bounds import Bounds
 from deltamesh._geometry.trial import Attempt, ScaleError, Trial
-from deltamesh._options import Settings
+from deltamesh._options import DEFAULT_EFFORT, Settings
 from deltamesh_formats.errors import MeshError
 
 # An error within that share of its bound is good enough, by effort.
 CLOSE: Final = {1: 0.85, 2: 0.93, 3: 0.97}
+# Vertices from which a trial takes a minute or more: the default effort is content with effort 1's
+# share there.
+LARGE: Final = 2_000_000
 # Trials of one method: as long as no step is good, or what is good leaves much to be had, or more
 # than that effort calls near enough.
 MOST_TRIES, LOOSE_TRIES, TRIES = 16, 8, 4
@@ -61,6 +64,8 @@ def fit_step(
             missed[:] = [trial]
         elif good is None or step > good.step:
             good = trial
+        if effort == DEFAULT_EFFORT and len(trial.vertices) >= LARGE:
+            close = CLOSE[1]
         if close <= x <= 1 or (good is not None and tries >= _tries(excess)):
             break
         if rival is not None and floor_of(trial, x) >= rival.size:

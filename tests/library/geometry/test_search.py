@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import TargetError, encode, info
+from deltamesh._geometry import step_search
 from deltamesh._geometry.bounds import Bounds
 from deltamesh._geometry.part_search import Components
 from deltamesh._geometry.search import smallest
@@ -19,6 +20,7 @@ from deltamesh._geometry.step_search import MOST_TRIES
 from deltamesh._geometry.trial import Trial
 from deltamesh._measures.measure import Measured
 from deltamesh._measures.metrics import VertexErrors, diagonal
+from deltamesh._methods import METHODS
 from deltamesh._options import DEFAULT_COARSE, Options, Settings
 from deltamesh_formats.container.container import Parameters
 from deltamesh_formats.errors import MeshError
@@ -103,6 +105,19 @@ def test_drift_is_held_by_anchors():
     found, _ = search(law, Options(method="refined", coarse=8), Bounds(1.0, normal_deviation=1.0))
     assert found.parameters.anchor_count == 16
     assert found.settings.step > 0.8
+
+
+@pytest.mark.parametrize(("effort", "large", "trials"), [(2, N, 1), (2, N + 1, 2), (3, N, 2)])
+def test_large_meshes_are_content_with_less(monkeypatch, effort, large, trials):
+    monkeypatch.setattr(step_search, "LARGE", large)
+    first = METHODS["refined"].first_step
+
+    def law(settings):
+        return 30 - math.log2(settings.step), errors(0.88 * settings.step / first)
+
+    options = Options(method="refined", coarse=DEFAULT_COARSE, effort=effort)
+    _, asked = search(law, options, Bounds(normal_deviation=1.0))
+    assert len(asked) == trials
 
 
 @pytest.mark.parametrize(("bits", "is_tried"), [(1.0, True), (9.0, False)])
