@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import children
+import guides
 import pytest
 from places import ROOT
 
@@ -17,8 +18,7 @@ from deltamesh import info
 from deltamesh._page.filling import PAGE, REPORT
 
 GUIDE = (ROOT / "docs" / "browser.md").read_text(encoding="utf-8")
-BLOCKS = dict(re.findall(r"^<!-- run: (\w+) -->\n```\w+\n(.*?)^```$", GUIDE, re.DOTALL | re.M))
-PRELUDE = 'set -euo pipefail\ndeltamesh() { "$PYTHON" -m deltamesh_cli "$@"; }\n'
+BLOCKS = guides.blocks_of(GUIDE)
 BUILD = "python src/core/build.py --npm deltamesh-js"
 
 
@@ -41,10 +41,7 @@ def test_every_block_is_run_here() -> None:
 def test_view(folder: Path) -> None:
     if not PAGE.exists():
         pytest.skip("an installation without the page")
-    own = {**os.environ, "PYTHON": sys.executable}
-    command = ["bash", "-c", PRELUDE + BLOCKS["view"]]
-    done = children.run(command, cwd=folder, env=own, text=True)
-    assert done.returncode == 0, done.stderr
+    guides.run_shell(BLOCKS["view"], folder)
     page = (folder / "torus.html").read_text(encoding="utf-8")
     assert page.count('class="mesh"') == 2
     assert len(PAGE.read_bytes()) <= 150_000
@@ -54,10 +51,7 @@ def test_view(folder: Path) -> None:
 def test_report(folder: Path) -> None:
     if not REPORT.exists():
         pytest.skip("an installation without the page")
-    own = {**os.environ, "PYTHON": sys.executable}
-    command = ["bash", "-c", PRELUDE + BLOCKS["report"]]
-    done = children.run(command, cwd=folder, env=own, text=True)
-    assert done.returncode == 0, done.stderr
+    guides.run_shell(BLOCKS["report"], folder)
     for name, count in (("bench.html", 7), ("batch.html", 1)):
         text = (folder / name).read_text(encoding="utf-8")
         assert text.count('class="mesh"') == count

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import children
+import guides
 import meshes
 import pytest
 from documents import script
@@ -24,7 +25,6 @@ MESHES = {"scans/a.ply": meshes.icosphere(2), "scans/sub/b.obj": meshes.torus(9,
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="blocks for a shell of POSIX")
 
 # `deltamesh` of these sources, whatever is installed; a failure of any line is one of the block.
-PRELUDE = 'set -euo pipefail\ndeltamesh() { "$PYTHON" -m deltamesh_cli "$@"; }\n'
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +42,7 @@ def run(folder: Path, name: str, **environment: str) -> str:
     code = script(".ci/readme_block.py").block(name, GUIDE)
     is_python = f"<!-- run: {name} -->\n```python" in GUIDE.read_text(encoding="utf-8")
     path, log = folder / ("block.py" if is_python else "block.sh"), folder / "log"
-    path.write_text(code if is_python else PRELUDE + code)
+    path.write_text(code if is_python else guides.PRELUDE + code)
     places = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     # To a file: what runs in the background would keep a pipe open.
     with (

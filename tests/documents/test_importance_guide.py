@@ -8,7 +8,7 @@ import re
 import sys
 from pathlib import Path
 
-import children
+import guides
 import meshes
 import numpy as np
 import pytest
@@ -20,8 +20,7 @@ sys.path.append(str(BENCHMARKS))
 corpus, importance = map(importlib.import_module, ("corpus", "importance"))
 
 GUIDE = (ROOT / "docs" / "importance.md").read_text(encoding="utf-8")
-BLOCKS = dict(re.findall(r"^<!-- run: (\w+) -->\n```\w+\n(.*?)^```$", GUIDE, re.DOTALL | re.M))
-PRELUDE = 'set -euo pipefail\ndeltamesh() { "$PYTHON" -m deltamesh_cli "$@"; }\n'
+BLOCKS = guides.blocks_of(GUIDE)
 ROWS = [row for row in GUIDE.splitlines() if re.match(r"\| (bunny|horse) \|", row)]
 
 
@@ -46,16 +45,11 @@ def test_every_block_and_every_row_is_tested_here() -> None:
 
 @pytest.mark.skipif(os.name != "posix", reason="a block for a shell of POSIX")
 def test_its_blocks_run(folder: Path) -> None:
-    own = {**os.environ, "PYTHON": sys.executable}
-    done = children.run(
-        ["bash", "-c", PRELUDE + BLOCKS["commands"]], cwd=folder, env=own, text=True
-    )
-    assert done.returncode == 0, done.stderr
+    done = guides.run_shell(BLOCKS["commands"], folder)
     assert done.stdout.count("errors are weighted: importance 1 of ") == 3
     assert "quality" not in deltamesh.load(folder / "small.dmesh").vertex_data
     assert "quality" in deltamesh.load(folder / "scan.ply.dmesh").vertex_data
-    done = children.run([sys.executable, "-c", BLOCKS["python"]], cwd=folder, text=True)
-    assert done.returncode == 0, done.stderr
+    done = guides.run_python(BLOCKS["python"], folder)
     less, more = map(int, re.fullmatch(r"(\d+) bytes, all alike: (\d+)\n", done.stdout).groups())
     assert less < more
 

@@ -9,7 +9,7 @@ import shutil
 import sys
 from pathlib import Path
 
-import children
+import guides
 import pytest
 from places import BENCHMARKS, ROOT
 
@@ -19,8 +19,7 @@ sys.path.append(str(BENCHMARKS))
 corpus, partial = map(importlib.import_module, ("corpus", "partial"))
 
 GUIDE = (ROOT / "docs" / "partial.md").read_text(encoding="utf-8")
-BLOCKS = dict(re.findall(r"^<!-- run: (\w+) -->\n```\w+\n(.*?)^```$", GUIDE, re.DOTALL | re.M))
-PRELUDE = 'set -euo pipefail\ndeltamesh() { "$PYTHON" -m deltamesh_cli "$@"; }\n'
+BLOCKS = guides.blocks_of(GUIDE)
 ROWS = [row for row in GUIDE.splitlines() if re.match(r"\| (bunny|horse) \|", row)]
 
 
@@ -42,17 +41,12 @@ def test_every_block_and_every_row_is_tested_here() -> None:
 
 @pytest.mark.skipif(os.name != "posix", reason="a block for a shell of POSIX")
 def test_its_blocks_run(folder: Path) -> None:
-    own = {**os.environ, "PYTHON": sys.executable}
-    done = children.run(
-        ["bash", "-c", PRELUDE + BLOCKS["commands"]], cwd=folder, env=own, text=True
-    )
-    assert done.returncode == 0, done.stderr
+    done = guides.run_shell(BLOCKS["commands"], folder)
     assert done.stderr.startswith("note: part.dmesh: stage deltas, ")
     assert "note: standard input: stage anchors, " in done.stderr
     assert "stages, by their bytes: anchors " in done.stdout
     assert "not there yet, if the file has them: refinements" in done.stdout
-    done = children.run([sys.executable, "-c", BLOCKS["python"]], cwd=folder, text=True)
-    assert done.returncode == 0, done.stderr
+    done = guides.run_python(BLOCKS["python"], folder)
     assert done.stdout.startswith("deltas ")
     assert done.stdout.endswith("whole True\n")
 

@@ -8,7 +8,7 @@ import re
 import sys
 from pathlib import Path
 
-import children
+import guides
 import pytest
 from places import BENCHMARKS, ROOT
 
@@ -18,8 +18,7 @@ sys.path.append(str(BENCHMARKS))
 corpus, sequences = map(importlib.import_module, ("corpus", "sequences"))
 
 GUIDE = (ROOT / "docs" / "sequences.md").read_text(encoding="utf-8")
-BLOCKS = dict(re.findall(r"^<!-- run: (\w+) -->\n```\w+\n(.*?)^```$", GUIDE, re.DOTALL | re.M))
-PRELUDE = 'set -euo pipefail\ndeltamesh() { "$PYTHON" -m deltamesh_cli "$@"; }\n'
+BLOCKS = guides.blocks_of(GUIDE)
 TABLES = re.findall(rf"^{re.escape(sequences.HEAD)}\n.*\n((?:\|.*\n)+)", GUIDE, re.MULTILINE)
 FRAMES = 12
 
@@ -42,17 +41,12 @@ def test_every_block_is_tested_here() -> None:
 
 @pytest.mark.skipif(os.name != "posix", reason="a block for a shell of POSIX")
 def test_its_blocks_run(folder: Path) -> None:
-    own = {**os.environ, "PYTHON": sys.executable}
-    done = children.run(
-        ["bash", "-c", PRELUDE + BLOCKS["commands"]], cwd=folder, env=own, text=True
-    )
-    assert done.returncode == 0, done.stderr
+    done = guides.run_shell(BLOCKS["commands"], folder)
     assert f"frames: {FRAMES} at 25 a second, key frames 0" in done.stdout
     assert "worst further frame: " in done.stdout
     assert len(list((folder / "all").glob("walk_*.ply"))) == FRAMES
     assert (folder / "f011.stl").is_file()
-    done = children.run([sys.executable, "-c", BLOCKS["python"]], cwd=folder, text=True)
-    assert done.returncode == 0, done.stderr
+    done = guides.run_python(BLOCKS["python"], folder)
     assert done.stdout.startswith("10 25.0\n")
     assert done.stdout.count("\n") == 11
 
