@@ -18,13 +18,16 @@ from deltamesh._options import (
     DEFAULT_KEY_EVERY,
     EncodeOptions,
     Options,
+    check_decoding,
+    names_of,
 )
 from deltamesh._pipeline import Encoded, decode_mesh, encode_mesh
 from deltamesh._player import decode_frames
 from deltamesh._prefixes import Partial, decode_prefix
-from deltamesh._progress import Progress, silent
+from deltamesh._progress import Progress, heard
 from deltamesh._sections import draft
 from deltamesh._sources import Bytes, bytes_of
+from deltamesh_formats.arguments import brief, is_whole, require, require_flag
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_container, read_prefix
 from deltamesh_formats.errors import MeshError, OptionError
@@ -259,7 +262,7 @@ def encode(
         threads=threads,
         drop_isolated=drop_isolated,
         keep_order=keep_order,
-        drop=(drop,) if isinstance(drop, str) else tuple(drop),
+        drop=names_of(drop),
         bits_uv=bits_uv,
         bits_normal=bits_normal,
         bits_float=bits_float,
@@ -273,8 +276,8 @@ def encode(
     )
     frames = _frames_of(mesh, faces)
     if frames is not None:
-        return encode_sequence(frames, options, progress or silent).data
-    return encode_checked(_mesh_of(mesh, faces), options, progress or silent).data
+        return encode_sequence(frames, options, heard(progress)).data
+    return encode_checked(_mesh_of(mesh, faces), options, heard(progress)).data
 
 
 def encode_checked(mesh: PolyMesh, options: Options, progress: Progress) -> Encoded:
@@ -411,7 +414,8 @@ def decode(
         that solve, by the entries of the factorization.
     SolveError
     OptionError
-        If there is no such pose or frame, or the file may be cut.
+        If there is no such pose or frame, or the file may be cut; for an argument of a wrong type,
+        or out of range.
     TypeError
         For anything but bytes.
 
@@ -419,6 +423,9 @@ def decode(
     -----
     D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
     """
+    check_decoding(solver, threads, max_vertices, memory)
+    require_flag("partial", partial)
+    require(is_whole(frame), f"frame must be a whole number, not {brief(frame)}")
     if partial:
         if pose is not None:
             raise OptionError("a pose of a file that may be cut: poses need the whole file")
@@ -431,7 +438,7 @@ def decode(
             threads=threads,
             max_vertices=max_vertices,
             memory=memory,
-            progress=progress or silent,
+            progress=heard(progress),
         )
     container = data if isinstance(data, Container) else read_container(bytes_of(data))
     if not 0 <= frame < container.frame_count:
@@ -447,7 +454,7 @@ def decode(
             threads=threads,
             max_vertices=max_vertices,
             memory=memory,
-            progress=progress or silent,
+            progress=heard(progress),
         )
     frames = decode_frames(
         container,
@@ -456,6 +463,6 @@ def decode(
         threads=threads,
         max_vertices=max_vertices,
         memory=memory,
-        progress=progress or silent,
+        progress=heard(progress),
     )
     return next(frames)

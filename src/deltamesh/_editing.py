@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 from deltamesh._content import Content
@@ -12,12 +12,14 @@ from deltamesh._geometry.rotations import to_quaternions
 from deltamesh._handles import Move, Vertices, held
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_pose
 from deltamesh._measures.metrics import diagonal, vertex_errors
+from deltamesh._options import check_decoding
 from deltamesh._pipeline import points_at_rest, proven, proven_content
 from deltamesh._posing import in_pose, posed_points, posing_system, with_isolated
-from deltamesh._progress import Progress, silent
+from deltamesh._progress import Progress, heard
 from deltamesh._sections.poses import encode, tree_of_anchors
 from deltamesh._sources import Source, read_source
 from deltamesh._vectors import lengths
+from deltamesh_formats.arguments import brief, require, require_above_0, require_type
 from deltamesh_formats.array_types import Bools, Floats
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container
@@ -128,7 +130,8 @@ def edit(
     ------
     OptionError
         For vertices that there are not, that are moved twice or are fixed, too, or that belong to
-        no face; for a matrix that mirrors; for a name that cannot be one, or is taken.
+        no face; for a matrix that mirrors; for a name that cannot be one, or is taken; for
+        arguments of a wrong type, or out of range.
     MeshError
         If the file has no anchors.
     FormatError, LimitError, SolveError, OSError
@@ -142,6 +145,10 @@ def edit(
     Y. Lipman, O. Sorkine, D. Levin, D. Cohen-Or, "Linear rotation-invariant coordinates for
     meshes", SIGGRAPH 2005.
     """
+    check_decoding(solver, threads, max_vertices, memory)
+    for argument, value in (("moves", moves), ("fix", fix)):
+        fits = isinstance(value, Iterable) and not isinstance(value, (str, bytes))
+        require(fits, f"{argument} must be a sequence, not {brief(value)}")
     return edit_chosen(
         source if isinstance(source, Container) else read_container(read_source(source, memory)),
         lambda mesh: (moves, fix),
@@ -168,7 +175,8 @@ def edit_chosen(
     progress: Progress | None = None,
 ) -> Edited:
     """Do as `edit` does, with moves and fixed vertices that are chosen of the mesh at rest."""
-    progress = progress or silent
+    check_decoding(solver, threads, max_vertices, memory)
+    progress = heard(progress)
     _check(container, name, step)
     to_solve = check_pose(container, memory)
     content = proven_content(container, max_vertices, memory, progress)
@@ -214,6 +222,9 @@ def edit_chosen(
 
 def _check(container: Container, name: str, step: float | None) -> None:
     """Refuse what a file cannot record, before it is decoded."""
+    require_type("name", name, str)
+    if step is not None:
+        require_above_0("step", step)
     method = METHODS[container.parameters.method]
     if not container.parameters.anchor_count:
         raise MeshError(
