@@ -6,6 +6,7 @@ D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 200
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -206,7 +207,7 @@ def _anchor_step(vertices: Floats, step: float) -> float:
     extent = float(sides(vertices).max())
     if not step:
         return extent / 2.0**BARE_GRID_BITS or 1.0
-    coarsest = extent / 2.0**ANCHOR_GRID_BITS or 1.0
+    coarsest = extent / 2.0**ANCHOR_GRID_BITS or math.inf  # a point is on any grid
     finest = extent / 2.0 ** (layout.MAX_GRID_BITS - 1)
     return max(min(coarsest, step / ANCHOR_REFINEMENT), finest)
 

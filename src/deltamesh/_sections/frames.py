@@ -29,18 +29,25 @@ from deltamesh._sections.draft import Draft, FrameResult
 from deltamesh._sections.trials import Trials
 from deltamesh_formats.container.container import Container, Parameters, laid_out
 from deltamesh_formats.container.frame_table import Frame, write_frames
-from deltamesh_formats.container.layout import MAPS, MAX_FINER
+from deltamesh_formats.container.layout import FRAMES, MAPS, MAX_FINER
 from deltamesh_formats.errors import FormatError, MeshError, SolveError, TargetError
 
 # Shares of the vertices that are cells of maps, and how coarse deltas may be: the likeliest first.
 SHARES: Final = (0.01, 0.02, 0.005, 0.0)
 COARSE: Final = (8.0, 12.0)
+# Bits of the largest frame, from whose step the search for that of a sequence begins which begins
+# with a point.
+POINT_BITS: Final = 4
 # The largest factor by which one trial of a Cartesian frame makes its step smaller.
 FURTHEST: Final = 32.0
 
 
-def encode(draft: Draft) -> tuple[bytes, Draft]:
-    """Return the payload of FRAM, and the draft with what became of the frames."""
+def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
+    """Return the payload of FRAM, and the draft with what became of the frames.
+
+    Where frame 0 is a point, the payloads of its geometry, too, for other steps.
+    """
+    payloads, draft = _on_grid_of_others(draft)
     assert draft.systems is not None
     plan = _Plan(draft)
     frames: list[Frame] = []
@@ -58,7 +65,28 @@ def encode(draft: Draft) -> tuple[bytes, Draft]:
         margin = _finer_margin(margin, trials.margin(trial), trials.scale / scale if scale else 0)
         last = Reference(trial.parameters, trial.integers, trial.vertices, trial.measured.doubt)
     payload = write_frames(draft.sequence.rate, frames, plan.first.parameters.method)
-    return payload, replace(draft, frames=tuple(results), margin=margin)
+    return {**payloads, FRAMES: payload}, replace(draft, frames=tuple(results), margin=margin)
+
+
+def _on_grid_of_others(draft: Draft) -> tuple[dict[str, bytes], Draft]:
+    """Return payloads of frame 0 on a grid that fits the largest frame, if it is a point itself.
+
+    A point has no size that says how fine a grid has to be, and is on each: the grids of all frames
+    are halves of that of frame 0.
+    """
+    assert draft.systems is not None
+    others = [draft.of_points(positions) for positions in draft.sequence.positions]
+    sizes = [diagonal(positions) for positions in others]
+    if diagonal(draft.positions) or draft.options.step is not None or not max(sizes):
+        return {}, draft
+    largest = draft.sequence.positions[sizes.index(max(sizes))]
+    bits = draft.options.bits or POINT_BITS
+    settings = replace(draft.chosen.settings, bits=bits, step=None)
+    step = Trials(draft, largest, draft.systems, "largest frame").attempt(settings).parameters.step
+    settings = replace(settings, bits=None, step=step)
+    trial = Trials(draft, draft.mesh.vertices, draft.systems, "geometry").attempt(settings)
+    content = replace(draft.content, integers=trial.integers)
+    return trial.payloads, replace(draft, trial=trial, content=content)
 
 
 def _finer_margin(margin: int, other: int, size: float) -> int:
