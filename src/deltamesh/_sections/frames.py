@@ -30,7 +30,7 @@ from deltamesh._sections.trials import Trials
 from deltamesh_formats.container.container import Container, Parameters, laid_out
 from deltamesh_formats.container.frame_table import Frame, write_frames
 from deltamesh_formats.container.layout import FRAMES, MAPS, MAX_FINER
-from deltamesh_formats.errors import FormatError, MeshError, SolveError, TargetError
+from deltamesh_formats.errors import FormatError, MeshError, SolveError, TargetError, in_frame
 
 # Shares of the vertices that are cells of maps, and how coarse deltas may be: the likeliest first.
 SHARES: Final = (0.01, 0.02, 0.005, 0.0)
@@ -143,7 +143,7 @@ class _Plan:
             if moves and not self._is_settled:
                 best = self._settled(trials, reference, best)
         except (MeshError, SolveError, TargetError) as error:
-            raise type(error)(f"frame {index}: {error}") from error
+            raise in_frame(error, index) from error
         self._settings = replace(self._settings, step=best[0].parameters.step)
         return best
 
