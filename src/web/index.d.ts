@@ -115,10 +115,13 @@ export type Wasm = BufferSource | Response | WebAssembly.Module;
 
 export interface Decoder {
   decode(bytes: Uint8Array, options?: Options): Mesh;
+  /** The meshes of a sequence, one after the other; they share all arrays that are alike. */
+  frames(bytes: Uint8Array, limits?: Limits): Generator<Mesh, void>;
   inspect(bytes: Uint8Array): About;
 }
 
 export interface WorkerDecoder {
+  /** The next frame of a sequence costs no more than that, as long as few others are decoded. */
   decode(bytes: Uint8Array, options?: Options): Promise<{ mesh: Mesh; about: About }>;
   close(): void;
 }

@@ -1,6 +1,6 @@
 // Decoder of .dmesh files for JavaScript, in Node and in browsers.
 import { compiled, loadCore } from "./decoder/core.mjs";
-import { decode, inspect } from "./decoder/decode.mjs";
+import { decode, inspect, Opened } from "./decoder/decode.mjs";
 import { decoderIn } from "./decoder/worker_client.mjs";
 
 export { DeltameshError, FormatError, LimitError, SolveError } from "./decoder/errors.mjs";
@@ -15,13 +15,18 @@ async function ownModule() {
 }
 
 /**
- * Return a decoder: `decode(bytes, options)` returns a mesh, `inspect(bytes)` what a file says.
+ * Return a decoder: `decode(bytes, options)` returns a mesh, `frames(bytes, options)` yields those of
+ * a sequence, `inspect(bytes)` returns what a file says.
  *
  * `wasm` is the compiled core: its bytes, a Response of them, or a WebAssembly.Module.
  */
 export async function createDecoder({ wasm = ownModule() } = {}) {
   const core = await loadCore(wasm);
-  return { decode: (bytes, options) => decode(core, bytes, options), inspect };
+  return {
+    decode: (bytes, options) => decode(core, bytes, options),
+    frames: (bytes, options) => framesOf(core, bytes, options),
+    inspect,
+  };
 }
 
 /**
@@ -34,4 +39,14 @@ export async function createWorkerDecoder({ wasm = ownModule(), worker } = {}) {
   const place = new URL("./decoder/worker.mjs", import.meta.url);
   const own = worker ?? new Worker(place, { type: "module" });
   return decoderIn(own, await compiled(wasm));
+}
+
+/** Yield the meshes of a sequence; they share all arrays but those of positions and triangles. */
+function* framesOf(core, bytes, options) {
+  const file = new Opened(core, bytes, options);
+  try {
+    for (let frame = 0; frame < file.frames; frame++) yield file.mesh({ frame });
+  } finally {
+    file.close();
+  }
 }
