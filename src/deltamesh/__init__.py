@@ -15,7 +15,11 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from deltamesh._codec import decode as decode, encode as encode
-    from deltamesh._editing import Edited as Edited, edit as edit
+    from deltamesh._editing import (
+        Edited as Edited,
+        edit as edit,
+        remove_poses as remove_poses,
+    )
     from deltamesh._files import (
         frames as frames,
         info as info,
@@ -50,7 +54,7 @@ else:
         __name__,
         {
             "deltamesh._codec": ("decode", "encode"),
-            "deltamesh._editing": ("Edited", "edit"),
+            "deltamesh._editing": ("Edited", "edit", "remove_poses"),
             "deltamesh._files": ("frames", "info", "load", "save", "verify"),
             "deltamesh._page.viewing": ("Page", "view"),
             "deltamesh._prefixes": ("Partial", "stages"),

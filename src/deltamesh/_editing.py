@@ -1,4 +1,4 @@
-"""Edits of a compressed mesh: poses that are added to a file, whose other sections stay."""
+"""Edits of a compressed mesh: poses that are added to a file or removed, other sections stay."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_pose
 from deltamesh._measures.metrics import diagonal, vertex_errors
 from deltamesh._options import check_decoding
 from deltamesh._pipeline import points_at_rest, proven, proven_content
-from deltamesh._posing import in_pose, posed_points, posing_system, with_isolated
+from deltamesh._posing import check_name, in_pose, posed_points, posing_system, with_isolated
 from deltamesh._progress import Progress, heard
 from deltamesh._sections.poses import encode, tree_of_anchors
 from deltamesh._sources import Source, read_source
@@ -150,7 +150,7 @@ def edit(
         fits = isinstance(value, Iterable) and not isinstance(value, (str, bytes))
         require(fits, f"{argument} must be a sequence, not {brief(value)}")
     return edit_chosen(
-        source if isinstance(source, Container) else read_container(read_source(source, memory)),
+        _container_of(source, memory),
         lambda mesh: (moves, fix),
         name=name,
         step=step,
@@ -201,7 +201,7 @@ def edit_chosen(
     system = posing_system(content, solver, threads, to_solve)
     recorded, recorded_turns = posed_points(content, points, system, pose)
     near = recorded[: len(rest)]
-    made = _with_pose(container, content, pose)
+    made = _with_poses(container, content, (*content.poses, pose))
     errors = vertex_errors(exact, near, surface.faces)
     return Edited(
         data=write_container(made),
@@ -218,6 +218,51 @@ def edit_chosen(
         dihedral=vertex_errors(rest, exact, surface.faces).dihedral,
         recorded_dihedral=vertex_errors(rest, near, surface.faces).dihedral,
     )
+
+
+def remove_poses(
+    source: Source | Container,
+    names: str | Iterable[str],
+    *,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Progress | None = None,
+) -> bytes:
+    """Remove poses from a file, whose mesh stays as it is.
+
+    Parameters
+    ----------
+    source : path, binary file object, bytes-like, or what `info` returned
+    names : str or iterable of str
+        Of the poses: one name, or several.
+    max_vertices, memory, progress
+        As in `deltamesh.decode`; no positions are solved for.
+
+    Returns
+    -------
+    bytes
+        The file. All sections but POSE and the checksum are those of the source, byte for byte; a
+        file whose only pose is removed is the one to which that was added.
+
+    Raises
+    ------
+    OptionError
+        If the file has no pose of a name.
+    FormatError, LimitError, OSError
+    """
+    check_decoding("auto", None, max_vertices, memory)
+    require(isinstance(names, Iterable), f"names must be names of poses, not {brief(names)}")
+    container = _container_of(source, memory)
+    removed = {names} if isinstance(names, str) else set(names)
+    for name in removed:
+        check_name(container, name)
+    content = proven_content(container, max_vertices, memory, heard(progress))
+    kept = tuple(pose for pose in content.poses if pose.name not in removed)
+    return write_container(_with_poses(container, content, kept))
+
+
+def _container_of(source: Source | Container, memory: int) -> Container:
+    return source if isinstance(source, Container) else read_container(read_source(source, memory))
 
 
 def _check(container: Container, name: str, step: float | None) -> None:
@@ -246,10 +291,10 @@ def _missed(places: Held, is_moved: Bools, positions: Floats) -> float:
     return float(far.max(initial=0.0))
 
 
-def _with_pose(container: Container, content: Content, pose: Pose) -> Container:
-    """Return a file with one pose more, once it has been read again."""
-    content = replace(content, poses=(*content.poses, pose))
-    own = (PARAMETERS, META, CHECK)
+def _with_poses(container: Container, content: Content, poses: tuple[Pose, ...]) -> Container:
+    """Return a file with other poses, once it has been read again."""
+    content = replace(content, poses=poses)
+    own = (PARAMETERS, META, POSES, CHECK)
     payloads = {
         section: bytes(container.sections[section].payload)
         for section in container.sections
@@ -259,7 +304,7 @@ def _with_pose(container: Container, content: Content, pose: Pose) -> Container:
         container.vertices,
         container.triangles,
         container.parameters,
-        {**payloads, POSES: encode(content)},
+        {**payloads, POSES: encode(content)} if poses else payloads,
         container.meta,
         content.digest(),
     )

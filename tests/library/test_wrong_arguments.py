@@ -180,6 +180,16 @@ CASES: Mapping[str, Case] = {
             "fix": "fix|vertices are indices",
         },
     ),
+    "remove_poses": Case(
+        deltamesh.remove_poses,
+        {"source": DATA, "names": ()},
+        {
+            **{name: DECODING[name] for name in ("max_vertices", "memory", "progress")},
+            "source": PATHS,
+            "names": (NOTHING, TEXT, 3, [3]),
+        },
+        {"source": "a path, a binary file or bytes are needed", "names": "names|no pose"},
+    ),
     "view": Case(
         deltamesh.view,
         {"mesh": MESH},
