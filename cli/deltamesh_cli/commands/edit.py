@@ -107,12 +107,12 @@ def command(
     show_progress: bool | None,
     **parameters: Any,
 ) -> None:
-    """Add a pose to a .dmesh file, by moving some of its vertices, or remove one.
+    """Add a pose to a .dmesh file, or remove poses.
 
-    The surface follows those that are moved (--move) and stays where it is held (--fix). OUT is IN
-    with one pose more: the mesh at rest stays as it is, and deltamesh decode --pose NAME makes the
-    mesh in the pose. A pose is a motion of the anchors of the file, and takes about 0.4 to 3 % of
-    it. What is printed says how far that is from the edit; more anchors (deltamesh encode
+    The surface follows the vertices that are moved (--move) and stays where it is held (--fix). OUT
+    is IN with one pose more: the mesh at rest stays as it is, and deltamesh decode --pose NAME
+    makes the mesh in the pose. A pose is a motion of the anchors of the file, and takes about 0.4
+    to 3 % of it. What is printed says how far that is from the edit; more anchors (deltamesh encode
     --anchors) come nearer.
 
     Without a turn, vertices are put where they are to be, and turn as the surface does; turn=z,0
