@@ -38,6 +38,8 @@ COARSE: Final = (8.0, 12.0)
 # Bits of the largest frame, from whose step the search for that of a sequence begins which begins
 # with a point.
 POINT_BITS: Final = 4
+# From how many times the size of frame 0 on that is likely to be why a frame cannot be encoded.
+LARGE: Final = 1e5
 # The largest factor by which one trial of a Cartesian frame makes its step smaller.
 FURTHEST: Final = 32.0
 
@@ -122,6 +124,7 @@ class _Plan:
         self._share = SHARES[0]
         self._is_settled = draft.options.effort == 1 or not self._settings.layout.anchored
         self.first = Reference(p, i, chosen.vertices, doubt)
+        self._size = diagonal(draft.positions) or math.inf
 
     def encoded(
         self, index: int, trials: Trials, reference: Reference, *, moves: bool
@@ -143,9 +146,16 @@ class _Plan:
             if moves and not self._is_settled:
                 best = self._settled(trials, reference, best)
         except (MeshError, SolveError, TargetError) as error:
-            raise in_frame(error, index) from error
+            raise in_frame(type(error)(f"{error}{self._hint(trials.scale)}"), index) from error
         self._settings = replace(self._settings, step=best[0].parameters.step)
         return best
+
+    def _hint(self, size: float) -> str:
+        """Return what to say where a frame of this size fails, "" if there is nothing."""
+        if size < LARGE * self._size:
+            return ""
+        far = f"{size / self._size:.2g} times as large as frame 0"
+        return f": it is {far}, whose grid all frames have, or halves of it"
 
     def _still(self, trials: Trials, reference: Reference) -> tuple[Trial, Prediction] | None:
         """Return the trial that leaves a frame where its reference is, if that keeps the bounds."""

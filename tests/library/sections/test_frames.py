@@ -10,7 +10,17 @@ import numpy as np
 import pytest
 from animated import moving
 
-from deltamesh import OptionError, TargetError, _pipeline, decode, encode, frames, from_arrays, info
+from deltamesh import (
+    MeshError,
+    OptionError,
+    TargetError,
+    _pipeline,
+    decode,
+    encode,
+    frames,
+    from_arrays,
+    info,
+)
 from deltamesh._content import frame_digest
 from deltamesh._measures.metrics import diagonal, vertex_errors
 from deltamesh._options import Options
@@ -227,6 +237,12 @@ def test_sequences_that_begin_with_a_point_keep_the_bounds(method: str, size: fl
     np.testing.assert_array_equal(decode(data).vertices, grown[0].vertices)
     still = encode([grown[0]] * 3, method=method, keep_order=True)
     np.testing.assert_array_equal(decode(still, frame=2).vertices, grown[0].vertices)
+
+
+def test_frames_far_larger_than_the_first_are_told_why_they_fail() -> None:
+    small = replace(MOVING[0], vertices=1e-9 * MOVING[0].vertices)
+    with pytest.raises(MeshError, match=r"^frame 1: .*: it is 1e\+09 times as large as frame 0"):
+        encode([small, MOVING[0]])
 
 
 def test_bits_of_a_sequence_that_begins_with_a_point_are_those_of_the_largest_frame() -> None:
