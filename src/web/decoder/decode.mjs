@@ -67,6 +67,10 @@ export function decode(core, bytes, options = {}) {
 /** File whose meshes are decoded as they are asked for: what is alike in all is decoded once. */
 export class Opened {
   constructor(core, bytes, { maxVertices = MAX_VERTICES, memory = MEMORY } = {}) {
+    for (const [name, limit] of Object.entries({ maxVertices, memory })) {
+      if (limit >= 0) continue;
+      throw new DeltameshError(`${name} must be a number from 0 on, not ${limit}`);
+    }
     Object.assign(this, { core, maxVertices, memory, container: readContainer(bytes) });
     this.frames = framesOf(this.container).frames.length + 1;
   }
