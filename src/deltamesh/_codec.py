@@ -27,7 +27,7 @@ from deltamesh._prefixes import Partial, decode_prefix
 from deltamesh._progress import Progress, heard
 from deltamesh._sections import draft
 from deltamesh._sources import Bytes, bytes_of
-from deltamesh_formats.arguments import brief, is_whole, require, require_flag
+from deltamesh_formats.arguments import is_whole, require, require_flag
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_container, read_prefix
 from deltamesh_formats.errors import MeshError, OptionError
@@ -425,7 +425,7 @@ def decode(
     """
     check_decoding(solver, threads, max_vertices, memory)
     require_flag("partial", partial)
-    require(is_whole(frame), f"frame must be a whole number, not {brief(frame)}")
+    require(is_whole(frame), "frame must be a whole number", frame)
     if partial:
         if pose is not None:
             raise OptionError("a pose of a file that may be cut: poses need the whole file")

@@ -19,7 +19,7 @@ from deltamesh._progress import Progress, heard
 from deltamesh._sections.poses import encode, tree_of_anchors
 from deltamesh._sources import Source, read_source
 from deltamesh._vectors import lengths
-from deltamesh_formats.arguments import brief, require, require_above_0, require_type
+from deltamesh_formats.arguments import require, require_above_0, require_type
 from deltamesh_formats.array_types import Bools, Floats
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container
@@ -148,7 +148,7 @@ def edit(
     check_decoding(solver, threads, max_vertices, memory)
     for argument, value in (("moves", moves), ("fix", fix)):
         fits = isinstance(value, Iterable) and not isinstance(value, (str, bytes))
-        require(fits, f"{argument} must be a sequence, not {brief(value)}")
+        require(fits, f"{argument} must be a sequence", value)
     return edit_chosen(
         _container_of(source, memory),
         lambda mesh: (moves, fix),
@@ -251,7 +251,7 @@ def remove_poses(
     FormatError, LimitError, OSError
     """
     check_decoding("auto", None, max_vertices, memory)
-    require(isinstance(names, Iterable), f"names must be names of poses, not {brief(names)}")
+    require(isinstance(names, Iterable), "names must be names of poses", names)
     container = _container_of(source, memory)
     removed = {names} if isinstance(names, str) else set(names)
     for name in removed:

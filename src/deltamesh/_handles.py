@@ -12,7 +12,7 @@ from deltamesh._content import Content
 from deltamesh._geometry.editing import Held
 from deltamesh._geometry.rotations import nearest, to_quaternions
 from deltamesh._graph.adjacency import lowest
-from deltamesh_formats.arguments import brief, require
+from deltamesh_formats.arguments import require
 from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.errors import OptionError
 from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -121,7 +121,7 @@ def _of_part(mesh: PolyMesh, name: str) -> Ints:
 def _pair(move: Move) -> Move:
     """Return the vertices of a move, and where they go."""
     fits = isinstance(move, (tuple, list)) and len(move) == 2
-    require(fits, f"a move must be a pair of vertices and a motion, not {brief(move)}")
+    require(fits, "a move must be a pair of vertices and a motion", move)
     return move
 
 

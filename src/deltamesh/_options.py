@@ -9,7 +9,6 @@ from typing import TypedDict
 
 from deltamesh._methods import AUTO, BOUNDS, METHOD_OPTIONS, METHODS, RATES
 from deltamesh_formats.arguments import (
-    brief,
     is_real,
     require,
     require_above_0,
@@ -141,7 +140,8 @@ class Options:
         if self.solution is not None:
             require_one_of("solution", self.solution, SOLUTIONS)
             bare = self.solution == INTERPOLATED and self.bits == 0
-            require(not bare, "of 0 bits, anchors are not interpolated: they would be spikes")
+            if bare:
+                raise OptionError("of 0 bits, anchors are not interpolated: they would be spikes")
         require_one_of("solver", self.solver, SOLVERS)
         self._check_rate()
         require_whole("effort", self.effort, 1, MAX_EFFORT)
@@ -153,11 +153,9 @@ class Options:
             require_whole("bits_float", self.bits_float, 1, MAX_BITS_UV)
         self._check_attribute_errors()
         names = all(isinstance(name, str) for name in self.drop)
-        require(names, f"drop must be names, not {brief(self.drop)}")
+        require(names, "drop must be names", self.drop)
         if self.anchors is not None:
-            fits = is_real(self.anchors)
-            wrong = brief(self.anchors)
-            require(fits, f"anchors must be a count or a fraction, not {wrong}")
+            require(is_real(self.anchors), "anchors must be a count or a fraction", self.anchors)
         require_whole("seed", self.seed, 0, MAX_SEED)
         if self.threads is not None:
             require_whole("threads", self.threads, 1, MAX_THREADS)
@@ -167,7 +165,8 @@ class Options:
         require_type("source_format", self.source_format, str)
         most = layout.STRING_MAX_BYTES
         fits = self.source_format.isprintable() and len(self.source_format.encode()) <= most
-        require(fits, f"source_format must be printable, and at most {most} bytes")
+        rule = f"source_format must be printable, and at most {most} bytes"
+        require(fits, rule, self.source_format)
 
     def _check_attribute_errors(self) -> None:
         if self.max_uv_error is not None:
@@ -177,7 +176,7 @@ class Options:
         require_type("max_attribute_error", self.max_attribute_error, Mapping)
         for name, error in self.max_attribute_error.items():
             named = isinstance(name, str) and bool(name)
-            require(named, f"max_attribute_error must have names, not {brief(name)}")
+            require(named, "max_attribute_error must have names", name)
             require_above_0(f"max_attribute_error of {name!r}", error)
 
     def _check_rate(self) -> None:
@@ -195,8 +194,8 @@ class Options:
             # Of 0 bits, the connectivity and the anchors make a surface; nothing else does.
             bare = self.method == AUTO or METHODS[self.method].layout.bare
             require_whole("bits", self.bits, 0 if bare else 1, MAX_BITS)
-            told = self.bits > 0 or self.importance is None
-            require(told, "importance means nothing with 0 bits")
+            if self.bits == 0 and self.importance is not None:
+                raise OptionError("importance means nothing with 0 bits")
 
     @property
     def asks_nothing(self) -> bool:
@@ -231,7 +230,7 @@ def names_of(drop: str | Iterable[str]) -> tuple[str, ...]:
     OptionError
         If it is neither.
     """
-    require(isinstance(drop, Iterable), f"drop must be names, not {brief(drop)}")
+    require(isinstance(drop, Iterable), "drop must be names", drop)
     return (drop,) if isinstance(drop, str) else tuple(drop)
 
 

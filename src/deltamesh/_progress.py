@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeAlias
 
-from deltamesh_formats.arguments import brief, require
+from deltamesh_formats.arguments import require
 
 # Called with the name of each stage as it begins.
 Progress: TypeAlias = Callable[[str], None]
@@ -25,5 +25,5 @@ def heard(progress: Progress | None) -> Progress:
     """
     if progress is None:
         return silent
-    require(callable(progress), f"progress must be callable, not {brief(progress)}")
+    require(callable(progress), "progress must be callable", progress)
     return progress

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from deltamesh_formats.arguments import brief, require, require_type, require_whole
+from deltamesh_formats.arguments import require, require_type, require_whole
 from deltamesh_formats.atomic import PathOrFile, require_file, write_file
 from deltamesh_formats.errors import FormatError, LimitError, MeshError
 from deltamesh_formats.meshfiles.beside import in_folder
@@ -103,7 +103,7 @@ def read_mesh(
     name, known = _name(source), mesh_format(source, file_format)
     if folder is not None:
         fits = isinstance(folder, (str, os.PathLike))
-        require(fits, f"folder must be a path, not {brief(folder)}")
+        require(fits, "folder must be a path", folder)
     if isinstance(source, (str, os.PathLike)):
         data, home = read_bytes(source), parent(os.fspath(source))
     else:

@@ -61,7 +61,7 @@ def _halfedges(faces: ArrayLike | Sequence[ArrayLike]) -> tuple[Ints, Ints]:
     """Return the vertices at which the half-edges of faces start and end."""
     if isinstance(faces, np.ndarray) and faces.ndim == 2 and faces.shape[1] >= 3:
         return ends(integers_of(faces, "faces"))
-    require(isinstance(faces, Iterable), f"faces must be polygons, not {brief(faces)}")
+    require(isinstance(faces, Iterable), "faces must be polygons", faces)
     polygons = [integers_of(one, "faces") for one in cast("Sequence[ArrayLike]", faces)]
     for i, polygon in enumerate(polygons):
         if polygon.ndim != 1 or len(polygon) < 3:
