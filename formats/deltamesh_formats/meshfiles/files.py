@@ -29,7 +29,7 @@ from deltamesh_formats.meshfiles.number_text import with_places
 from deltamesh_formats.places import parent, read_bytes
 from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.polymesh.texture_origin import marked_top_left, with_origin
-from deltamesh_formats.polymesh.validation import checked
+from deltamesh_formats.polymesh.validation import check_arrays, check_indices, checked
 from deltamesh_formats.wrappers import unwrapped, without_wrapper, wrapped
 
 __all__ = ["mesh_bytes", "mesh_format", "read_mesh", "write_mesh", "written"]
@@ -153,7 +153,6 @@ def written(mesh: PolyMesh, file_format: str, digits: int | None = None) -> Writ
     """
     if digits is not None:
         require_whole("digits", digits, 0, MAX_DIGITS)
-    require_type("mesh", mesh, PolyMesh)
     if len(mesh.offsets) < 2:
         raise MeshError("a mesh without faces is not written")
     known = READABLE[file_format]
@@ -210,7 +209,7 @@ def write_mesh(
     Raises
     ------
     MeshError
-        For an unknown format, and a mesh that the format cannot hold.
+        For an unknown format, a mesh that the format cannot hold, or one whose arrays are at fault.
     OptionError
         For digits that are not a number from 0 to 20, and other arguments of a wrong type.
     OSError
@@ -219,6 +218,9 @@ def write_mesh(
         For anything but a path or a file.
     """
     require_file(target, "write")
+    require_type("mesh", mesh, PolyMesh)
+    check_arrays(mesh)
+    check_indices(mesh)
     made = written(mesh, mesh_format(target, file_format).name, digits)
     is_path = isinstance(target, (str, os.PathLike))
     write_file(target, wrapped(_name(target), made.data) if is_path else made.data)
