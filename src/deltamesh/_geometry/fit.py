@@ -38,9 +38,9 @@ TINY: Final = 1e-300
 class Fit:
     """The Poisson problems of a fit: with one fixed vertex a component, since e is free to move."""
 
-    def __init__(self, cells: Cells) -> None:
+    def __init__(self, cells: Cells, threads: int | None = None) -> None:
         self._cells = cells
-        self._poisson = Poisson(cells.graph, lowest(cells.labels))
+        self._poisson = Poisson(cells.graph, lowest(cells.labels), threads)
 
     def smooth(self, q: Floats) -> Floats:
         """Return a y, float64 (k, 3), that needs no solve: the means of the smoothed q (n, 3)."""
