@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import corpus
+import numpy as np
 
 from deltamesh._geometry import positions
 from deltamesh._geometry.integers import NO_CELLS, NONE, Integers
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.systems import Systems
+from deltamesh._kernels.mesh import laplacian
 from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
 from deltamesh._pipeline import Encoded, encode_mesh, read_content
 from deltamesh._shape.surface import Surface
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.container.container import Parameters
+
+# Steps of deltas in the diagonal of a mesh whose spikes are measured.
+STEPS: Final = 2000
 
 
 class File(NamedTuple):
@@ -38,6 +43,10 @@ class File(NamedTuple):
         coder = geometry_codec(self.parameters.method)
         found = coder.reconstruct(self.surface, self.parameters, self.integers, systems)
         return found[: len(self.V)]
+
+    def errors(self, W: Floats) -> Floats:
+        """Return the error of the delta of each vertex, float64 (n,), where positions are W."""
+        return np.linalg.norm(laplacian.apply(*self.surface.graph, W - self.V), axis=1)
 
     @property
     def copied(self) -> File:
