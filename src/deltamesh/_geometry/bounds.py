@@ -82,6 +82,11 @@ class Bounds:
         return Bounds(*map(min, vars(self).values(), vars(other).values()))
 
     @property
+    def of_angles(self) -> Bounds:
+        """The bounds on angles alone, of the whole."""
+        return Bounds(normal_deviation=self.normal_deviation, dihedral=self.dihedral)
+
+    @property
     def has_angle(self) -> bool:
         """Whether an angle is bounded."""
         return min(self.normal_deviation, self.dihedral) < math.inf

@@ -8,7 +8,7 @@ given up.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from typing import Final
@@ -16,6 +16,8 @@ from typing import Final
 import numpy as np
 
 from deltamesh._geometry.bounds import NO_BOUNDS, Bounds
+from deltamesh._geometry.candidates import candidates, may_pay
+from deltamesh._geometry.foresight import Foresight, foresight
 from deltamesh._geometry.part_search import (
     Components,
     Steps,
@@ -23,24 +25,14 @@ from deltamesh._geometry.part_search import (
     steps_near,
     with_fewer_levels,
 )
-from deltamesh._geometry.step_search import fit_step
+from deltamesh._geometry.step_search import close_enough, first_step, fit_step, step_ratio
 from deltamesh._geometry.trial import Attempt, ScaleError, Trial
 from deltamesh._measures.measure import Measured
-from deltamesh._methods import AUTO, CARTESIAN, HIGHPASS, METHODS, REFINED
-from deltamesh._options import DEFAULT_COARSE, DEFAULT_EFFORT, Options, Settings, settings_of
+from deltamesh._methods import AUTO, CARTESIAN, HIGHPASS, REFINED
+from deltamesh._options import Options, Settings, settings_of
 from deltamesh_formats.array_types import Floats
-from deltamesh_formats.container.layout import DELTAS, NORMALS
 from deltamesh_formats.errors import MeshError, TargetError
 
-# How coarse the deltas may be, by effort, the likeliest first.
-COARSE: Final = {1: (4.5,), 2: (4.5, 3.0, 7.0), 3: (4.5, 3.0, 7.0, 2.0)}
-# Of effort 2, one other: finer deltas pay where they take few bytes beside the refinements, and
-# coarser ones, rarely, where they take many or next to none, or where a file has a few bits a
-# vertex, as of exact spheres, whose anchors weigh as much: that is tried where a trial takes no
-# second.
-FEW, MANY, NONE = 1.2, 2.9, 0.5
-FEW_BYTES: Final = 0.4
-CHEAP: Final = 60_000
 # Where a distance, not an angle, would bound the step, twice the anchors divide distances by that,
 # for 0.08 bits a vertex and more; but not more of them than that share of the vertices. The search
 # begins there and goes on from file to file: corrections of a few vertices are often cheaper.
@@ -63,6 +55,7 @@ def smallest(
     attempt: Attempt,
     name_of: Callable[[int], str] = str,
     furthest: Bounds = NO_BOUNDS,
+    sample: Attempt | None = None,
 ) -> Trial:
     """Return the smallest trial within the bounds; without bounds, the trial of the options.
 
@@ -80,6 +73,8 @@ def smallest(
         The name of a part, for messages.
     furthest : Bounds
         Distances beyond which "auto" at a rate is not refined.
+    sample : callable, optional
+        Makes trials on a sample of a mesh of one part; see `foresight`.
 
     Raises
     ------
@@ -88,14 +83,22 @@ def smallest(
     """
     if bounds is None:
         return _at_rate(options, components, attempt, furthest)
+    foreseen = None
+    if sample is not None and components.alone and bounds.has_angle:
+        foreseen = foresight(
+            options, bounds, len(components.of_vertex), float(components.edge[0]), sample, attempt
+        )
     attempt = lru_cache(maxsize=1)(attempt)
     best: Trial | None = None
     steps: Steps | None = None
     missed: list[Trial] = []
-    for settings in _candidates(options, bounds):
-        if best is not None and not _may_pay(settings, best, options.effort):
+    last: Settings | None = None
+    guessed: Foresight = [(one, None) for one in candidates(options, bounds)]
+    for settings, step in foreseen or guessed:
+        if not foreseen and not may_pay(settings, last, best, options.effort):
             continue
-        start = _start(settings, bounds, components, best, steps)
+        last = settings
+        start = _start(settings, bounds, components, best, steps, step)
         if best is not None and best.settings.method == settings.method:
             settings = replace(settings, anchors=best.settings.anchors)
         elif options.anchors is None and settings.layout.anchored:
@@ -142,10 +145,13 @@ def _fit(
 ) -> tuple[Trial, Steps] | None:
     """Return a trial within the bounds whose steps are about the largest; None if it cannot win."""
     if components.alone:
-        trial = fit_step(settings, bounds, start.base, options.effort, attempt, best, missed)
+        close = close_enough(options.effort, len(components.of_vertex))
+        trial = fit_step(settings, bounds, start.base, close, attempt, best, missed)
         return None if trial is None else (trial, replace(start, base=trial.step))
     effort = options.effort
     tried = fit_steps(settings, bounds, start, components, effort, attempt, best, missed)
+    if tried[0] is None:
+        return None
     trial, steps = with_fewer_levels(settings, bounds, tried, components, effort, attempt, best)
     return None if trial is None else (trial, steps)
 
@@ -168,7 +174,8 @@ def _at_rate(options: Options, components: Components, attempt: Attempt, furthes
     settings = replace(settings_of(options, CARTESIAN.name), bits=None, step=None)
     start = _start(settings, bounds, components, None, None)
     rival = None if drifts else best
-    rival = fit_step(settings, bounds, start.base, options.effort, attempt, rival, [])
+    close = close_enough(options.effort, len(best.vertices))
+    rival = fit_step(settings, bounds, start.base, close, attempt, rival, [])
     if rival is None or (best.size <= rival.size and not drifts):
         return best
     return rival
@@ -186,24 +193,6 @@ def _errors_of(measured: Measured) -> Bounds:
         part_normal=float(parts.normal_deviation.max()),
         part_dihedral=float(parts.dihedral.max()),
     )
-
-
-def _candidates(options: Options, bounds: Bounds) -> Iterator[Settings]:
-    """Yield the settings to try, the likeliest first, and the fast ones before the others."""
-    if options.method not in (AUTO, REFINED.name):
-        yield settings_of(options, options.method)
-        return
-    refined, cartesian = (settings_of(options, each.name) for each in (REFINED, CARTESIAN))
-    coarse = COARSE[options.effort] if options.coarse is None else (options.coarse,)
-    if options.method == AUTO and not bounds.has_angle:
-        # The error of Cartesian coordinates is white, which keeps distances the smallest.
-        yield cartesian
-        return
-    yield replace(refined, coarse=coarse[0])
-    if options.method == AUTO:
-        yield cartesian
-    for c in coarse[1:]:
-        yield replace(refined, coarse=c)
 
 
 def _with_other_anchors(
@@ -245,20 +234,6 @@ def _with_other_anchors(
     return walk(found, more, 1.0) if least is found else least
 
 
-def _may_pay(settings: Settings, best: Trial, effort: int) -> bool:
-    """Return whether another coarse factor is worth a trial, from the bytes of the best one."""
-    if settings.method != REFINED.name or effort > DEFAULT_EFFORT:
-        return True
-    if best.settings.method != REFINED.name:
-        return False
-    deltas, normals = (len(best.payloads.get(name, b"")) for name in (DELTAS, NORMALS))
-    if settings.coarse < best.settings.coarse:
-        return deltas < FEW * normals
-    is_extreme = deltas > MANY * normals or deltas < NONE * normals
-    is_extreme |= best.size < FEW_BYTES * len(best.vertices)
-    return is_extreme and len(best.vertices) <= CHEAP
-
-
 def _anchored(
     settings: Settings,
     bounds: Bounds,
@@ -294,16 +269,16 @@ def _start(
     components: Components,
     best: Trial | None,
     steps: Steps | None,
+    foreseen: float | None = None,
 ) -> Steps:
-    """Return the steps to begin with."""
+    """Return the steps to begin with; that for the bounds on angles is `foreseen`, or guessed."""
     if steps is not None and best is not None and best.settings.method == settings.method:
-        return steps.times(math.sqrt(best.settings.coarse / settings.coarse))
-    # Twice as coarse deltas leave angles alone at steps 1.4 times as small, or nearly.
-    finer = math.sqrt(settings.coarse / DEFAULT_COARSE) if settings.layout.coarse else 1.0
-    angle = min(bounds.normal_deviation, bounds.dihedral)
+        return steps.times(step_ratio(best.settings, settings))
     edge = components.edge
     with np.errstate(invalid="ignore"):
-        step = METHODS[settings.method].first_step * edge * angle / finer
+        step = first_step(settings, bounds, edge)
+    if foreseen is not None:
+        step = np.full(len(edge), foreseen)
     limits = (bounds.rms, bounds.max, components.largest_rms(bounds), edge)
     wanted: Floats = np.minimum.reduce([step, *np.broadcast_arrays(*limits)])
     return steps_near(np.where(wanted > 0, wanted, 1.0))
