@@ -60,8 +60,9 @@ class Fit:
             b = self._inverse(p[cells.of], FURTHER)
             image = cells.sums(b)
             a = quotient(product, (p * image).sum(axis=0))
+            b *= a
+            e -= b
             y += a * p
-            e -= a * b
             r -= a * image
         return y, e
 
