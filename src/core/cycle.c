@@ -20,21 +20,31 @@ static int is_border(const dm_level *l, int64_t i)
     return l->border != NULL && l->border[i];
 }
 
-/* Set row i of x to what solves that row, from the neighbours within a range, if it is `within`. */
-static inline void relax(const dm_level *l, int64_t i, int within, int64_t begin, int64_t end)
+/* The neighbours of a row that count: all, those in a range, or those beyond it. */
+typedef enum { ALL, WITHIN, BEYOND } choice;
+
+/* Add what the neighbours of row i contribute to it. */
+static inline void add_neighbours(const dm_level *l, int64_t i, choice which, int64_t begin,
+                                  int64_t end, float *sum)
 {
-    float sum[LANES];
-    for (int k = 0; k < LANES; k++)
-        sum[k] = l->b[i * LANES + k];
     for (int32_t at = l->indptr[i]; at < l->indptr[i + 1]; at++) {
         const int32_t j = l->indices[at];
-        if (within && (j < begin || j >= end))
+        if (which != ALL && (j >= begin && j < end) == (which == BEYOND))
             continue;
         const float *const x = l->x + (ptrdiff_t)j * LANES;
         const float weight = l->weights == NULL ? 1.0f : l->weights[at];
         for (int k = 0; k < LANES; k++)
             sum[k] += weight * x[k];
     }
+}
+
+/* Set row i of x to what solves that row. */
+static inline void relax(const dm_level *l, int64_t i, choice which, int64_t begin, int64_t end)
+{
+    float sum[LANES];
+    for (int k = 0; k < LANES; k++)
+        sum[k] = l->b[i * LANES + k];
+    add_neighbours(l, i, which, begin, end, sum);
     for (int k = 0; k < LANES; k++)
         l->x[i * LANES + k] = sum[k] * l->inverse[i];
 }
@@ -43,35 +53,26 @@ void dm_sweep_forward(const dm_level *l, int64_t begin, int64_t end, int from_ze
 {
     for (int64_t i = begin; i < end; i++)
         if (from_zero)
-            relax(l, i, 1, begin, i);
+            relax(l, i, WITHIN, begin, i);
         else
-            relax(l, i, 0, 0, 0);
+            relax(l, i, ALL, 0, 0);
 }
 
 void dm_sweep_backward(const dm_level *l, int64_t begin, int64_t end)
 {
     for (int64_t i = end - 1; i >= begin; i--)
         if (is_border(l, i))
-            relax(l, i, 1, begin, end);
+            relax(l, i, WITHIN, begin, end);
         else
-            relax(l, i, 0, 0, 0);
+            relax(l, i, ALL, 0, 0);
 }
 
 /* Add what neighbours in other blocks contribute to b, which a sweep backward leaves out. */
 void dm_take_in_others(const dm_level *l, int64_t begin, int64_t end)
 {
-    for (int64_t i = begin; i < end; i++) {
-        if (!is_border(l, i))
-            continue;
-        for (int32_t at = l->indptr[i]; at < l->indptr[i + 1]; at++) {
-            const int32_t j = l->indices[at];
-            if (j >= begin && j < end)
-                continue;
-            const float *const x = l->x + (ptrdiff_t)j * LANES;
-            for (int k = 0; k < LANES; k++)
-                l->b[i * LANES + k] += x[k];
-        }
-    }
+    for (int64_t i = begin; i < end; i++)
+        if (is_border(l, i))
+            add_neighbours(l, i, BEYOND, begin, end, l->b + i * LANES);
 }
 
 /* Add the residual of rows to the right-hand side of the coarse level, which begins as 0. */
@@ -83,12 +84,7 @@ void dm_restrict_rows(const dm_level *l, dm_level *coarse, int64_t begin, int64_
         float sum[LANES];
         for (int k = 0; k < LANES; k++)
             sum[k] = l->b[i * LANES + k] - l->diagonal[i] * l->x[i * LANES + k];
-        for (int32_t at = l->indptr[i]; at < l->indptr[i + 1]; at++) {
-            const float *const x = l->x + (ptrdiff_t)l->indices[at] * LANES;
-            const float weight = l->weights == NULL ? 1.0f : l->weights[at];
-            for (int k = 0; k < LANES; k++)
-                sum[k] += weight * x[k];
-        }
+        add_neighbours(l, i, ALL, 0, 0, sum);
         float *const out = coarse->b + (ptrdiff_t)l->aggregate[i] * LANES;
         for (int k = 0; k < LANES; k++)
             out[k] += sum[k];

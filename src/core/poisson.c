@@ -279,8 +279,8 @@ static int64_t descend(solve *s, double tolerance, int64_t most, double *barrier
    below a count, by any thread and in any order; once all are done it returns 0, or another number
    to end the solve, whose result is then worthless.
 
-   Scratch: sums (blocks, LANES); w, border (n,); r, p, q (n, LANES); the cycle's b and x of all levels
-   but the finest, which has them in q: nothing needs both at once. */
+   Scratch: sums (blocks, LANES); w (n,); r, p, q (n, LANES); the cycle's b and x of all levels but
+   the finest, which has them in q: nothing needs both at once; of several blocks, border (n,). */
 int dm_solve_poisson(const int64_t *sizes, const int64_t *entries, int64_t levels,
                      const int32_t *near, const int32_t *neighbours, const int32_t *indptr,
                      const int32_t *indices, const float *weights, const float *diagonal,
@@ -330,8 +330,9 @@ int dm_solve_poisson(const int64_t *sizes, const int64_t *entries, int64_t level
             cycle_b += n * LANES, cycle_x += n * LANES;
         }
     }
-    for (int64_t i = 0; i < sizes[0]; i++) {
+    for (int64_t i = 0; i < sizes[0]; i++)
         w[i] = 0.0;
+    for (int64_t i = 0; s.blocks > 1 && i < sizes[0]; i++) {
         border[i] = 0;
         for (int32_t at = near[i]; at < near[i + 1]; at++)
             border[i] |= neighbours[at] / block != i / block;

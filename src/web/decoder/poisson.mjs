@@ -4,6 +4,8 @@ import { at, out, place, real, room, shorts, shortsOut } from "./core.mjs";
 import { given } from "./graph.mjs";
 
 const MOST_ITERATIONS = 1000;
+// Blocks of the finest level are for threads, of which there is one.
+const ONE_BLOCK = 2 ** 31;
 const ROUNDINGS = 4;
 const EPSILON = 2 ** -52;
 
@@ -21,11 +23,10 @@ export function hierarchyOf(core, graph, fixed) {
   const weights = new Float32Array(0);
   const levels = [{ indptr, indices, weights, diagonal, inverse, aggregate: none(n) }];
   const [most, dense] = ["DM_MAX_LEVELS", "DM_MAX_DENSE"].map((name) => core.constant(name));
-  const block = blockOf(core, graph);
   const isLarge = () => levels.length === 1 || levels.at(-1).diagonal.length > dense;
   while (levels.length < most && isLarge()) {
     const level = levels.at(-1);
-    const count = aggregate(core, level, levels.length === 1 ? block : level.diagonal.length);
+    const count = aggregate(core, level);
     if (!count) break;
     levels.push(coarsened(core, level, count));
   }
@@ -42,7 +43,7 @@ export function hierarchyOf(core, graph, fixed) {
   };
   const sizes = Int32Array.from(levels, (level) => level.diagonal.length);
   const entries = Int32Array.from(levels, (level) => level.indices.length);
-  return { n, finest, sizes, entries, ...arrays, factor, dense: isDense ? last : 0, block, barrier: 0 };
+  return { n, finest, sizes, entries, ...arrays, factor, dense: isDense ? last : 0, barrier: 0 };
 }
 
 const none = (count) => new Int32Array(count).fill(-1);
@@ -58,18 +59,11 @@ function concatenated(arrays) {
 
 const rowsOf = (level) => given({ count: level.diagonal.length, ...level });
 
-/** Return the rows of a block of the finest level. */
-function blockOf(core, graph) {
-  const block = place();
-  core.call("dm_choose_block", ...given(graph), block);
-  return Number(block.value);
-}
-
-/** Fill in the aggregate of each node, within blocks of nodes; return how many there are. */
-function aggregate(core, level, within) {
+/** Fill in the aggregate of each node; return how many there are. */
+function aggregate(core, level) {
   const count = place();
-  const own = [level.inverse, within, shortsOut(level.aggregate)];
-  core.call("dm_aggregate", ...rowsOf(level), ...own, count);
+  const { inverse, aggregate: found } = level;
+  core.call("dm_aggregate", ...rowsOf(level), inverse, ONE_BLOCK, shortsOut(found), count);
   return Number(count.value);
 }
 
@@ -123,15 +117,14 @@ export function solvePoisson(core, hierarchy, b, x, tolerance) {
   const numbers = [hierarchy.diagonal, hierarchy.inverse, shorts(hierarchy.aggregate)];
   const wanted = [b, out(solution), real(tolerance), MOST_ITERATIONS];
   const found = [out(barrier), out(bound), place()];
-  const blocks = Math.ceil(n / hierarchy.block);
-  const memory = [lanes * blocks, n, lanes * n, lanes * n, lanes * n].map((count) => room(count));
+  const memory = [lanes, n, lanes * n, lanes * n, lanes * n].map((count) => room(count));
   const coarse = Math.ceil((lanes * (nodes - n)) / 2); // floats of 32 bits
   const dense = [hierarchy.factor, hierarchy.dense];
   core.call(
     "dm_solve_poisson",
     ...[...levels, ...numbers, ...dense, ...wanted, ...found],
-    ...[hierarchy.block, at(0), ...memory],
-    ...[room(coarse), room(coarse), room(Math.ceil(n / 8))],
+    ...[ONE_BLOCK, at(0), ...memory],
+    ...[room(coarse), room(coarse), at(0)],
   );
   [hierarchy.barrier] = barrier;
   return { solution, bound: bound[0] };

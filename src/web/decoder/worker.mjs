@@ -27,18 +27,15 @@ export async function answered({ id, module, bytes, options }) {
 
 /** Return a file of these bytes and limits, one that is open if there is; a sequence stays open. */
 async function opened(module, bytes, { maxVertices, memory } = {}) {
-  const at = open.findIndex(
-    (one) =>
-      one.limits === `${maxVertices} ${memory}` &&
-      one.bytes.length === bytes.length &&
-      one.bytes.every((byte, i) => byte === bytes[i]),
-  );
+  const limits = [maxVertices, memory].join();
+  const isSame = (one) => one.limits === limits && one.bytes.length === bytes.length;
+  const at = open.findIndex((one) => isSame(one) && one.bytes.every((byte, i) => byte === bytes[i]));
   if (at >= 0) open.unshift(...open.splice(at, 1));
   else {
     const file = new Opened(await loadCore(module), bytes, { maxVertices, memory });
     if (file.frames < 2) return file;
-    open.unshift({ file, bytes, limits: `${maxVertices} ${memory}` });
-    open.splice(MOST);
+    open.unshift({ file, bytes, limits });
+    open.splice(MOST).forEach((one) => one.file.close());
   }
   return open[0].file;
 }
