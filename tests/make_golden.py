@@ -35,7 +35,7 @@ from places import GOLDEN, REFUSED
 from second_opinion import assert_same
 
 from deltamesh import frames, info
-from deltamesh._codec import decode
+from deltamesh._codec.decoding import decode
 from deltamesh._content import digest
 from deltamesh._geometry import cartesian, highpass, lossless, steps
 from deltamesh._geometry.integers import NONE, Integers

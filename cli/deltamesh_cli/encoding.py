@@ -100,7 +100,7 @@ def encode_file(
 
 
 def _encode(mesh: PolyMesh, progress: Progress, parameters: dict[str, Any]) -> Encoded:
-    from deltamesh._codec import encode_checked
+    from deltamesh._codec.inputs import encode_checked
     from deltamesh._options import Options
 
     given = options.specified(parameters)

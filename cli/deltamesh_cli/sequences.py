@@ -108,7 +108,7 @@ def _encode(
 ) -> Encoded:
     from itertools import chain
 
-    from deltamesh._codec import encode_sequence
+    from deltamesh._codec.inputs import encode_sequence
     from deltamesh._options import Options
 
     given = options.specified(parameters)

@@ -191,7 +191,7 @@ def load(
     TypeError
         For anything but a path or a file that is open in binary mode.
     """
-    from deltamesh._codec import decode
+    from deltamesh._codec.decoding import decode
 
     # Each overload of `decode` has one of these.
     run = functools.partial(decode, partial=True) if partial else decode
@@ -233,7 +233,7 @@ def save(
     ------
     MeshError, OptionError, TargetError, SolveError, RuntimeError, OSError
     """
-    from deltamesh._codec import encode
+    from deltamesh._codec.encoding import encode
 
     if isinstance(target, (str, os.PathLike)):
         _check_extension(target)

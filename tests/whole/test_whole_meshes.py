@@ -21,10 +21,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 
 from deltamesh import decode, encode
-from deltamesh._codec import encode_mesh
 from deltamesh._compare import likeness
 from deltamesh._options import Options
-from deltamesh._pipeline import Encoded
+from deltamesh._pipeline import Encoded, encode_mesh
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import MeshError

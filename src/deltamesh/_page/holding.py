@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from deltamesh._codec import encode
+from deltamesh._codec.encoding import encode
 from deltamesh._compare.likeness import Correspondence
 from deltamesh._page.alignment import aligned, shown
 from deltamesh._page.filling import PageFile

@@ -18,7 +18,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from deltamesh._codec import decode
+from deltamesh._codec.decoding import decode
 from deltamesh._measures.metrics import compare
 from deltamesh._measures.table import METRICS
 from deltamesh._mesh import TriangleMesh, triangulated
