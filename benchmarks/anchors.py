@@ -36,7 +36,8 @@ from deltamesh._kernels.mesh import distance, laplacian
 from deltamesh._measures.metrics import diagonal, vertex_errors
 from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
-from deltamesh._pipeline import Encoded, encode_mesh, read_content
+from deltamesh._pipeline.decoder import read_content
+from deltamesh._pipeline.encoder import Encoded, encode_mesh
 from deltamesh._shape.surface import Surface
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.container import Parameters

@@ -23,7 +23,8 @@ from deltamesh._geometry.systems import Systems
 from deltamesh._measures.metrics import diagonal, vertex_errors
 from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh, read_content
+from deltamesh._pipeline.decoder import read_content
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.container.stages import stages_of
 

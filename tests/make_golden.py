@@ -44,7 +44,8 @@ from deltamesh._graph.adjacency import lowest, without_edges
 from deltamesh._options import Options
 from deltamesh._order.coding import encode_order
 from deltamesh._order.reordering import Order
-from deltamesh._pipeline import encode_mesh, read_content
+from deltamesh._pipeline.decoder import read_content
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh._shape.polygons import plain
 from deltamesh._shape.surface import surface_of
 from deltamesh._streams import exact as exact_streams

@@ -15,7 +15,7 @@ from deltamesh_formats.container.texts import texts_of
 
 if TYPE_CHECKING:
     from deltamesh._measures.report import Report
-    from deltamesh._pipeline import Encoded
+    from deltamesh._pipeline.encoder import Encoded
     from deltamesh._sections.draft import Cost
     from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh

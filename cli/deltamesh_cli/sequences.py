@@ -22,7 +22,7 @@ from deltamesh_formats.container.texts import texts_of
 from deltamesh_formats.wrappers import without_wrapper
 
 if TYPE_CHECKING:
-    from deltamesh._pipeline import Encoded
+    from deltamesh._pipeline.encoder import Encoded
     from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
 

@@ -12,7 +12,8 @@ from deltamesh._geometry.rotations import to_quaternions
 from deltamesh._handles import Move, Vertices, held
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_pose
 from deltamesh._measures.metrics import diagonal, vertex_errors
-from deltamesh._pipeline import points_at_rest, proven, proven_content
+from deltamesh._pipeline.decoder import points_at_rest, proven_content
+from deltamesh._pipeline.proof import proven
 from deltamesh._posing import in_pose, posed_points, posing_system, with_isolated
 from deltamesh._progress import Progress, silent
 from deltamesh._sections.poses import encode, tree_of_anchors

@@ -16,7 +16,7 @@ from deltamesh._geometry.prediction import Reference, predicted
 from deltamesh._geometry.systems import Systems
 from deltamesh._limits import memory_to_solve
 from deltamesh._mesh import LARGEST
-from deltamesh._pipeline import decode_mesh, proven_content, to_precision_of
+from deltamesh._pipeline.decoder import decode_mesh, proven_content, to_precision_of
 from deltamesh._progress import Progress, silent
 from deltamesh._sections.frames import frame_integers, frame_parameters
 from deltamesh._sections.trials import has_scale

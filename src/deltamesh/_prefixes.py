@@ -12,7 +12,7 @@ from typing import BinaryIO, Final
 
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh._methods import HIGHPASS, METHODS
-from deltamesh._pipeline import check_scale, positioned, proven_content, read_content
+from deltamesh._pipeline.decoder import check_scale, positioned, proven_content, read_content
 from deltamesh._progress import Progress, silent
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.layout import CELLS, NORMALS

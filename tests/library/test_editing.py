@@ -18,7 +18,7 @@ from deltamesh._editing import edit_chosen
 from deltamesh._handles import indices_of
 from deltamesh._limits import check_pose, memory_needed
 from deltamesh._measures.metrics import diagonal
-from deltamesh._pipeline import read_content
+from deltamesh._pipeline.decoder import read_content
 from deltamesh._posing import check_name, posing_system
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh, from_triangles

@@ -95,7 +95,7 @@ def test_a_mesh_without_all_this_has_no_such_section() -> None:
 
 def test_the_encoder_says_what_the_decoder_will_make() -> None:
     from deltamesh._options import Options
-    from deltamesh._pipeline import encode_mesh
+    from deltamesh._pipeline.encoder import encode_mesh
 
     mesh = replace(with_names("a", "b"), metadata={"comments": ("x",)}, precision="float32")
     for keep in (False, True):

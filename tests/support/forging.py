@@ -6,7 +6,7 @@ import dataclasses
 import struct
 import zlib
 
-from deltamesh._pipeline import read_content
+from deltamesh._pipeline.decoder import read_content
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.reader import read_container

@@ -8,7 +8,7 @@ import strategies
 from deltamesh._codec.decoding import decode
 from deltamesh._measures.metrics import diagonal
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh_formats.polymesh.arrays import from_arrays
 
 # The tolerance that is promised for positions, in diagonals.

@@ -13,7 +13,7 @@ from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.systems import Systems
 from deltamesh._measures.metrics import vertex_errors
 from deltamesh._options import Options
-from deltamesh._pipeline import Encoded, encode_mesh
+from deltamesh._pipeline.encoder import Encoded, encode_mesh
 from deltamesh._shape.surface import Surface
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container import layout

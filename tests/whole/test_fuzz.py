@@ -13,7 +13,7 @@ import pytest
 from places import GOLDEN, REFUSED, ROOT
 
 from deltamesh._content import Content
-from deltamesh._pipeline import read_content
+from deltamesh._pipeline.decoder import read_content
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import FormatError, LimitError
 

@@ -22,7 +22,7 @@ from deltamesh._content import digest
 from deltamesh._geometry import highpass
 from deltamesh._geometry.integers import NONE, Integers
 from deltamesh._limits import memory_needed
-from deltamesh._pipeline import read_content
+from deltamesh._pipeline.decoder import read_content
 from deltamesh._shape.surface import surface_of
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.reader import read_container

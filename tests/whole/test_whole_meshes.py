@@ -23,7 +23,7 @@ from hypothesis.extra import numpy as nps
 from deltamesh import decode, encode
 from deltamesh._compare import likeness
 from deltamesh._options import Options
-from deltamesh._pipeline import Encoded, encode_mesh
+from deltamesh._pipeline.encoder import Encoded, encode_mesh
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import MeshError

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal, overload
 
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
-from deltamesh._pipeline import decode_mesh
+from deltamesh._pipeline.decoder import decode_mesh
 from deltamesh._player import decode_frames
 from deltamesh._prefixes import Partial, decode_prefix
 from deltamesh._progress import Progress, silent

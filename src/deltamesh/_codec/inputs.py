@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from deltamesh._mesh import LARGEST
 from deltamesh._options import Options
-from deltamesh._pipeline import Encoded, encode_mesh
+from deltamesh._pipeline.encoder import Encoded, encode_mesh
 from deltamesh._progress import Progress
 from deltamesh._sections import draft
 from deltamesh_formats.errors import MeshError, OptionError

@@ -19,7 +19,7 @@ from deltamesh._attributes import owners
 from deltamesh._attributes.candidates import AttributeSettings, candidate_codings
 from deltamesh._attributes.wedges import encode_wedges
 from deltamesh._options import Options
-from deltamesh._pipeline import Encoded, encode_mesh
+from deltamesh._pipeline.encoder import Encoded, encode_mesh
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.attribute_table import Entry, read_table
 from deltamesh_formats.container.reader import read_container

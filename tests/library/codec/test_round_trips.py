@@ -23,7 +23,8 @@ from deltamesh._geometry.quantize import from_grid
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh._measures.metrics import diagonal, vertex_errors
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh, read_content
+from deltamesh._pipeline.decoder import read_content
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.polymesh.mesh import from_triangles
 

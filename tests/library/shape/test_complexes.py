@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from deltamesh import decode, encode
 from deltamesh._graph.halfedges import pair_halfedges, weld
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh._shape.complexes import cut, distinct_faces
 from deltamesh._shape.manifold import REVERSED
 from deltamesh_formats.container.reader import read_container
