@@ -16,7 +16,7 @@ import corpus
 import numpy as np
 
 import deltamesh
-from deltamesh._geometry import highpass
+from deltamesh._geometry.deltas import deltas
 from deltamesh._geometry.integers import NO_CELLS, NONE
 from deltamesh._geometry.positions import solved
 from deltamesh._geometry.systems import Systems
@@ -100,7 +100,7 @@ def coarse_surfaces(mesh: TriangleMesh) -> Iterator[Stage]:
         ("interpolated without cells", replace(p, interpolated=True), bare),
         ("interpolated with cells", p, integers),
     ):
-        W = solved(highpass.deltas(parameters, known), parameters, known, systems, stage=0)
+        W = solved(deltas(parameters, known), parameters, known, systems, stage=0)
         yield _stage(name, size, size / len(made.data), V, W, np.asarray(surface.faces))
 
 

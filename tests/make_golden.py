@@ -37,7 +37,7 @@ from second_opinion import assert_same
 from deltamesh import frames, info
 from deltamesh._codec.decoding import decode
 from deltamesh._content import digest
-from deltamesh._geometry import cartesian, highpass, lossless, steps
+from deltamesh._geometry import anchor_sections, cartesian, lossless, steps
 from deltamesh._geometry.integers import NONE, Integers
 from deltamesh._geometry.quantize import from_grid
 from deltamesh._graph.adjacency import lowest, without_edges
@@ -507,7 +507,7 @@ def one_sided_anchors():
     surface, integers = content.structure.surface, content.integers
     anchors = np.array([0, 1])
     wrong = Integers(integers.values, anchors, integers.positions, integers.isolated)
-    payload = highpass.encode(surface, container.parameters, wrong)["ANCH"]
+    payload = anchor_sections.encode(surface, container.parameters, wrong)["ANCH"]
     return forging.forged(data, ANCH=payload, checksum=digest(surface.faces, NONE, wrong))
 
 

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import Final
 
+import numpy as np
+
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.motion import Motion, carried
 from deltamesh._geometry.systems import Systems
@@ -84,6 +86,11 @@ def predicted(
     else:
         deltas = positions
     return Prediction(first, reference, motion, positions, deltas)
+
+
+def origin_of(predicted: Prediction | None) -> Floats | None:
+    """Return the origin of the grids of all frames, float64 (3,), None for the first frame."""
+    return None if predicted is None else np.array(predicted.first.origin)
 
 
 def halvings(step: float, wanted: float) -> int:

@@ -169,7 +169,7 @@ def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict
 
 
 def encode_frame(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
-    """Return the payloads of a further frame, as `highpass.encode_frame` does."""
+    """Return the payloads of a further frame, as `anchor_sections.encode_frame` does."""
     payloads = highpass.encode_frame(surface, parameters, integers)
     return {**payloads, NORMALS: _encode_refinements(surface, integers)}
 
