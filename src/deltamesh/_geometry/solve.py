@@ -24,15 +24,13 @@ from typing import TYPE_CHECKING, TypeVar, cast
 
 import numpy as np
 
+from deltamesh._geometry.fill import MATRIX_ENTRY, check_memory, pattern
 from deltamesh._geometry.solvers import (
-    MATRIX_ENTRY,
     SMALL,
     SMALL_FACTOR,
     SOLVERS,
     Solve,
-    check_memory,
     factor_normal,
-    pattern,
     solver_name,
 )
 from deltamesh._graph.adjacency import Graph, components
