@@ -56,8 +56,8 @@ from deltamesh._streams.vectors import encode_vectors
 from deltamesh_formats import zstd_frames
 from deltamesh_formats.container.attribute_table import entries_of
 from deltamesh_formats.container.container import Section
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.container.reader import read_container
-from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, LimitError
 from deltamesh_formats.polymesh.mesh import from_triangles
 

@@ -10,6 +10,7 @@ from typing import TypedDict
 
 from deltamesh._methods import AUTO, BOUNDS, METHOD_OPTIONS, METHODS, RATES
 from deltamesh_formats.container import layout
+from deltamesh_formats.container.fields import STRING_MAX_BYTES
 from deltamesh_formats.container.layout import MethodLayout
 from deltamesh_formats.errors import OptionError
 
@@ -150,7 +151,7 @@ class Options:
         if self.fps is not None:
             _require_above_0("fps", self.fps)
         _require_within("key_every", self.key_every, 1, MAX_KEY_EVERY)
-        most = layout.STRING_MAX_BYTES
+        most = STRING_MAX_BYTES
         fits = self.source_format.isprintable() and len(self.source_format.encode()) <= most
         _require(fits, f"source_format must be printable, and at most {most} bytes")
 

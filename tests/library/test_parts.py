@@ -20,10 +20,10 @@ from packed_blocks import deflated, plain
 import deltamesh
 from deltamesh._limits import memory_needed
 from deltamesh_formats.container import layout, texts
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.container.layout import MAX_TEXT
 from deltamesh_formats.container.listing import texts_object
 from deltamesh_formats.container.reader import read_container
-from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, LimitError, MeshError
 from deltamesh_formats.meshfiles import files as meshfile
 from deltamesh_formats.polymesh.mesh import Kind, Parts, PolyMesh, from_triangles

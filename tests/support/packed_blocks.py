@@ -5,7 +5,7 @@ from __future__ import annotations
 import zlib
 
 from deltamesh_formats.container import layout
-from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.container.fields import write_varint
 
 
 def plain(raw: bytes) -> bytes:

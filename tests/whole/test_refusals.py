@@ -25,8 +25,8 @@ from deltamesh._limits import memory_needed
 from deltamesh._pipeline.decoder import read_content
 from deltamesh._shape.surface import surface_of
 from deltamesh_formats.container import layout
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.container.reader import read_container
-from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import DeltameshError, FormatError, LimitError, SolveError
 
 SPHERE = meshes.icosphere(1)

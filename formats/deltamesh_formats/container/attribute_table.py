@@ -15,9 +15,15 @@ import numpy as np
 
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.fields import (
+    STRUCT_CODES,
+    read_varint,
+    struct_of,
+    take,
+    write_varint,
+)
 from deltamesh_formats.container.layout import OWN_WEDGES, WEDGES_OF, Coding
-from deltamesh_formats.container.reader import payload_of, read_varint, take
-from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import Domain, Role
 
@@ -34,8 +40,8 @@ _FITTING: Final = {"integer": "bui", "exact": "fc", "grid": "f", "octahedral": "
 _DOMAIN: Final = (1 << layout.ROLE_AT) - 1
 _ROLE: Final = (1 << layout.TYPE_AT - layout.ROLE_AT) - 1
 _CODING: Final = 3
-_INTEGER: Final = layout.struct_of(layout.INTEGER_FIELDS)
-_F64: Final = layout.STRUCT_CODES["f64"]
+_INTEGER: Final = struct_of(layout.INTEGER_FIELDS)
+_F64: Final = STRUCT_CODES["f64"]
 
 
 @dataclass(frozen=True)

@@ -5,21 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from deltamesh_formats.container import layout
-from deltamesh_formats.container.container import (
-    Container,
-    Meta,
+from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.fields import write_fields
+from deltamesh_formats.container.header import write_header
+from deltamesh_formats.container.meta import Meta, meta_faults, read_meta, write_meta
+from deltamesh_formats.container.parameters import (
     Parameters,
-    laid_out,
-    meta_faults,
     parameter_faults,
-)
-from deltamesh_formats.container.reader import read_meta, read_parameters
-from deltamesh_formats.container.writer import (
-    write_digest,
-    write_header,
-    write_meta,
+    read_parameters,
     write_parameters,
 )
+from deltamesh_formats.container.sections import laid_out
 from deltamesh_formats.errors import MeshError
 
 
@@ -63,7 +59,7 @@ def build_container(
     own = {layout.PARAMETERS: _parameters(parameters, vertices)}
     if meta is not None:
         own[layout.META] = _meta(meta)
-    own[layout.CHECK] = write_digest(digest)
+    own[layout.CHECK] = write_fields(layout.CHECK_FIELDS, {"digest": digest})
     first = layout.required(parameters.method, payloads)
     ids = (*first, layout.META, *(name for name in payloads if name not in first), layout.CHECK)
     present = {**payloads, **own}

@@ -1,56 +1,22 @@
 """Constants of the `.dmesh` container, in the order of SPEC.md.
 
-`reader` and `writer` are mirror images over these tables; a test compares them with the byte
-tables of SPEC.md, so none of the three can drift. A number that a file holds is written out here
+Readers and writers are mirror images over these tables; a test compares them with the byte tables
+of SPEC.md, so none of the three can drift. A number that a file holds is written out here
 and never changes; no order of names elsewhere stands for one.
 """
 
 from __future__ import annotations
 
-import struct
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias
+
+from deltamesh_formats.container.fields import Field
 
 if TYPE_CHECKING:
     from deltamesh_formats.polymesh.kinds import Kind
     from deltamesh_formats.polymesh.mesh import Domain, Role
 
-
-class Field(NamedTuple):
-    """One field of a byte table: its name and a type of `STRUCT_CODES`, `varint` or `string`."""
-
-    name: str
-    type: str
-
-
-# SPEC.md#1-conventions
-
-# Everything is little-endian and unaligned: "<" turns the padding of `struct` off.
-STRUCT_CODES: Final[Mapping[str, struct.Struct]] = {
-    "u8": struct.Struct("<B"),
-    "u16": struct.Struct("<H"),
-    "i16": struct.Struct("<h"),
-    "u32": struct.Struct("<I"),
-    "u64": struct.Struct("<Q"),
-    "f32": struct.Struct("<f"),
-    "f64": struct.Struct("<d"),
-    "bytes8": struct.Struct("<8s"),
-}
-
-
-def struct_of(fields: Iterable[Field]) -> struct.Struct:
-    """Return what packs a byte table of fixed size."""
-    codes = (STRUCT_CODES[kind].format.removeprefix("<") for _, kind in fields)
-    return struct.Struct("<" + "".join(codes))
-
-
-# Nine bytes hold 63 bits: a value always fits a signed 64-bit integer.
-VARINT_MAX_BYTES: Final = 9
-VARINT_MAX: Final = 2 ** (7 * VARINT_MAX_BYTES) - 1
-
-# A `string` has a length byte.
-STRING_MAX_BYTES: Final = 255
 
 # SPEC.md#2-header
 
@@ -72,7 +38,6 @@ MAX_COUNT: Final = 2**40
 # SPEC.md#3-sections
 
 ID_SIZE: Final = 4
-CRC_SIZE: Final = 4
 MAX_SECTIONS: Final = 64
 PARAMETERS: Final = "PARM"
 CONNECTIVITY: Final = "CONN"

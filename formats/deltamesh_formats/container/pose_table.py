@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.reader import Buffer, payload_of, read_fields, take
-from deltamesh_formats.container.writer import write_fields
+from deltamesh_formats.container.fields import Buffer, read_fields, take, write_fields
+from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import FormatError
 
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from deltamesh_formats.container.container import Container, Meta, Parameters
+from deltamesh_formats.container.fields import read_varint
 from deltamesh_formats.container.layout import (
     ATTRIBUTES,
     FRAMES,
@@ -21,7 +22,6 @@ from deltamesh_formats.container.layout import (
 )
 from deltamesh_formats.container.listing import pose_lines, text_lines
 from deltamesh_formats.container.pose_table import entries_of as poses_of
-from deltamesh_formats.container.reader import read_varint
 from deltamesh_formats.container.regions import regions_of
 from deltamesh_formats.container.stages import awaited, stage_of, stages_of
 from deltamesh_formats.container.texts import texts_of

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Final
 
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.fields import Buffer, read_varint, take, write_varint
 from deltamesh_formats.container.layout import MAX_TEXT, PARTS
 from deltamesh_formats.container.packed import packed, unpacked, unpacked_size
-from deltamesh_formats.container.reader import Buffer, payload_of, read_varint, take
-from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import FormatError, MeshError
 
 if TYPE_CHECKING:

@@ -21,7 +21,8 @@ from deltamesh._streams.vectors import decode_vectors, encode_vectors
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Parameters, Section
-from deltamesh_formats.container.reader import payload_of, take
+from deltamesh_formats.container.fields import take
+from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.permutations import distinct
 

@@ -19,7 +19,7 @@ from deltamesh._vectors import largest
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.layout import MAPS, METHODS
-from deltamesh_formats.container.reader import payload_of
+from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import MeshError
 
 

@@ -21,7 +21,8 @@ from deltamesh_formats.array_types import Ints
 from deltamesh_formats.caching import cached_property
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Meta
-from deltamesh_formats.container.layout import FILLING, REGIONS, STRING_MAX_BYTES
+from deltamesh_formats.container.fields import STRING_MAX_BYTES
+from deltamesh_formats.container.layout import FILLING, REGIONS
 from deltamesh_formats.container.regions import write_regions
 from deltamesh_formats.container.writer import write_container
 from deltamesh_formats.errors import MeshError, OptionError, SolveError, TargetError

@@ -23,7 +23,7 @@ from deltamesh._shape.draft import ShapeDraft
 from deltamesh._shape.structure import Structure
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.reader import payload_of
+from deltamesh_formats.container.sections import payload_of
 
 if TYPE_CHECKING:
     from deltamesh._attributes.candidates import AttributeSettings

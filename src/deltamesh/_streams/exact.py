@@ -22,14 +22,15 @@ from deltamesh._streams.number_formats import ColumnFormats, NumberFormat, fault
 from deltamesh._streams.vectors import decode_vectors, encode_vectors
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container import layout
+from deltamesh_formats.container.fields import STRUCT_CODES, struct_of
 from deltamesh_formats.errors import FormatError
 
 SINGLE, DOUBLE = layout.RAW_WIDTHS["binary32"], layout.RAW_WIDTHS["binary64"]
-_WIDTH: Final = layout.STRUCT_CODES["u8"]
-_COLUMN: Final = layout.struct_of(layout.COLUMN_FIELDS)
-_FORMAT: Final = layout.struct_of(layout.FORMAT_FIELDS)
-_OPERATION: Final = layout.struct_of(layout.OPERATION_FIELDS)
-_SIZE: Final = layout.STRUCT_CODES["u32"]
+_WIDTH: Final = STRUCT_CODES["u8"]
+_COLUMN: Final = struct_of(layout.COLUMN_FIELDS)
+_FORMAT: Final = struct_of(layout.FORMAT_FIELDS)
+_OPERATION: Final = struct_of(layout.OPERATION_FIELDS)
+_SIZE: Final = STRUCT_CODES["u32"]
 _OPERATIONS_AT: Final = (layout.COLUMN_OPERATIONS & -layout.COLUMN_OPERATIONS).bit_length() - 1
 # An element of three numbers of up to 64 + 64 bits takes fewer bytes than two elements of others.
 _ELEMENTS: Final = 2

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Meta, Parameters
+from deltamesh_formats.container.fields import VARINT_MAX
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_container
 
@@ -48,12 +49,12 @@ names = st.text(max_size=60).filter(lambda s: s.isprintable() and len(s.encode()
 halvings = st.integers(0, 255)
 errors = (not_negative, not_negative, single, single, not_negative, halvings, names, names)
 several = {
-    "parts": st.integers(2, layout.VARINT_MAX),
+    "parts": st.integers(2, VARINT_MAX),
     "part": names,
     "part_normal": single,
     "part_rms": not_negative,
 }
-faces = {name: st.integers(0, layout.VARINT_MAX) for name in ("lost", "turned")}
+faces = {name: st.integers(0, VARINT_MAX) for name in ("lost", "turned")}
 metas = st.builds(Meta, *errors, **faces) | st.builds(Meta, *errors, **faces, **several)
 origins = st.tuples(finite, finite, finite)
 seeds = st.integers(0, 2**64 - 1)

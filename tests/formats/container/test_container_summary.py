@@ -9,6 +9,7 @@ from containers import CARTESIAN, DIGEST, HIGHPASS, META, PAYLOADS, written
 
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Parameters
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.summary import (
     achieved,
@@ -22,7 +23,6 @@ from deltamesh_formats.container.summary import (
     polygons,
     relative,
 )
-from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
 
 

@@ -11,19 +11,18 @@ from typing import get_args
 
 import children
 import pytest
+from format_constants import CONSTANTS, MODULES
 from places import GOLDEN
 from spec_tables import SPEC, spec_table, spec_tables
 
-from deltamesh_formats.container import layout
+from deltamesh_formats.container import fields, layout
 from deltamesh_formats.polymesh.kinds import Kind
 from deltamesh_formats.polymesh.mesh import Domain, Role
 
-LAYOUT = Path(layout.__file__).read_text(encoding="utf-8")
-
 
 def types():
-    sizes = {name: (code.size, code.size) for name, code in layout.STRUCT_CODES.items()}
-    varint, string = (1, layout.VARINT_MAX_BYTES), (1, 1 + layout.STRING_MAX_BYTES)
+    sizes = {name: (code.size, code.size) for name, code in fields.STRUCT_CODES.items()}
+    varint, string = (1, fields.VARINT_MAX_BYTES), (1, 1 + fields.STRING_MAX_BYTES)
     return sizes | {"varint": varint, "string": string}
 
 
@@ -51,9 +50,9 @@ def test_spec_types():
 )
 def test_spec_byte_tables(number, tables):
     expected = []
-    for fields in tables:
+    for table in tables:
         rows, offset = [], 0
-        for name, kind in fields:
+        for name, kind in table:
             low, high = types()[kind]
             rows.append([name, "-" if offset is None else str(offset), size_text(kind), kind])
             offset = offset + low if offset is not None and low == high else None
@@ -278,7 +277,7 @@ def test_spec_limits():
     values = {name: value.replace("2^", "2**") for name, value, _ in spec_table("3.3", "Name")}
     for name, value in values.items():
         base, _, power = value.partition("**")
-        assert getattr(layout, name) == int(base) ** int(power or 1)
+        assert CONSTANTS[name] == int(base) ** int(power or 1)
 
 
 def test_spec_codes():
@@ -290,10 +289,12 @@ def test_spec_codes():
     assert bits == f"0..{layout.MAX_BITS}, {layout.BITS_FROM_STEP}"
 
 
-def test_layout_follows_the_order_of_the_spec():
+@pytest.mark.parametrize("module", MODULES, ids=lambda module: module.__name__)
+def test_layout_follows_the_order_of_the_spec(module):
     headings = re.findall(r"^#+ (\d[\d.]* .*)$", SPEC, flags=re.MULTILINE)
     anchors = [re.sub(r"[^\w -]", "", h).lower().replace(" ", "-") for h in headings]
-    links = re.findall(r"^# SPEC\.md#(\S+)$", LAYOUT, flags=re.MULTILINE)
+    text = Path(module.__file__).read_text(encoding="utf-8")
+    links = re.findall(r"^# SPEC\.md#(\S+)$", text, flags=re.MULTILINE)
     assert links
     assert [anchors.index(link) for link in links] == sorted(anchors.index(i) for i in links)
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from deltamesh_formats import zstd_frames
 from deltamesh_formats.container import layout, packed
-from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.errors import FormatError
 
 NAMES = [f"Object_{i:04}_LOD0" for i in range(3000)]
