@@ -66,7 +66,7 @@ def compare_meshes(a: LoadedMesh, b: LoadedMesh, progress: Progress) -> Comparis
     from deltamesh._measures import metrics
     from deltamesh._mesh import TriangleMesh, triangulated
     from deltamesh._shape.complexes import distinct_faces
-    from deltamesh_formats.container.layout import METHODS
+    from deltamesh_formats.container.method_layouts import METHODS
 
     progress("matching vertices")
     containers = [one.container for one in (a, b) if one.container]

@@ -23,7 +23,8 @@ from deltamesh_formats.array_types import Bools, Floats
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.fields import STRING_MAX_BYTES
-from deltamesh_formats.container.layout import CHECK, META, METHODS, PARAMETERS, POSES
+from deltamesh_formats.container.layout import CHECK, META, PARAMETERS, POSES
+from deltamesh_formats.container.method_layouts import METHODS
 from deltamesh_formats.container.pose_table import entries_of, pose_fault
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_container

@@ -19,10 +19,10 @@ from packed_blocks import deflated, plain
 
 import deltamesh
 from deltamesh._limits import memory_needed
-from deltamesh_formats.container import layout, texts
+from deltamesh_formats.container import texts
 from deltamesh_formats.container.fields import write_varint
-from deltamesh_formats.container.layout import MAX_TEXT
 from deltamesh_formats.container.listing import texts_object
+from deltamesh_formats.container.payload_layout import KINDS, MAX_TEXT
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import FormatError, LimitError, MeshError
 from deltamesh_formats.meshfiles import files as meshfile
@@ -30,7 +30,7 @@ from deltamesh_formats.polymesh.mesh import Kind, Parts, PolyMesh, from_triangle
 
 
 def test_every_kind_has_a_number() -> None:
-    assert set(get_args(Kind)) == set(layout.KINDS)
+    assert set(get_args(Kind)) == set(KINDS)
 
 
 def bits(transforms: Any) -> Any:

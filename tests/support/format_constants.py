@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from deltamesh_formats.container import fields, layout
+from deltamesh_formats.container import fields, layout, payload_layout
 
-MODULES = (fields, layout)
+MODULES = (fields, layout, payload_layout)
 CONSTANTS = {name: value for module in MODULES for name, value in vars(module).items()}

@@ -13,6 +13,8 @@ from places import ROOT
 from deltamesh import _limits, _mesh, _methods
 from deltamesh._methods import METHODS
 from deltamesh_formats.container import layout
+from deltamesh_formats.container.method_layouts import KNOWN
+from deltamesh_formats.container.payload_layout import RAW_WIDTHS
 
 DECODER = ROOT / "src" / "web" / "decoder"
 
@@ -97,9 +99,9 @@ def test_names_by_their_numbers(constants: dict[str, Any]) -> None:
         assert constants[name] == list(CONSTANTS[name])
         assert list(CONSTANTS[name].values()) == list(range(len(constants[name])))
     assert constants["ANCHOR_METHODS"] == [[n, name] for name, n in layout.ANCHOR_METHODS.items()]
-    assert constants["RAW_WIDTHS"] == list(layout.RAW_WIDTHS.values())
+    assert constants["RAW_WIDTHS"] == list(RAW_WIDTHS.values())
     assert constants["MAGIC"] == list(layout.MAGIC)
-    assert {*constants["KNOWN"]} == layout.KNOWN
+    assert {*constants["KNOWN"]} == KNOWN
 
 
 def test_methods(constants: dict[str, Any]) -> None:

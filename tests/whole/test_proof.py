@@ -23,7 +23,7 @@ from deltamesh._pipeline import encoder
 from deltamesh._sections.draft import Draft
 from deltamesh._sections.table import Section
 from deltamesh._shape.announced import announced
-from deltamesh_formats.container.layout import MAX_ELEMENTS_PER_BYTE
+from deltamesh_formats.container.payload_layout import MAX_ELEMENTS_PER_BYTE
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh
 
 CORNERS = np.eye(3)

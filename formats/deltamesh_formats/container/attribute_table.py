@@ -22,25 +22,45 @@ from deltamesh_formats.container.fields import (
     take,
     write_varint,
 )
-from deltamesh_formats.container.layout import OWN_WEDGES, WEDGES_OF, Coding
+from deltamesh_formats.container.payload_layout import (
+    CODING_AT,
+    CODINGS,
+    DOMAINS,
+    FIRST_NONE,
+    INTEGER_FIELDS,
+    MAX_LIMB_BITS,
+    MAX_NORMAL_BITS,
+    MIN_NORMAL_BITS,
+    MIXED,
+    NORMALIZED,
+    OWN_WEDGES,
+    PALETTE,
+    PARTLY,
+    ROLE_AT,
+    ROLES,
+    TYPE_AT,
+    TYPES,
+    WEDGES_OF,
+    Coding,
+)
 from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import Domain, Role
 
-_DOMAINS: Final = {code: name for name, code in layout.DOMAINS.items()}
-_ROLES: Final = {code: name for name, code in layout.ROLES.items()}
-_CODINGS: Final = {code: name for name, code in layout.CODINGS.items()}
-_TYPES: Final = {code: np.dtype(name) for name, code in layout.TYPES.items()}
+_DOMAINS: Final = {code: name for name, code in DOMAINS.items()}
+_ROLES: Final = {code: name for name, code in ROLES.items()}
+_CODINGS: Final = {code: name for name, code in CODINGS.items()}
+_TYPES: Final = {code: np.dtype(name) for name, code in TYPES.items()}
 # Surrogates stand for bytes of a name that was no UTF-8; they are encoded as other code points are.
 _NAMES: Final = "surrogatepass"
 # Kinds of numpy types that each coding is for.
 _FITTING: Final = {"integer": "bui", "exact": "fc", "grid": "f", "octahedral": "f"}
 
 # Masks of what a byte has left after shifting.
-_DOMAIN: Final = (1 << layout.ROLE_AT) - 1
-_ROLE: Final = (1 << layout.TYPE_AT - layout.ROLE_AT) - 1
+_DOMAIN: Final = (1 << ROLE_AT) - 1
+_ROLE: Final = (1 << TYPE_AT - ROLE_AT) - 1
 _CODING: Final = 3
-_INTEGER: Final = struct_of(layout.INTEGER_FIELDS)
+_INTEGER: Final = struct_of(INTEGER_FIELDS)
 _F64: Final = STRUCT_CODES["f64"]
 
 
@@ -140,12 +160,12 @@ def write_table(entries: tuple[Entry, ...]) -> bytes:
 
 def _written(e: Entry) -> bytes:
     name = e.name.encode(errors=_NAMES)
-    what = layout.DOMAINS[e.domain] | layout.ROLES[e.role] << layout.ROLE_AT
-    what |= layout.TYPES[e.dtype.name] << layout.TYPE_AT
-    flags = layout.CODINGS[e.coding] << layout.CODING_AT
-    flags |= layout.NORMALIZED * e.normalized | layout.MIXED * e.mixed
-    flags |= layout.PARTLY * e.partly | layout.FIRST_NONE * e.first_none
-    flags |= layout.PALETTE * (e.palette is not None)
+    what = DOMAINS[e.domain] | ROLES[e.role] << ROLE_AT
+    what |= TYPES[e.dtype.name] << TYPE_AT
+    flags = CODINGS[e.coding] << CODING_AT
+    flags |= NORMALIZED * e.normalized | MIXED * e.mixed
+    flags |= PARTLY * e.partly | FIRST_NONE * e.first_none
+    flags |= PALETTE * (e.palette is not None)
     parts = [write_varint(len(name)), name, bytes([what, flags]), write_varint(e.width)]
     if e.domain == "corner":
         parts.append(write_varint(e.wedges))
@@ -200,18 +220,18 @@ def _read(payload: bytes | memoryview, at: int, before: list[Entry]) -> tuple[En
     start, number = at, len(before)
     name, at = _read_name(payload, at, number)
     what, flags = take(payload, at, 2)
-    domain, role = what & _DOMAIN, what >> layout.ROLE_AT & _ROLE
-    kind, coding = what >> layout.TYPE_AT, flags >> layout.CODING_AT & _CODING
+    domain, role = what & _DOMAIN, what >> ROLE_AT & _ROLE
+    kind, coding = what >> TYPE_AT, flags >> CODING_AT & _CODING
     for field, code, known in (("domain", domain, _DOMAINS), ("type", kind, _TYPES)):
         if code not in known:
             raise FormatError(f"attribute {number}: unknown {field} {code}", at)
-    if flags >= 2 * layout.FIRST_NONE:
+    if flags >= 2 * FIRST_NONE:
         raise FormatError(f"attribute {number}: reserved bits of flags are set", at)
     width, at = read_varint(payload, at + 2)
     fields: dict[str, Any] = {}
     if _DOMAINS[domain] == "corner":
         fields["wedges"], at = read_varint(payload, at)
-    if flags & layout.PALETTE:
+    if flags & PALETTE:
         fields["palette"], at = read_varint(payload, at)
     coded, at = _read_coding(payload, at, _CODINGS[coding], width)
     entry = Entry(
@@ -220,11 +240,11 @@ def _read(payload: bytes | memoryview, at: int, before: list[Entry]) -> tuple[En
         _ROLES[role],
         _TYPES[kind],
         width,
-        bool(flags & layout.NORMALIZED),
+        bool(flags & NORMALIZED),
         _CODINGS[coding],
-        partly=bool(flags & layout.PARTLY),
-        first_none=bool(flags & layout.FIRST_NONE),
-        mixed=bool(flags & layout.MIXED),
+        partly=bool(flags & PARTLY),
+        first_none=bool(flags & FIRST_NONE),
+        mixed=bool(flags & MIXED),
         **fields,
         **coded,
     )
@@ -280,14 +300,14 @@ def _fault(e: Entry) -> str:
     if e.mixed and (e.coding not in ("integer", "grid") or e.width < 3 or e.limbs > 1):
         return f"mixed columns with coding {e.coding}, width {e.width} and {e.limbs} limbs"
     if e.coding == "integer":
-        fits = 1 <= e.bits <= layout.MAX_LIMB_BITS and 1 <= e.limbs <= -(-64 // e.bits)
+        fits = 1 <= e.bits <= MAX_LIMB_BITS and 1 <= e.limbs <= -(-64 // e.bits)
         return "" if fits else f"{e.limbs} limbs of {e.bits} bits"
     if e.coding == "octahedral":
         if e.width != 3:
             return f"octahedral coding with width {e.width}"
         if e.palette is not None:
             return "octahedral coding with a palette"
-        if not layout.MIN_NORMAL_BITS <= e.bits <= layout.MAX_NORMAL_BITS:
+        if not MIN_NORMAL_BITS <= e.bits <= MAX_NORMAL_BITS:
             return f"normals of {e.bits} bits"
     for field, values in (("error", (e.error,)), ("density", (e.density,)), ("origin", e.origin)):
         for value in values:

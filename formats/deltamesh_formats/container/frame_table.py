@@ -24,21 +24,18 @@ from deltamesh_formats.container.fields import (
     write_fields,
     write_varint,
 )
-from deltamesh_formats.container.layout import (
-    CELLS,
-    CORRECTIONS,
+from deltamesh_formats.container.layout import CELLS, CORRECTIONS, FRAMES, ID_SIZE
+from deltamesh_formats.container.method_layouts import METHODS
+from deltamesh_formats.container.payload_layout import (
     FRAME_CELLS,
     FRAME_CORRECTIONS,
     FRAME_FIELDS,
     FRAME_KEY,
-    FRAMES,
-    ID_SIZE,
     MAP_FIELDS,
     MAPS,
     MAX_FINER,
     MAX_MAP_UNIT,
     MAX_RUN,
-    METHODS,
     SEQUENCE_FIELDS,
 )
 from deltamesh_formats.container.sections import payload_of

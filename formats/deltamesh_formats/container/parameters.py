@@ -12,10 +12,10 @@ from deltamesh_formats.container.layout import (
     INTERPOLATED,
     LEAST_SQUARES,
     MAX_BITS,
-    METHODS,
     RANDOM,
     ZONE_UNIT,
 )
+from deltamesh_formats.container.method_layouts import METHODS
 from deltamesh_formats.errors import FormatError
 
 _METHODS = {method.id: name for name, method in METHODS.items()}

@@ -21,6 +21,7 @@ from deltamesh_formats.container.fields import (
     with_crc,
     write_varint,
 )
+from deltamesh_formats.container.method_layouts import KNOWN, required
 from deltamesh_formats.errors import FormatError, located
 
 
@@ -109,7 +110,7 @@ def _read_section(view: memoryview, offset: int) -> Section:
         message = f"truncated: section {name} at byte {offset} has {length} bytes, {max(left, 0)}"
         raise FormatError(f"{message} are left", len(view))
     check_crc(view, offset, start + length, f"section {name}")
-    if name not in layout.KNOWN and name[0].isupper():
+    if name not in KNOWN and name[0].isupper():
         raise FormatError(f"section {name} is unknown: it needs a newer deltamesh", offset)
     payload = view[start : start + length]
     return Section(name, offset, payload)
@@ -158,13 +159,13 @@ def first_of(sections: Mapping[str, Section]) -> Section:
 
 def check_order(sections: Mapping[str, Section], method: str) -> None:
     """Refuse a section that is missing or not in its place; SPEC.md 3.2 has the order."""
-    ids, required = list(sections), layout.required(method, sections)
+    ids, needed = list(sections), required(method, sections)
     # `CHEK` ends the ids and is not among the required, so a shorter list meets it here.
-    for expected, found in zip(required, ids, strict=False):
+    for expected, found in zip(needed, ids, strict=False):
         if found != expected:
             message = f"section {expected} is missing, {found} is in its place"
             raise FormatError(message, sections[found].offset)
-    for i, name in enumerate(ids[len(required) :]):
+    for i, name in enumerate(ids[len(needed) :]):
         if name == layout.CHECK:
             continue
         if name[0].isupper() or (name == layout.META and i > 0):

@@ -10,17 +10,10 @@ from typing import TYPE_CHECKING
 
 from deltamesh_formats.container.container import Container, Meta, Parameters
 from deltamesh_formats.container.fields import read_varint
-from deltamesh_formats.container.layout import (
-    ATTRIBUTES,
-    FRAMES,
-    METHODS,
-    ORDER,
-    PER_OCTAVE,
-    POLYGONS,
-    QUARTERS,
-    STEPS,
-)
+from deltamesh_formats.container.layout import ATTRIBUTES, FRAMES, ORDER, POLYGONS, STEPS
 from deltamesh_formats.container.listing import pose_lines, text_lines
+from deltamesh_formats.container.method_layouts import METHODS
+from deltamesh_formats.container.payload_layout import PER_OCTAVE, QUARTERS
 from deltamesh_formats.container.pose_table import entries_of as poses_of
 from deltamesh_formats.container.regions import regions_of
 from deltamesh_formats.container.stages import awaited, stage_of, stages_of

@@ -22,6 +22,7 @@ from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.fields import take
+from deltamesh_formats.container.payload_layout import LEAST_UNIT, MOST_UNIT
 from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.permutations import distinct
@@ -58,7 +59,7 @@ def _encode_vectors(
     if len(integers.cells):
         rows = integers.cells.reshape(-1, 3)
         stream = encode_vectors(*without_edges(len(rows)), rows)
-        payloads[layout.CELLS] = bytes((integers.units - layout.LEAST_UNIT).tolist()) + stream
+        payloads[layout.CELLS] = bytes((integers.units - LEAST_UNIT).tolist()) + stream
     if len(integers.corrections):
         payloads[layout.CORRECTIONS] = encode_vectors(*surface.graph, integers.corrections)
     return payloads
@@ -116,8 +117,8 @@ def _decode_cells(
     with payload_of(section) as payload:
         if not (parameters.interpolated and len(shared)):
             raise FormatError("vectors of cells that have none", 0)
-        units = np.array(take(payload, 0, stages), dtype=np.int64) + layout.LEAST_UNIT
-        if units.max() > layout.MOST_UNIT:
+        units = np.array(take(payload, 0, stages), dtype=np.int64) + LEAST_UNIT
+        if units.max() > MOST_UNIT:
             raise FormatError(f"a unit of 2^{units.max()} steps", int(np.argmax(units)))
         values = decode_vectors(
             *without_edges(stages * len(shared)), payload[stages:], offset=stages

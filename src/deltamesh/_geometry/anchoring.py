@@ -19,7 +19,8 @@ from deltamesh._shape.surface import Surface
 from deltamesh._vectors import sides
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.container import Parameters
-from deltamesh_formats.container.layout import FARTHEST, GREEDY, MAX_GRID_BITS, RANDOM
+from deltamesh_formats.container.layout import FARTHEST, GREEDY, RANDOM
+from deltamesh_formats.container.payload_layout import MAX_GRID_BITS
 from deltamesh_formats.errors import OptionError
 
 # The grid of the anchors is that much finer than the step of the deltas: with diffusion, the

@@ -15,7 +15,8 @@ from deltamesh._kernels.mesh import laplacian
 from deltamesh._shape.surface import Surface
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.container.container import Parameters
-from deltamesh_formats.container.layout import MAX_FINER, METHODS
+from deltamesh_formats.container.method_layouts import METHODS
+from deltamesh_formats.container.payload_layout import MAX_FINER
 
 # How much coarser than it should be a grid may be before it is halved.
 SLACK: Final = 1.25

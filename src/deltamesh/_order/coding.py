@@ -24,7 +24,7 @@ from deltamesh._shape.polygons import Polygons
 from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.fields import read_varint, take, write_varint
-from deltamesh_formats.container.layout import (
+from deltamesh_formats.container.payload_layout import (
     PLAN_ANCHOR,
     PLAN_NEWEST,
     PLAN_POLYGONS_FIRST,

@@ -10,7 +10,7 @@ from deltamesh._page.alignment import aligned, shown
 from deltamesh._page.filling import PageFile
 from deltamesh._progress import Progress, silent
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.layout import METHODS
+from deltamesh_formats.container.method_layouts import METHODS
 from deltamesh_formats.container.writer import write_container
 from deltamesh_formats.polymesh.mesh import PolyMesh
 

@@ -29,7 +29,7 @@ from deltamesh._sections.draft import Draft, FrameResult
 from deltamesh._sections.trials import Trials
 from deltamesh_formats.container.container import Container, Parameters
 from deltamesh_formats.container.frame_table import Frame, write_frames
-from deltamesh_formats.container.layout import MAPS, MAX_FINER
+from deltamesh_formats.container.payload_layout import MAPS, MAX_FINER
 from deltamesh_formats.container.sections import laid_out
 from deltamesh_formats.errors import FormatError, MeshError, SolveError, TargetError
 

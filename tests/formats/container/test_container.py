@@ -7,7 +7,7 @@ from containers import CARTESIAN, DIGEST, HIGHPASS, META, PAYLOADS, written
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from deltamesh_formats.container import layout
+from deltamesh_formats.container import layout, method_layouts
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Meta, Parameters
 from deltamesh_formats.container.fields import VARINT_MAX
@@ -63,7 +63,7 @@ seeds = st.integers(0, 2**64 - 1)
 @st.composite
 def containers(draw):
     vertices, triangles = draw(st.integers(0, 2**40)), draw(st.integers(0, 2**40))
-    method, counts = draw(st.sampled_from(list(layout.METHODS))), st.integers(0, vertices)
+    method, counts = draw(st.sampled_from(list(method_layouts.METHODS))), st.integers(0, vertices)
     bits = draw(st.none() | st.integers(0, layout.MAX_BITS))
     anchored, lossless = method in ("highpass", "refined"), method == "lossless"
     bits = None if lossless else bits
@@ -85,9 +85,9 @@ def containers(draw):
         draw(hundredths),
         draw(st.booleans()),
     )
-    further = layout.METHODS[method].further
+    further = method_layouts.METHODS[method].further
     needed = draw(st.sets(st.sampled_from((*layout.AFTER_CONNECTIVITY, *further))))
-    required = layout.required(method, needed)[1:]
+    required = method_layouts.required(method, needed)[1:]
     payloads = {name: draw(st.binary(max_size=300)) for name in required}
     ids = st.from_regex(r"[a-z][A-Za-z]{3}", fullmatch=True).filter(lambda i: i != "meta")
     payloads |= draw(st.dictionaries(ids, st.binary(max_size=20), max_size=3))

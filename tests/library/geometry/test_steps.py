@@ -25,7 +25,7 @@ from deltamesh._measures.metrics import diagonal
 from deltamesh._options import Options, Settings
 from deltamesh._shape.surface import surface_of
 from deltamesh_formats.container.container import Parameters, Section
-from deltamesh_formats.container.layout import MAX_EXPONENT
+from deltamesh_formats.container.payload_layout import MAX_EXPONENT
 from deltamesh_formats.errors import FormatError, MeshError
 from deltamesh_formats.polymesh.mesh import from_triangles
 
