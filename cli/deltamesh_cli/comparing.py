@@ -14,7 +14,7 @@ from deltamesh._progress import Progress
 from deltamesh_cli.meshes import LoadedMesh
 from deltamesh_cli.output import display_name, number, table
 from deltamesh_cli.summary import part_object
-from deltamesh_formats.container.summary import bits_per_vertex, relative
+from deltamesh_formats.container.figures import bits_per_vertex, relative
 from deltamesh_formats.polymesh.kinds import KIND_WORDS
 
 if TYPE_CHECKING:
