@@ -25,7 +25,7 @@ from deltamesh_formats.container.summary import container_text
 _COSTLY: Final = 0.2
 
 if TYPE_CHECKING:
-    from deltamesh_formats.container.attribute_table import Entry
+    from deltamesh_formats.container.attribute_entry import Entry
 
 
 def container_object(name: str, container: Container) -> dict[str, object]:

@@ -6,14 +6,14 @@ Plain bytes, so that programs can list attributes without decoding any. `read_ta
 
 from __future__ import annotations
 
-import math
 import struct
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
 from deltamesh_formats.container import layout
+from deltamesh_formats.container.attribute_entry import Entry, fault_of, fault_of_owners
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.fields import (
     STRUCT_CODES,
@@ -28,24 +28,18 @@ from deltamesh_formats.container.payload_layout import (
     DOMAINS,
     FIRST_NONE,
     INTEGER_FIELDS,
-    MAX_LIMB_BITS,
-    MAX_NORMAL_BITS,
-    MIN_NORMAL_BITS,
     MIXED,
     NORMALIZED,
-    OWN_WEDGES,
     PALETTE,
     PARTLY,
     ROLE_AT,
     ROLES,
     TYPE_AT,
     TYPES,
-    WEDGES_OF,
     Coding,
 )
 from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import FormatError
-from deltamesh_formats.polymesh.mesh import Domain, Role
 
 _DOMAINS: Final = {code: name for name, code in DOMAINS.items()}
 _ROLES: Final = {code: name for name, code in ROLES.items()}
@@ -53,8 +47,6 @@ _CODINGS: Final = {code: name for name, code in CODINGS.items()}
 _TYPES: Final = {code: np.dtype(name) for name, code in TYPES.items()}
 # Surrogates stand for bytes of a name that was no UTF-8; they are encoded as other code points are.
 _NAMES: Final = "surrogatepass"
-# Kinds of numpy types that each coding is for.
-_FITTING: Final = {"integer": "bui", "exact": "fc", "grid": "f", "octahedral": "f"}
 
 # Masks of what a byte has left after shifting.
 _DOMAIN: Final = (1 << ROLE_AT) - 1
@@ -62,95 +54,6 @@ _ROLE: Final = (1 << TYPE_AT - ROLE_AT) - 1
 _CODING: Final = 3
 _INTEGER: Final = struct_of(INTEGER_FIELDS)
 _F64: Final = STRUCT_CODES["f64"]
-
-
-@dataclass(frozen=True)
-class Entry:
-    """One attribute of a file.
-
-    Attributes
-    ----------
-    name : str
-    domain, role, normalized
-        As those of an `Attribute`.
-    dtype : numpy dtype, in the byte order of the machine
-    width : int
-        Numbers a row.
-    coding : {"integer", "exact", "grid", "octahedral"}
-    partly : bool
-        Whether there are owners (vertices, polygons or wedges) without a value.
-    first_none : bool
-        Whether the first of them has none.
-    palette : int or None
-        Number of different rows, where each owner names one of these.
-    mixed : bool
-        Whether the second column is taken from the first and the third.
-    wedges : int
-        Of an attribute of corners, the owners of its values: wedges of its own (OWN_WEDGES),
-        polygons (POLYGON_OWNERS), or the wedges of attribute k (k + WEDGES_OF).
-    origin : tuple
-        Of integers, one number; of a grid, one a column.
-    bits : int
-        Of integers, those of a limb; of a grid what was asked for, or 0; of normals, those of each
-        of both coordinates.
-    limbs : int
-        Columns that a column of integers is cut into.
-    density : float
-        Grid points a unit.
-    error : float
-        The largest difference between a number and what becomes of it; of normals, the largest
-        angle, in degrees.
-    sizes : tuple of int
-        Bytes of each stream: of the wedges, of the owners that have a value, of their rows in the
-        palette, each if it is there; then of every three columns.
-    """
-
-    name: str
-    domain: Domain
-    role: Role
-    dtype: np.dtype[Any]
-    width: int
-    normalized: bool
-    coding: Coding
-    partly: bool = False
-    first_none: bool = False
-    palette: int | None = None
-    mixed: bool = False
-    wedges: int = OWN_WEDGES
-    origin: tuple[float, ...] = ()
-    bits: int = 0
-    limbs: int = 1
-    density: float = 0.0
-    error: float = 0.0
-    sizes: tuple[int, ...] = ()
-
-    @property
-    def numbers(self) -> int:
-        """Real numbers a row."""
-        return self.width * (2 if self.dtype.kind == "c" else 1)
-
-    @property
-    def number_size(self) -> int:
-        """Bytes of a real number."""
-        return self.dtype.itemsize // (2 if self.dtype.kind == "c" else 1)
-
-    @property
-    def columns(self) -> int:
-        """Columns that are coded."""
-        if self.coding == "octahedral":
-            return 3
-        return self.numbers * (self.limbs if self.coding == "integer" else 1)
-
-    @property
-    def streams(self) -> int:
-        """Number of streams."""
-        own = self.domain == "corner" and self.wedges == OWN_WEDGES
-        return own + self.partly + (self.palette is not None) + -(-self.columns // 3)
-
-    @property
-    def size(self) -> int:
-        """Bytes of all streams."""
-        return sum(self.sizes)
 
 
 def write_table(entries: tuple[Entry, ...]) -> bytes:
@@ -248,7 +151,7 @@ def _read(payload: bytes | memoryview, at: int, before: list[Entry]) -> tuple[En
         **fields,
         **coded,
     )
-    fault = _fault(entry) or _fault_of_owners(entry, before)
+    fault = fault_of(entry) or fault_of_owners(entry, before)
     if fault:
         raise FormatError(f"attribute {number}: {fault}", start)
     if entry.streams > len(payload) - at:
@@ -291,43 +194,3 @@ def _floats(payload: bytes | memoryview, at: int, count: int) -> tuple[tuple[flo
     if count > (len(payload) - at) // 8:
         raise FormatError("truncated: the numbers of an attribute", len(payload))
     return struct.unpack_from(f"<{count}d", payload, at), at + 8 * count
-
-
-def _fault(e: Entry) -> str:
-    """Return the fault of an entry by the rules of SPEC.md 5.14; "" if it has none."""
-    if e.dtype.kind not in _FITTING[e.coding]:
-        return f"type {e.dtype} with coding {e.coding}"
-    if e.mixed and (e.coding not in ("integer", "grid") or e.width < 3 or e.limbs > 1):
-        return f"mixed columns with coding {e.coding}, width {e.width} and {e.limbs} limbs"
-    if e.coding == "integer":
-        fits = 1 <= e.bits <= MAX_LIMB_BITS and 1 <= e.limbs <= -(-64 // e.bits)
-        return "" if fits else f"{e.limbs} limbs of {e.bits} bits"
-    if e.coding == "octahedral":
-        if e.width != 3:
-            return f"octahedral coding with width {e.width}"
-        if e.palette is not None:
-            return "octahedral coding with a palette"
-        if not MIN_NORMAL_BITS <= e.bits <= MAX_NORMAL_BITS:
-            return f"normals of {e.bits} bits"
-    for field, values in (("error", (e.error,)), ("density", (e.density,)), ("origin", e.origin)):
-        for value in values:
-            if not math.isfinite(value) or (field == "error" and value < 0):
-                return f"{field} {value}"
-    if e.coding == "grid" and not e.density > 0:
-        return f"density {e.density}"
-    return ""
-
-
-def _fault_of_owners(e: Entry, before: list[Entry]) -> str:
-    if e.palette == 0:
-        return "empty palette"
-    if e.first_none and not e.partly:
-        return "first_none without partly"
-    if e.domain != "corner" or e.wedges < WEDGES_OF:
-        return ""
-    other = e.wedges - WEDGES_OF
-    if other >= len(before):
-        return f"wedges of attribute {other}, which does not come before it"
-    if before[other].domain != "corner" or before[other].wedges != OWN_WEDGES:
-        return f"wedges of attribute {other}, which has none of its own"
-    return ""

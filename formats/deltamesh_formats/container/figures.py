@@ -12,7 +12,7 @@ from deltamesh_formats.container.payload_layout import PER_OCTAVE, QUARTERS
 from deltamesh_formats.errors import FormatError
 
 if TYPE_CHECKING:
-    from deltamesh_formats.container.attribute_table import Entry
+    from deltamesh_formats.container.attribute_entry import Entry
     from deltamesh_formats.container.frame_table import Frame
 
 

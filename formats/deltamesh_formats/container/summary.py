@@ -32,7 +32,7 @@ from deltamesh_formats.container.texts import texts_of
 from deltamesh_formats.printing import html_table, number, printable, table
 
 if TYPE_CHECKING:
-    from deltamesh_formats.container.attribute_table import Entry
+    from deltamesh_formats.container.attribute_entry import Entry
 
 
 def container_text(container: Container) -> str:

@@ -10,7 +10,8 @@ from containers import CARTESIAN, PAYLOADS
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh_formats.container.attribute_table import Entry, entries_of, read_table, write_table
+from deltamesh_formats.container.attribute_entry import Entry
+from deltamesh_formats.container.attribute_table import entries_of, read_table, write_table
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.payload_layout import (
     MAX_LIMB_BITS,

@@ -21,7 +21,8 @@ from deltamesh._attributes.wedges import encode_wedges
 from deltamesh._options import Options
 from deltamesh._pipeline.encoder import Encoded, encode_mesh
 from deltamesh_formats.container import payload_layout
-from deltamesh_formats.container.attribute_table import Entry, read_table
+from deltamesh_formats.container.attribute_entry import Entry
+from deltamesh_formats.container.attribute_table import read_table
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import FormatError, MeshError, OptionError
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh, from_triangles
