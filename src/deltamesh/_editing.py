@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from deltamesh._content import Content
+from deltamesh._decode_options import DecodeOptions
 from deltamesh._geometry.editing import Held, deformed
 from deltamesh._geometry.poses import Pose, measured
 from deltamesh._geometry.rotations import to_quaternions
@@ -141,41 +142,33 @@ def edit(
     return edit_chosen(
         source if isinstance(source, Container) else read_container(read_source(source, memory)),
         lambda mesh: (moves, fix),
+        DecodeOptions(solver, threads, max_vertices, memory, progress or silent),
         name=name,
         step=step,
-        solver=solver,
-        threads=threads,
-        max_vertices=max_vertices,
-        memory=memory,
-        progress=progress,
     )
 
 
 def edit_chosen(
     container: Container,
     choose: Callable[[PolyMesh], tuple[Sequence[Move], Sequence[Vertices]]],
+    options: DecodeOptions,
     *,
     name: str,
     step: float | None = None,
-    solver: str = "auto",
-    threads: int | None = None,
-    max_vertices: int = DEFAULT_MAX_VERTICES,
-    memory: int = DEFAULT_MEMORY,
-    progress: Progress | None = None,
 ) -> Edited:
     """Do as `edit` does, with moves and fixed vertices that are chosen of the mesh at rest."""
-    progress = progress or silent
     _check(container, name, step)
-    to_solve = check_pose(container, memory)
-    content = proven_content(container, max_vertices, memory, progress)
-    surface, solving = content.structure.surface, (solver, threads, memory, progress)
-    points = points_at_rest(container, surface, [content.integers], *solving)
+    progress, solving = options.progress, (options.solver, options.threads)
+    to_solve = check_pose(container, options.memory)
+    content = proven_content(container, options.max_vertices, options.memory, progress)
+    surface = content.structure.surface
+    points = points_at_rest(container, surface, [content.integers], options)
     mesh = content.mesh(points, container.parameters.single, container.margin)
     anchors = content.integers.anchors
     rest, size = points[: surface.vertex_count], diagonal(points) or 1.0
     places, is_moved = held(mesh, content, rest, *choose(mesh))
     progress("edit")
-    exact, turns = deformed(surface.graph, rest, places, solver, threads, to_solve)
+    exact, turns = deformed(surface.graph, rest, places, *solving, to_solve)
     pose = measured(
         name,
         size / STEPS if step is None else step,
@@ -186,7 +179,7 @@ def edit_chosen(
         to_quaternions(turns[anchors]),
     )
     progress("pose")
-    system = posing_system(content, solver, threads, to_solve)
+    system = posing_system(content, *solving, to_solve)
     recorded, recorded_turns = posed_points(content, points, system, pose)
     near = recorded[: len(rest)]
     made = _with_pose(container, content, pose)

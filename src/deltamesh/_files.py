@@ -104,19 +104,13 @@ def frames(
     ------
     FormatError, LimitError, SolveError, OSError
     """
+    from deltamesh._decode_options import DecodeOptions
     from deltamesh._player import decode_frames
     from deltamesh._progress import silent
 
     container = _container_of(source, memory)
-    yield from decode_frames(
-        container,
-        range(container.frame_count),
-        solver=solver,
-        threads=threads,
-        max_vertices=max_vertices,
-        memory=memory,
-        progress=progress or silent,
-    )
+    options = DecodeOptions(solver, threads, max_vertices, memory, progress or silent)
+    yield from decode_frames(container, range(container.frame_count), options)
 
 
 def _container_of(source: Source | Container, memory: int) -> Container:

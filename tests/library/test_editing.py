@@ -14,6 +14,7 @@ import pytest
 
 import deltamesh
 from deltamesh import LimitError, MeshError, OptionError, decode, edit, encode
+from deltamesh._decode_options import DecodeOptions
 from deltamesh._editing import edit_chosen
 from deltamesh._handles import indices_of
 from deltamesh._limits import check_pose, memory_needed
@@ -135,6 +136,7 @@ def test_vertices_are_chosen_in_all_ways() -> None:
     chosen = edit_chosen(
         deltamesh.info(DATA),
         lambda mesh: ([(mesh.vertices[:, 2] > 5.7, BENT)], [mesh.vertices[:, 2] < 0.3]),
+        DecodeOptions(),
         name="bent",
     )
     assert chosen.data == wanted

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, overload
 
+from deltamesh._decode_options import DecodeOptions
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh._pipeline.decoder import decode_mesh
 from deltamesh._player import decode_frames
@@ -109,20 +110,14 @@ def decode(
     -----
     D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
     """
+    options = DecodeOptions(solver, threads, max_vertices, memory, progress or silent)
     if partial:
         if pose is not None:
             raise OptionError("a pose of a file that may be cut: poses need the whole file")
         if frame:
             raise OptionError("a file that may be cut is decoded as far as its first frame")
         prefix = data if isinstance(data, Container) else read_prefix(bytes_of(data))
-        return decode_prefix(
-            prefix,
-            solver=solver,
-            threads=threads,
-            max_vertices=max_vertices,
-            memory=memory,
-            progress=progress or silent,
-        )
+        return decode_prefix(prefix, options)
     container = data if isinstance(data, Container) else read_container(bytes_of(data))
     if not 0 <= frame < container.frame_count:
         count = container.frame_count
@@ -130,22 +125,5 @@ def decode(
     if pose is not None:
         if frame:
             raise OptionError("a pose is one of frame 0")
-        return decode_mesh(
-            container,
-            pose=pose,
-            solver=solver,
-            threads=threads,
-            max_vertices=max_vertices,
-            memory=memory,
-            progress=progress or silent,
-        )
-    frames = decode_frames(
-        container,
-        [frame],
-        solver=solver,
-        threads=threads,
-        max_vertices=max_vertices,
-        memory=memory,
-        progress=progress or silent,
-    )
-    return next(frames)
+        return decode_mesh(container, options, pose)
+    return next(decode_frames(container, [frame], options))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from deltamesh._content import NOTHING, Content
+from deltamesh._decode_options import DecodeOptions
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.interpolation import FINER
 from deltamesh._geometry.methods import geometry_codec
@@ -23,47 +24,24 @@ from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
 
-def decode_mesh(
-    container: Container,
-    *,
-    pose: str | None = None,
-    solver: str,
-    threads: int | None,
-    max_vertices: int,
-    memory: int,
-    progress: Progress = silent,
-) -> PolyMesh:
+def decode_mesh(container: Container, options: DecodeOptions, pose: str | None = None) -> PolyMesh:
     """Decompress a container; see `deltamesh.decode`."""
+    limits = options.max_vertices, options.memory, options.progress
     if pose is None:
         # The content is handed over, too: nothing here keeps what is no longer needed.
-        return positioned(
-            container,
-            proven_content(container, max_vertices, memory, progress),
-            solver,
-            threads,
-            memory,
-            progress,
-        )
+        return positioned(container, proven_content(container, *limits), options)
     check_name(container, pose)
-    to_solve = check_pose(container, memory)
-    content = proven_content(container, max_vertices, memory, progress)
-    surface, solving = content.structure.surface, (solver, threads, memory, progress)
-    points = points_at_rest(container, surface, [content.integers], *solving)
+    to_solve = check_pose(container, options.memory)
+    content = proven_content(container, *limits)
+    points = points_at_rest(container, content.structure.surface, [content.integers], options)
     mesh = content.mesh(points, container.parameters.single, container.margin)
-    progress("pose")
-    system = posing_system(content, solver, threads, to_solve)
+    options.progress("pose")
+    system = posing_system(content, options.solver, options.threads, to_solve)
     moved, turns = posed_points(content, points, system, pose_named(content, pose))
     return in_pose(mesh, content, moved, turns)
 
 
-def positioned(
-    container: Container,
-    content: Content,
-    solver: str,
-    threads: int | None,
-    memory: int,
-    progress: Progress,
-) -> PolyMesh:
+def positioned(container: Container, content: Content, options: DecodeOptions) -> PolyMesh:
     """Return the mesh of a content, once its positions are solved for.
 
     Raises
@@ -73,8 +51,7 @@ def positioned(
     # Nobody else keeps the integers: what is no longer needed of them is freed on the way.
     handed_over = [content.integers]
     content = replace(content, integers=NOTHING.integers)
-    surface, solving = content.structure.surface, (solver, threads, memory, progress)
-    points = points_at_rest(container, surface, handed_over, *solving)
+    points = points_at_rest(container, content.structure.surface, handed_over, options)
     return content.mesh(points, container.parameters.single, container.margin)
 
 
@@ -82,10 +59,7 @@ def points_at_rest(
     container: Container,
     surface: Surface,
     integers: list[Integers],
-    solver: str,
-    threads: int | None,
-    memory: int,
-    progress: Progress,
+    options: DecodeOptions,
 ) -> Floats:
     """Return the positions of a file, float64 (p, 3); its integers are taken out of a list.
 
@@ -93,9 +67,9 @@ def points_at_rest(
     ------
     LimitError, SolveError
     """
-    progress("positions")
-    parameters = container.parameters
-    systems = Systems(surface, solver, threads, memory_to_solve(container, memory))
+    options.progress("positions")
+    parameters, memory = container.parameters, memory_to_solve(container, options.memory)
+    systems = Systems(surface, options.solver, options.threads, memory)
     coder = geometry_codec(parameters.method)
     precise = to_precision_of(container, systems)
     return coder.reconstruct(surface, parameters, integers.pop(), precise)

@@ -6,6 +6,7 @@ import forging
 import numpy as np
 import pytest
 
+from deltamesh._decode_options import DecodeOptions
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh._options import Options
 from deltamesh._pipeline.decoder import decode_mesh, proven_content, read_content
@@ -31,7 +32,7 @@ def test_the_encoder_knows_the_mesh_of_the_decoder_and_where_it_comes_from(
     method: str, keep_order: bool
 ) -> None:
     encoded = encoded_box(method=method, keep_order=keep_order)
-    decoded = decode_mesh(encoded.container, solver="auto", threads=None, **LIMITS)
+    decoded = decode_mesh(encoded.container, DecodeOptions())
     np.testing.assert_array_equal(decoded.corners, encoded.mesh.corners)
     np.testing.assert_allclose(decoded.vertices, encoded.mesh.vertices, atol=1e-9)
     np.testing.assert_allclose(decoded.vertices, CORNERS[encoded.order], atol=0.02)
