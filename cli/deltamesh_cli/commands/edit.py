@@ -77,12 +77,8 @@ _RMS, _NORMAL = 0.0015, 1.0
     help="Step of the displacements in the file, in the unit of the mesh."
     "  [default: 1/4096 of the diagonal]",
 )
-@options.solver
-@options.threads
-@options.limits
-@options.as_json
-@options.verbosity
-@options.debug
+@options.decoding
+@options.reporting
 def command(
     source: str,
     target: str | None,

@@ -78,9 +78,7 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
     f"  [default: {DEFAULT_KEY_EVERY}]",
 )
 @encode_options
-@options.as_json
-@options.verbosity
-@options.debug
+@options.reporting
 @options.name_formats
 def command(
     names: tuple[str, ...],
