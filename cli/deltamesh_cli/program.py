@@ -22,7 +22,7 @@ from deltamesh_cli.signals import Stopped
 COMMANDS: Final = {
     "encode": "Compress a mesh file into a .dmesh file.",
     "decode": "Decode a .dmesh file into a mesh file.",
-    "edit": "Add a pose to a .dmesh file, by moving some of its vertices.",
+    "edit": "Add a pose to a .dmesh file, or remove poses.",
     "batch": "Encode or decode many files.",
     "info": "Describe .dmesh files without decoding them.",
     "test": "Check that .dmesh files are intact.",

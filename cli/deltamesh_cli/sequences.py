@@ -61,8 +61,8 @@ def encode_sequence_file(
     Raises
     ------
     Failure
-        It names the file that cannot be read or that does not go with the first one, or the first
-        one where that cannot be encoded.
+        It names the file that cannot be read or encoded, or does not go with the first one; the
+        first one where the fault is none of a single frame.
     """
     reading = _Reading(sources, input_format, progress)
     first = reading.mesh(sources[0])
@@ -72,8 +72,9 @@ def encode_sequence_file(
         encoded = interruptible(lambda: _encode(first, reading, progress, parameters))
     except Failure:
         raise
-    except Exception:
-        with attempt(reading.current, "cannot encode"):
+    except Exception as error:
+        frame = getattr(error, "frame", None)
+        with attempt(reading.current if frame is None else sources[frame], "cannot encode"):
             raise
     files.write_output(target, encoded.data, force=force)
     lost, draft = texts_of(encoded.container).lost, encoded.draft

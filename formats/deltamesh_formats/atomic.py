@@ -18,7 +18,7 @@ from typing import BinaryIO, Final, Literal, TypeAlias
 from deltamesh_formats import remote
 from deltamesh_formats.temporaries import remove_left_behind, temporary_of
 
-__all__ = ["Found", "PathOrFile", "found_at", "write_file"]
+__all__ = ["Found", "PathOrFile", "found_at", "require_file", "write_file"]
 
 PathOrFile: TypeAlias = str | os.PathLike[str] | BinaryIO
 
@@ -39,6 +39,17 @@ def found_at(path: str | os.PathLike[str]) -> Found:
         When the target of a link cannot be found, as for a circle of links.
     """
     return _kind(_status(os.fspath(path)))
+
+
+def require_file(file: object, use: Literal["read", "write"]) -> None:
+    """Refuse what is neither a path nor a file object.
+
+    Raises
+    ------
+    TypeError
+    """
+    if not isinstance(file, (str, os.PathLike)) and not hasattr(file, use):
+        raise TypeError(f"a path or a binary file is needed, not {type(file).__name__}")
 
 
 def write_file(target: PathOrFile, data: bytes, *, overwrite: bool = True) -> None:

@@ -12,7 +12,15 @@ from contextlib import contextmanager
 
 
 class DeltameshError(Exception):
-    """Base of everything that deltamesh raises on purpose."""
+    """Base of everything that deltamesh raises on purpose.
+
+    Attributes
+    ----------
+    frame : int or None
+        Of a sequence, the frame at fault, from 0, if one is.
+    """
+
+    frame: int | None = None
 
 
 class MeshError(DeltameshError, ValueError):
@@ -38,6 +46,13 @@ class FormatError(DeltameshError, ValueError):
         super().__init__(message if offset is None else f"{message} (at byte {offset})")
         self.reason = message
         self.offset = offset
+
+
+def in_frame(error: DeltameshError, index: int) -> DeltameshError:
+    """Return an error of the same kind that names the frame at fault in its message."""
+    made = type(error)(f"frame {index}: {error}")
+    made.frame = index
+    return made
 
 
 @contextmanager

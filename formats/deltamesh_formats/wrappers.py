@@ -111,7 +111,8 @@ def unwrapped(data: bytes, limit: int = DEFAULT_LIMIT, *, partial: bool = False)
     Raises
     ------
     FormatError
-        For a damaged or incomplete stream, and for other bytes after it.
+        For a damaged or incomplete stream, and for other bytes after it; if it may be cut, also
+        where no byte of what is in it has come.
     LimitError
         For more than the limit.
     """
@@ -156,7 +157,7 @@ def _decompressed(wrapper: _Wrapper, data: bytes, limit: int, *, partial: bool) 
         stream, piece = wrapper.decompressor(), _FIRST_PIECE
         while not stream.eof:
             if at >= len(data):
-                if partial:
+                if partial and total:
                     return b"".join(made)
                 raise FormatError(f"truncated: the file ends within its {wrapper.title} stream", at)
             size = max(_LEAST_PIECE, min(piece, (limit - total) // _MOST_PER_BYTE))

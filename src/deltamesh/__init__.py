@@ -16,7 +16,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from deltamesh._codec.decoding import decode as decode
     from deltamesh._codec.encoding import encode as encode
-    from deltamesh._editing import Edited as Edited, edit as edit
+    from deltamesh._editing import (
+        Edited as Edited,
+        edit as edit,
+        remove_poses as remove_poses,
+    )
     from deltamesh._files import (
         frames as frames,
         info as info,
@@ -52,7 +56,7 @@ else:
         {
             "deltamesh._codec.decoding": ("decode",),
             "deltamesh._codec.encoding": ("encode",),
-            "deltamesh._editing": ("Edited", "edit"),
+            "deltamesh._editing": ("Edited", "edit", "remove_poses"),
             "deltamesh._files": ("frames", "info", "load", "save", "verify"),
             "deltamesh._page.viewing": ("Page", "view"),
             "deltamesh._prefixes": ("Partial", "stages"),

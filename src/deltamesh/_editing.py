@@ -1,8 +1,8 @@
-"""Edits of a compressed mesh: poses that are added to a file, whose other sections stay."""
+"""Edits of a compressed mesh: poses that are added to a file or removed, other sections stay."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 from deltamesh._content import Content
@@ -13,13 +13,15 @@ from deltamesh._geometry.rotations import to_quaternions
 from deltamesh._handles import Move, Vertices, held
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_pose
 from deltamesh._measures.metrics import diagonal, vertex_errors
+from deltamesh._options import check_decoding
 from deltamesh._pipeline.decoder import points_at_rest, proven_content
 from deltamesh._pipeline.proof import proven
-from deltamesh._posing import in_pose, posed_points, posing_system, with_isolated
-from deltamesh._progress import Progress, silent
+from deltamesh._posing import check_name, in_pose, posed_points, posing_system, with_isolated
+from deltamesh._progress import Progress, heard
 from deltamesh._sections.poses import encode, tree_of_anchors
 from deltamesh._sources import Source, read_source
 from deltamesh._vectors import lengths
+from deltamesh_formats.arguments import require, require_above_0, require_type
 from deltamesh_formats.array_types import Bools, Floats
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container
@@ -125,7 +127,8 @@ def edit(
     ------
     OptionError
         For vertices that there are not, that are moved twice or are fixed, too, or that belong to
-        no face; for a matrix that mirrors; for a name that cannot be one, or is taken.
+        no face; for a matrix that mirrors; for a name that cannot be one, or is taken; for
+        arguments of a wrong type, or out of range.
     MeshError
         If the file has no anchors.
     FormatError, LimitError, SolveError, OSError
@@ -139,10 +142,14 @@ def edit(
     Y. Lipman, O. Sorkine, D. Levin, D. Cohen-Or, "Linear rotation-invariant coordinates for
     meshes", SIGGRAPH 2005.
     """
+    check_decoding(solver, threads, max_vertices, memory)
+    for argument, value in (("moves", moves), ("fix", fix)):
+        fits = isinstance(value, Iterable) and not isinstance(value, (str, bytes))
+        require(fits, f"{argument} must be a sequence", value)
     return edit_chosen(
-        source if isinstance(source, Container) else read_container(read_source(source, memory)),
+        _container_of(source, memory),
         lambda mesh: (moves, fix),
-        DecodeOptions(solver, threads, max_vertices, memory, progress or silent),
+        DecodeOptions(solver, threads, max_vertices, memory, heard(progress)),
         name=name,
         step=step,
     )
@@ -182,7 +189,7 @@ def edit_chosen(
     system = posing_system(content, *solving, to_solve)
     recorded, recorded_turns = posed_points(content, points, system, pose)
     near = recorded[: len(rest)]
-    made = _with_pose(container, content, pose)
+    made = _with_poses(container, content, (*content.poses, pose))
     errors = vertex_errors(exact, near, surface.faces)
     return Edited(
         data=write_container(made),
@@ -201,8 +208,56 @@ def edit_chosen(
     )
 
 
+def remove_poses(
+    source: Source | Container,
+    names: str | Iterable[str],
+    *,
+    max_vertices: int = DEFAULT_MAX_VERTICES,
+    memory: int = DEFAULT_MEMORY,
+    progress: Progress | None = None,
+) -> bytes:
+    """Remove poses from a file, whose mesh stays as it is.
+
+    Parameters
+    ----------
+    source : path, binary file object, bytes-like, or what `info` returned
+    names : str or iterable of str
+        Of the poses: one name, or several.
+    max_vertices, memory, progress
+        As in `deltamesh.decode`; no positions are solved for.
+
+    Returns
+    -------
+    bytes
+        The file. All sections but POSE and the checksum are those of the source, byte for byte; a
+        file whose only pose is removed is the one to which that was added.
+
+    Raises
+    ------
+    OptionError
+        If the file has no pose of a name.
+    FormatError, LimitError, OSError
+    """
+    check_decoding("auto", None, max_vertices, memory)
+    require(isinstance(names, Iterable), "names must be names of poses", names)
+    container = _container_of(source, memory)
+    removed = {names} if isinstance(names, str) else set(names)
+    for name in removed:
+        check_name(container, name)
+    content = proven_content(container, max_vertices, memory, heard(progress))
+    kept = tuple(pose for pose in content.poses if pose.name not in removed)
+    return write_container(_with_poses(container, content, kept))
+
+
+def _container_of(source: Source | Container, memory: int) -> Container:
+    return source if isinstance(source, Container) else read_container(read_source(source, memory))
+
+
 def _check(container: Container, name: str, step: float | None) -> None:
     """Refuse what a file cannot record, before it is decoded."""
+    require_type("name", name, str)
+    if step is not None:
+        require_above_0("step", step)
     method = METHODS[container.parameters.method]
     if not container.parameters.anchor_count:
         raise MeshError(
@@ -224,10 +279,10 @@ def _missed(places: Held, is_moved: Bools, positions: Floats) -> float:
     return float(far.max(initial=0.0))
 
 
-def _with_pose(container: Container, content: Content, pose: Pose) -> Container:
-    """Return a file with one pose more, once it has been read again."""
-    content = replace(content, poses=(*content.poses, pose))
-    own = (PARAMETERS, META, CHECK)
+def _with_poses(container: Container, content: Content, poses: tuple[Pose, ...]) -> Container:
+    """Return a file with other poses, once it has been read again."""
+    content = replace(content, poses=poses)
+    own = (PARAMETERS, META, POSES, CHECK)
     payloads = {
         section: bytes(container.sections[section].payload)
         for section in container.sections
@@ -237,7 +292,7 @@ def _with_pose(container: Container, content: Content, pose: Pose) -> Container:
         container.vertices,
         container.triangles,
         container.parameters,
-        {**payloads, POSES: encode(content)},
+        {**payloads, POSES: encode(content)} if poses else payloads,
         container.meta,
         content.digest(),
     )

@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Literal, Unpack, overload
 
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
-from deltamesh._options import EncodeOptions
+from deltamesh._options import EncodeOptions, check_decoding
 from deltamesh._prefixes import Partial
 from deltamesh._sources import Source, read_file, read_source
-from deltamesh_formats.atomic import PathOrFile, write_file
+from deltamesh_formats.arguments import require_flag
+from deltamesh_formats.atomic import PathOrFile, require_file, write_file
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_container, read_prefix
 from deltamesh_formats.errors import OptionError
@@ -38,6 +39,7 @@ def info(source: Source, *, partial: bool = False) -> Container:
     ------
     FormatError, LimitError
     """
+    require_flag("partial", partial)
     read = read_prefix if partial else read_container
     return read(read_source(source, partial=partial))
 
@@ -61,8 +63,9 @@ def verify(
 
     Raises
     ------
-    FormatError, LimitError, SolveError, OSError
+    FormatError, LimitError, OptionError, SolveError, OSError
     """
+    check_decoding(solver, threads, max_vertices, memory)
     container = _container_of(source, memory)
     for _ in frames(
         container,
@@ -102,14 +105,15 @@ def frames(
 
     Raises
     ------
-    FormatError, LimitError, SolveError, OSError
+    FormatError, LimitError, OptionError, SolveError, OSError
     """
     from deltamesh._decode_options import DecodeOptions
     from deltamesh._player import decode_frames
-    from deltamesh._progress import silent
+    from deltamesh._progress import heard
 
+    check_decoding(solver, threads, max_vertices, memory)
     container = _container_of(source, memory)
-    options = DecodeOptions(solver, threads, max_vertices, memory, progress or silent)
+    options = DecodeOptions(solver, threads, max_vertices, memory, heard(progress))
     yield from decode_frames(container, range(container.frame_count), options)
 
 
@@ -181,12 +185,15 @@ def load(
     ------
     FormatError, LimitError, SolveError, OSError
     OptionError
-        For a frame, or a pose, that the file does not have.
+        For a frame, or a pose, that the file does not have, and for arguments of a wrong type, or
+        out of range.
     TypeError
         For anything but a path or a file that is open in binary mode.
     """
     from deltamesh._codec.decoding import decode
 
+    check_decoding(solver, threads, max_vertices, memory)
+    require_flag("partial", partial)
     # Each overload of `decode` has one of these.
     run = functools.partial(decode, partial=True) if partial else decode
     return run(
@@ -226,9 +233,12 @@ def save(
     Raises
     ------
     MeshError, OptionError, TargetError, SolveError, RuntimeError, OSError
+    TypeError
+        For anything but a path or a file that is open in binary mode.
     """
     from deltamesh._codec.encoding import encode
 
+    require_file(target, "write")
     if isinstance(target, (str, os.PathLike)):
         _check_extension(target)
     if isinstance(target, io.TextIOBase):

@@ -12,6 +12,7 @@ from deltamesh._content import Content
 from deltamesh._geometry.editing import Held
 from deltamesh._geometry.rotations import nearest, to_quaternions
 from deltamesh._graph.adjacency import lowest
+from deltamesh_formats.arguments import require
 from deltamesh_formats.array_types import Bools, Floats, Ints
 from deltamesh_formats.errors import OptionError
 from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -55,9 +56,11 @@ def held(
     for vertices in fix:
         points = content.points[indices_of(mesh, vertices)]
         state[points[points < n]] = 1  # an isolated one stays by itself
-    if not len(moves):
+    moves = list(moves)
+    if not moves:
         raise OptionError("no vertices are moved")
-    for vertices, target in moves:
+    for move in moves:
+        vertices, target = _pair(move)
         listed = indices_of(mesh, vertices)
         points, at, back = np.unique(content.points[listed], return_index=True, return_inverse=True)
         chosen = listed[at]
@@ -113,6 +116,13 @@ def _of_part(mesh: PolyMesh, name: str) -> Ints:
             in_part = np.repeat(np.isin(parts.of_face, chosen), mesh.sizes)
             return np.unique(mesh.corners[in_part])
     raise OptionError(f"there is no part {name!r}")
+
+
+def _pair(move: Move) -> Move:
+    """Return the vertices of a move, and where they go."""
+    fits = isinstance(move, (tuple, list)) and len(move) == 2
+    require(fits, "a move must be a pair of vertices and a motion", move)
+    return move
 
 
 def _refuse(vertices: Ints, wrong: Bools, fault: str) -> None:

@@ -5,10 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
-from numbers import Integral
 from typing import TypedDict
 
 from deltamesh._methods import AUTO, BOUNDS, METHOD_OPTIONS, METHODS, RATES
+from deltamesh_formats.arguments import (
+    is_real,
+    require,
+    require_above_0,
+    require_flag,
+    require_limit,
+    require_number,
+    require_one_of,
+    require_type,
+    require_whole,
+)
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.fields import STRING_MAX_BYTES
 from deltamesh_formats.container.method_layouts import MethodLayout
@@ -39,6 +49,7 @@ MIN_BITS_NORMAL, MAX_BITS_NORMAL = MIN_NORMAL_BITS, MAX_NORMAL_BITS
 # Options that let attributes lose what they would keep by default, or say how much.
 ATTRIBUTE_BOUNDS = ("bits_float", "max_uv_error", "max_attribute_error")
 MAX_THREADS = 1024
+MAX_SEED = (1 << 64) - 1
 # Of a sequence, a frame in so many is a key frame.
 DEFAULT_KEY_EVERY, MAX_KEY_EVERY = 16, MAX_RUN
 # Options that mean nothing for one mesh.
@@ -129,38 +140,52 @@ class Options:
     source_format: str = ""
 
     def __post_init__(self) -> None:
-        _require_one_of("method", self.method, CHOICES)
+        require_one_of("method", self.method, CHOICES)
+        for name in ("only", "diffusion", "drop_isolated", "keep_order", "lossless_attributes"):
+            require_flag(name, getattr(self, name))
         if self.anchor_method is not None:
-            _require_one_of("anchor_method", self.anchor_method, ANCHOR_METHODS)
+            require_one_of("anchor_method", self.anchor_method, ANCHOR_METHODS)
         if self.solution is not None:
-            _require_one_of("solution", self.solution, SOLUTIONS)
+            require_one_of("solution", self.solution, SOLUTIONS)
             bare = self.solution == INTERPOLATED and self.bits == 0
-            _require(not bare, "of 0 bits, anchors are not interpolated: they would be spikes")
-        _require_one_of("solver", self.solver, SOLVERS)
+            if bare:
+                raise OptionError("of 0 bits, anchors are not interpolated: they would be spikes")
+        require_one_of("solver", self.solver, SOLVERS)
         self._check_rate()
-        _require_within("effort", self.effort, 1, MAX_EFFORT)
+        require_whole("effort", self.effort, 1, MAX_EFFORT)
         if self.coarse is not None:
-            fits = 1 <= self.coarse <= MAX_COARSE
-            _require(fits, f"coarse must lie in 1..{MAX_COARSE:g}, not {self.coarse!r}")
-        _require_within("bits_uv", self.bits_uv, 1, MAX_BITS_UV)
-        _require_within("bits_normal", self.bits_normal, MIN_BITS_NORMAL, MAX_BITS_NORMAL)
+            require_number("coarse", self.coarse, 1, MAX_COARSE)
+        require_whole("bits_uv", self.bits_uv, 1, MAX_BITS_UV)
+        require_whole("bits_normal", self.bits_normal, MIN_BITS_NORMAL, MAX_BITS_NORMAL)
         if self.bits_float is not None:
-            _require_within("bits_float", self.bits_float, 1, MAX_BITS_UV)
-        for name, error in self.attribute_errors.items():
-            named = isinstance(name, str) and bool(name)
-            _require(named, f"max_attribute_error must have names, not {name!r}")
-            _require_above_0("max_uv_error or max_attribute_error", error)
+            require_whole("bits_float", self.bits_float, 1, MAX_BITS_UV)
+        self._check_attribute_errors()
         names = all(isinstance(name, str) for name in self.drop)
-        _require(names, f"drop must be names, not {self.drop!r}")
-        _require_within("seed", self.seed, 0, (1 << 64) - 1)
+        require(names, "drop must be names", self.drop)
+        if self.anchors is not None:
+            require(is_real(self.anchors), "anchors must be a count or a fraction", self.anchors)
+        require_whole("seed", self.seed, 0, MAX_SEED)
         if self.threads is not None:
-            _require_within("threads", self.threads, 1, MAX_THREADS)
+            require_whole("threads", self.threads, 1, MAX_THREADS)
         if self.fps is not None:
-            _require_above_0("fps", self.fps)
-        _require_within("key_every", self.key_every, 1, MAX_KEY_EVERY)
+            require_above_0("fps", self.fps)
+        require_whole("key_every", self.key_every, 1, MAX_KEY_EVERY)
+        require_type("source_format", self.source_format, str)
         most = STRING_MAX_BYTES
         fits = self.source_format.isprintable() and len(self.source_format.encode()) <= most
-        _require(fits, f"source_format must be printable, and at most {most} bytes")
+        rule = f"source_format must be printable, and at most {most} bytes"
+        require(fits, rule, self.source_format)
+
+    def _check_attribute_errors(self) -> None:
+        if self.max_uv_error is not None:
+            require_above_0("max_uv_error", self.max_uv_error)
+        if self.max_attribute_error is None:
+            return
+        require_type("max_attribute_error", self.max_attribute_error, Mapping)
+        for name, error in self.max_attribute_error.items():
+            named = isinstance(name, str) and bool(name)
+            require(named, "max_attribute_error must have names", name)
+            require_above_0(f"max_attribute_error of {name!r}", error)
 
     def _check_rate(self) -> None:
         # Options with defaults may be left as they are with any method.
@@ -170,15 +195,15 @@ class Options:
         check_together(self.method, given)
         for name in ("step", *BOUNDS[1:]):
             if (value := getattr(self, name)) is not None:
-                _require_above_0(name, value)
+                require_above_0(name, value)
         if self.quality is not None:
-            _require_within("quality", self.quality, 1, MAX_QUALITY)
+            require_whole("quality", self.quality, 1, MAX_QUALITY)
         if self.bits is not None:
             # Of 0 bits, the connectivity and the anchors make a surface; nothing else does.
             bare = self.method == AUTO or METHODS[self.method].layout.bare
-            _require_within("bits", self.bits, 0 if bare else 1, MAX_BITS)
-            told = self.bits > 0 or self.importance is None
-            _require(told, "importance means nothing with 0 bits")
+            require_whole("bits", self.bits, 0 if bare else 1, MAX_BITS)
+            if self.bits == 0 and self.importance is not None:
+                raise OptionError("importance means nothing with 0 bits")
 
     @property
     def asks_nothing(self) -> bool:
@@ -203,6 +228,18 @@ class Options:
     def exact(self) -> bool:
         """Whether positions are kept to the last bit."""
         return self.method != AUTO and METHODS[self.method].layout.exact
+
+
+def names_of(drop: str | Iterable[str]) -> tuple[str, ...]:
+    """Return what is to be left out, one name or several, as names.
+
+    Raises
+    ------
+    OptionError
+        If it is neither.
+    """
+    require(isinstance(drop, Iterable), "drop must be names", drop)
+    return (drop,) if isinstance(drop, str) else tuple(drop)
 
 
 def check_together(method: str, given: Collection[str], shown: Callable[[str], str] = str) -> None:
@@ -303,19 +340,15 @@ def settings_of(options: Options, method: str) -> Settings:
     )
 
 
-def _require_one_of(name: str, value: str, known: tuple[str, ...]) -> None:
-    _require(value in known, f"{name} must be one of {', '.join(known)}, not {value!r}")
+def check_decoding(solver: str, threads: int | None, max_vertices: float, memory: float) -> None:
+    """Refuse arguments of a decoder that are of a wrong type, or out of range.
 
-
-def _require_within(name: str, value: int, low: int, high: int) -> None:
-    whole = isinstance(value, Integral) and not isinstance(value, bool)
-    _require(whole and low <= value <= high, f"{name} must lie in {low}..{high}, not {value!r}")
-
-
-def _require_above_0(name: str, value: float) -> None:
-    _require(math.isfinite(value) and value > 0, f"{name} must be a number above 0, not {value}")
-
-
-def _require(holds: bool, message: str) -> None:
-    if not holds:
-        raise OptionError(message)
+    Raises
+    ------
+    OptionError
+    """
+    require_one_of("solver", solver, SOLVERS)
+    if threads is not None:
+        require_whole("threads", threads, 1, MAX_THREADS)
+    require_limit("max_vertices", max_vertices)
+    require_limit("memory", memory)

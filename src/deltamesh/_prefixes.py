@@ -13,6 +13,7 @@ from typing import BinaryIO, Final
 from deltamesh._decode_options import DecodeOptions
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh._methods import HIGHPASS, METHODS
+from deltamesh._options import check_decoding
 from deltamesh._pipeline.decoder import check_scale, positioned, proven_content, read_content
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.layout import CELLS, NORMALS
@@ -119,8 +120,13 @@ def stages(
     FormatError
         If bytes that have come are not the beginning of an undamaged file, or if the stream ends
         before any vertex has a position.
-    LimitError, SolveError, OSError
+    LimitError, OptionError, SolveError, OSError
+    TypeError
+        For anything but a binary file.
     """
+    check_decoding(solver, threads, max_vertices, memory)
+    if not hasattr(stream, "read"):
+        raise TypeError(f"a binary file is needed, not {type(stream).__name__}")
     options = DecodeOptions(solver, threads, max_vertices, memory)
     read = getattr(stream, "read1", stream.read)
     data, seen, reached = bytearray(), (0, False), ""

@@ -111,19 +111,25 @@ export interface About {
   poses: { name: string; step: number; bytes: number }[];
 }
 
+/** The bytes of a file. */
+export type Bytes = Uint8Array | ArrayBuffer;
+
 export type Wasm = BufferSource | Response | WebAssembly.Module;
 
 export interface Decoder {
-  decode(bytes: Uint8Array, options?: Options): Mesh;
-  inspect(bytes: Uint8Array): About;
+  decode(bytes: Bytes, options?: Options): Mesh;
+  /** The meshes of a sequence, one after the other; they share all arrays that are alike. */
+  frames(bytes: Bytes, limits?: Limits): Generator<Mesh, void>;
+  inspect(bytes: Bytes): About;
 }
 
 export interface WorkerDecoder {
-  decode(bytes: Uint8Array, options?: Options): Promise<{ mesh: Mesh; about: About }>;
+  /** The next frame of a sequence costs no more than that, as long as few others are decoded. */
+  decode(bytes: Bytes, options?: Options): Promise<{ mesh: Mesh; about: About }>;
   close(): void;
 }
 
-export function inspect(bytes: Uint8Array): About;
+export function inspect(bytes: Bytes): About;
 export function createDecoder(options?: { wasm?: Wasm | Promise<Wasm> }): Promise<Decoder>;
 export function createWorkerDecoder(options?: {
   wasm?: Wasm | Promise<Wasm>;

@@ -1,10 +1,19 @@
 // Decoder of .dmesh files for JavaScript, in Node and in browsers.
 import { compiled, loadCore } from "./decoder/core.mjs";
-import { decode, inspect } from "./decoder/decode.mjs";
+import { decode, inspect as describe, Opened } from "./decoder/decode.mjs";
 import { decoderIn } from "./decoder/worker_client.mjs";
 
 export { DeltameshError, FormatError, LimitError, SolveError } from "./decoder/errors.mjs";
-export { inspect } from "./decoder/decode.mjs";
+
+/** Return what a file says of itself; nothing of its mesh is decoded. */
+export const inspect = (bytes) => describe(bytesOf(bytes));
+
+/** Return bytes as a Uint8Array, which those of a buffer become. */
+function bytesOf(given) {
+  if (given instanceof Uint8Array) return given;
+  if (given instanceof ArrayBuffer) return new Uint8Array(given);
+  throw new TypeError("a Uint8Array, or an ArrayBuffer, with the bytes of a file is needed");
+}
 
 /** Return the compiled core that is beside this module. */
 async function ownModule() {
@@ -15,13 +24,18 @@ async function ownModule() {
 }
 
 /**
- * Return a decoder: `decode(bytes, options)` returns a mesh, `inspect(bytes)` what a file says.
+ * Return a decoder: `decode(bytes, options)` returns a mesh, `frames(bytes, options)` yields those of
+ * a sequence, `inspect(bytes)` returns what a file says.
  *
  * `wasm` is the compiled core: its bytes, a Response of them, or a WebAssembly.Module.
  */
 export async function createDecoder({ wasm = ownModule() } = {}) {
   const core = await loadCore(wasm);
-  return { decode: (bytes, options) => decode(core, bytes, options), inspect };
+  return {
+    decode: (bytes, options) => decode(core, bytesOf(bytes), options),
+    frames: (bytes, options) => framesOf(core, bytesOf(bytes), options),
+    inspect,
+  };
 }
 
 /**
@@ -33,5 +47,16 @@ export async function createDecoder({ wasm = ownModule() } = {}) {
 export async function createWorkerDecoder({ wasm = ownModule(), worker } = {}) {
   const place = new URL("./decoder/worker.mjs", import.meta.url);
   const own = worker ?? new Worker(place, { type: "module" });
-  return decoderIn(own, await compiled(wasm));
+  const { decode: ask, close } = decoderIn(own, await compiled(wasm));
+  return { decode: async (bytes, options) => ask(bytesOf(bytes), options), close };
+}
+
+/** Yield the meshes of a sequence; they share all arrays but those of positions and triangles. */
+function* framesOf(core, bytes, options) {
+  const file = new Opened(core, bytes, options);
+  try {
+    for (let frame = 0; frame < file.frames; frame++) yield file.mesh({ frame });
+  } finally {
+    file.close();
+  }
 }

@@ -278,7 +278,7 @@ def test_output_in_the_tree_of_the_input_is_not_input(scans: Path) -> None:
         ("batch -d -r scans --bits 6", "--bits means nothing with -d"),
         ("batch -r scans --max-vertices 6", "--max-vertices means nothing without -d"),
         ("batch -r scans --rank 1", "--rank and --world-size go together"),
-        ("batch -r scans --rank 4 --world-size 4", "rank 4 is not one of 0..3"),
+        ("batch -r scans --rank 4 --world-size 4", "rank must lie in 0..3, not 4"),
         ("batch -r scans --rank 1 --world-size 4 --slurm array", "exclude each other"),
         ("batch ../x.ply --output-dir-mirror out", "has no place in a mirror"),
     ],

@@ -66,6 +66,26 @@ def test_json_has_what_the_library_has(bar: Path, capsys: pytest.CaptureFixture[
     assert found["missed"] < 1e-8 < found["recorded_missed"] < 0.01
 
 
+def test_poses_are_removed(bar: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli("edit -q bar.dmesh bent.dmesh --name bent", *BEND) == 0
+    assert cli("edit -q bent.dmesh two.dmesh --name out --move vertices:3 shift=0.1,0,0") == 0
+    capsys.readouterr()
+    assert cli("edit two.dmesh one.dmesh --remove out") == 0
+    size = len(Path("bent.dmesh").read_bytes())
+    wanted = f"two.dmesh -> one.dmesh: {size} bytes, without pose out\n"
+    assert capsys.readouterr().out == wanted
+    assert Path("one.dmesh").read_bytes() == Path("bent.dmesh").read_bytes()
+    assert cli("edit --json two.dmesh none.dmesh --remove out --remove bent") == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told == {
+        "source": "two.dmesh",
+        "file": "none.dmesh",
+        "bytes": len(Path("bar.dmesh").read_bytes()),
+        "removed": ["out", "bent"],
+    }
+    assert Path("none.dmesh").read_bytes() == Path("bar.dmesh").read_bytes()
+
+
 def test_few_anchors_are_said_to_be_few(bar: Path, capsys: pytest.CaptureFixture[str]) -> None:
     mesh = deltamesh.load("bar.dmesh")
     deltamesh.save("few.dmesh", mesh, method="refined", anchors=4)
@@ -89,6 +109,9 @@ def test_few_anchors_are_said_to_be_few(bar: Path, capsys: pytest.CaptureFixture
         ("edit bar.dmesh a.dmesh --name a --fix z>8% --move z>9% shift=0,0,1", 2, "and fixed"),
         ("edit bar.dmesh a.dmesh --name a --memory 1M --move z>9% shift=0,0,1", 3, "--memory"),
         ("edit none.dmesh a.dmesh --name a --move z>9% shift=0,0,1", 1, "none.dmesh"),
+        ("edit bar.dmesh a.dmesh --remove a", 2, "no pose 'a': the file has none"),
+        ("edit bar.dmesh a.dmesh --remove a --name b", 2, "--name means nothing with --remove"),
+        ("edit bar.dmesh a.dmesh --remove a --fix z<5%", 2, "--fix means nothing with --remove"),
         ("decode bar.dmesh a.obj --pose a", 2, "no pose 'a'"),
         ("decode bar.dmesh a.obj --pose a --partial", 2, "whole file"),
     ],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -107,6 +108,12 @@ def test_frames_that_do_not_fit_are_named(frames: Path, capsys: pytest.CaptureFi
     assert capsys.readouterr().err == (
         "deltamesh: other.off: cannot encode: frame 2: 3 vertices, where frame 0 has 63\n"
     )
+    write_mesh(frames / "f2.ply", replace(MOVING[2], vertices=1e12 * MOVING[2].vertices))
+    for method in ("refined", "highpass", "cartesian"):
+        line = f"encode -o walk.dmesh --sequence --method {method} --step 0.02"
+        assert cli(line, "f0.ply", "f1.ply", "f2.ply") == 1
+        told = capsys.readouterr().err
+        assert told.startswith("deltamesh: f2.ply: cannot encode: frame 2: a quantization step of ")
     assert cli(ENCODE, "f0.ply", "missing.ply") == 1
     assert "missing.ply: cannot read" in capsys.readouterr().err
     assert not (frames / "walk.dmesh").exists()

@@ -35,8 +35,8 @@ def test_the_code_of_the_page_runs(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     deltamesh.write_mesh("bar.ply", poses.bar())
-    assert [language for language, _ in BLOCKS] == ["sh", "sh", "python"]
-    for _, block in BLOCKS[:2]:
+    assert [language for language, _ in BLOCKS] == ["sh", "sh", "sh", "python"]
+    for _, block in BLOCKS[:3]:
         for line in block.splitlines():
             program, *arguments = shlex.split(line)
             assert (program, run(arguments)) == ("deltamesh", 0), capsys.readouterr().err
@@ -46,9 +46,10 @@ def test_the_code_of_the_page_runs(
     V, W = rest.vertices, bent.vertices
     assert vertex_errors(V, W, rest.faces).dihedral < 0.8
     assert np.abs(W[V[:, 2] > 5.7].mean(axis=0) - [3.2, 0, 3.4]).max() < 0.05
+    assert "without pose dragged, bent\n" in said.out
     turned = deltamesh.load("dragged.dmesh", pose="dragged").vertices
     assert np.abs(turned - deltamesh.load("dragged.dmesh").vertices)[:, 0].max() > 1.4
-    done = children.run([sys.executable, "-W", "error", "-c", BLOCKS[2][1]], text=True)
+    done = children.run([sys.executable, "-W", "error", "-c", BLOCKS[3][1]], text=True)
     assert done.returncode == 0, done.stderr
     assert re.match(r"\d+ bytes, 26 anchors, off by 0\.00\d+ of the diagonal\n", done.stdout)
 

@@ -136,3 +136,19 @@ def test_a_file_object_gets_the_bytes_as_they_are(tmp_path: Path) -> None:
     assert gzip.decompress((tmp_path / "a.off.gz").read_bytes()).startswith(b"OFF")
     with gzip.open(tmp_path / "a.off.gz") as file:
         assert len(read_mesh(file).vertices) == 3
+
+
+@pytest.mark.parametrize(("suffix", "title"), [(".gz", "gzip"), (".zst", "zstandard")])
+def test_streams_that_are_cut_before_their_first_byte_are_truncated(
+    suffix: str, title: str
+) -> None:
+    """Nothing has come, which is not the same as a file with nothing in it."""
+    made = stream(suffix, NOISE)
+    for size in (4, 9):
+        for partial in (False, True):
+            with pytest.raises(FormatError, match=f"^truncated: the file ends within its {title}"):
+                wrappers.unwrapped(made[:size], partial=partial)
+    whole = wrappers.unwrapped(made[:200_000], partial=True)
+    assert whole == NOISE[: len(whole)]
+    assert len(whole) > 100_000
+    assert wrappers.unwrapped(stream(suffix, b""), partial=True) == b""

@@ -53,8 +53,7 @@ int64_t left_of(const bytes *from);
 dm_coder *decoder_of(const char *model, int64_t formats, bytes payload);
 void check_end(const dm_coder *c);
 
-/* Sections of a container, by their ids; `at` is NULL for those that are not there. Of FRAM nothing is
-   read: its streams are those of other sections again. */
+/* Sections of a container, by their ids; `at` is NULL for those that are not there. */
 enum {
     PARM, CONN, STCH, COPY, POLY, STEP, ANCH, DELT, NORM, CART, EXAC, CELL, FIXS, ATTR, PART, ORDR,
     POSE, FILL, FRAM, META, CHEK, SECTIONS

@@ -4,6 +4,9 @@
 #include "fuzz.h"
 
 enum { GREEDY = 2, RANDOM = 1, MOST_BITS = 30, MOST_EXPONENT = 120, MOST_UNIT = 64 };
+/* Of a frame: bits of its flags, the bytes between its grid and its maps, and its largest numbers. */
+enum { KEY = 1, HAS_CELLS = 2, HAS_FIXES = 4, BETWEEN = 8 + 5 * 4 + 8, MOST_HALVINGS = 30 };
+enum { CRC = 4, MOST_RUN = 255 };
 
 /* Vertices of the faces alone, their components, and the extra bits of their coordinates. */
 typedef struct {
@@ -120,6 +123,11 @@ static const int64_t *decode_anchors(const container *file, const solid *v, int6
     return anchors;
 }
 
+static graph without_edges(int64_t n)
+{
+    return (graph){.n = n, .entries = 0, .indptr = take_zeros(n + 1), .indices = take_numbers(0)};
+}
+
 /* What the cells of anchors have lost in whose components there are others. */
 static void decode_cells(const container *file, const solid *v, const int64_t *anchors)
 {
@@ -136,9 +144,7 @@ static void decode_cells(const container *file, const solid *v, const int64_t *a
         units[i] = read_byte(&payload) - MOST_UNIT / 2;
         require(units[i] <= MOST_UNIT / 2, "a unit");
     }
-    const graph none = {.n = rows, .entries = 0, .indptr = take_zeros(rows + 1),
-                        .indices = take_numbers(0)};
-    int64_t *const values = decode_vectors(payload, none);
+    int64_t *const values = decode_vectors(payload, without_edges(rows));
     for (int64_t i = 0; i < 3 * rows; i++)
         some |= values[i] != 0;
     require(some || !allowed.strict, "no cell has lost anything");
@@ -197,11 +203,105 @@ static void decode_cartesian(bytes payload, const solid *v, const elements *surf
     tell("CART", values, 3 * surface->near.n);
 }
 
+/* The linear maps of a frame, each smoothed into those of its neighbours. */
+static void decode_maps(bytes payload, const solid *v, int64_t maps, int64_t rounds)
+{
+    const int64_t n = v->near.n, places = 10 * n;
+    require(maps >= v->components && maps <= n, "a component without a map");
+    int64_t *const rows = decode_vectors(payload, without_edges(3 * maps)), some = 0;
+    for (int64_t i = 0; i < 9 * maps; i++)
+        some |= rows[i] != 0;
+    require(some || !allowed.strict, "no map moves anything");
+    int64_t *const centres = take_numbers(maps), *const nearest = take_numbers(n);
+    check(dm_farthest_points(ROWS_OF(v->near), lowest_of(v), v->components, centres, maps,
+                             take_numbers(n), take_numbers(n)),
+          "dm_farthest_points");
+    check(dm_nearest(ROWS_OF(v->near), centres, maps, nearest, take_numbers(n)), "dm_nearest");
+    double *const each = take_bytes((size_t)places * sizeof(double));
+    for (int64_t i = 0; i < places; i++)
+        each[i] = i % 10 == 9 ? 1 : (double)rows[9 * nearest[i / 10] + i % 10];
+    check(dm_smooth(ROWS_OF(v->near), each, 10, rounds,
+                    take_bytes((size_t)places * sizeof(double))),
+          "dm_smooth");
+    tell("MAPS", rows, 9 * maps);
+}
+
+/* A frame of a sequence: the streams of the geometry again, as seen from another frame. */
+static void decode_frame(bytes record, int64_t index, const container *file, const solid *v,
+                         const elements *surface, const int64_t *anchors)
+{
+    static const int OF_ANCHORS[] = {ANCH, DELT, NORM}, OF_GRID[] = {CART};
+    const int on_grid = file->method == 1, last = file->method == 2 ? 3 : 2;
+    const int64_t flags = read_byte(&record);
+    require(flags <= (KEY | HAS_CELLS | HAS_FIXES) && !(flags & KEY && index == 1), "flags");
+    require(!(flags & HAS_CELLS) || file->interpolated, "vectors of cells that have none");
+    require(!(flags & HAS_FIXES) || !on_grid, "corrections in a Cartesian file");
+    require(read_byte(&record) <= MOST_HALVINGS, "halvings of a grid");
+    read_bytes(&record, BETWEEN);
+    const int64_t maps = read_varint(&record), rounds = maps ? read_byte(&record) : 0;
+    require(!maps || (!on_grid && read_byte(&record) <= MOST_BITS), "maps");
+    int streams[6], count = 0, moving = maps > 0;
+    for (int k = 0; k < (on_grid ? 1 : last); k++)
+        streams[count++] = on_grid ? OF_GRID[k] : OF_ANCHORS[k];
+    if (flags & HAS_CELLS)
+        streams[count++] = CELL;
+    if (flags & HAS_FIXES)
+        streams[count++] = FIXS;
+    container one = *file;
+    one.sections[CELL].at = one.sections[FIXS].at = NULL;
+    const int64_t size_of_maps = moving ? read_varint(&record) : 0;
+    int64_t sizes[6];
+    for (int k = 0; k < count; k++)
+        sizes[k] = read_varint(&record);
+    const bytes of_maps = read_bytes(&record, size_of_maps);
+    for (int k = 0; k < count; k++)
+        one.sections[streams[k]] = read_bytes(&record, sizes[k]);
+    require(left_of(&record) == 0, "bytes after the last stream");
+    tell("FRAM", &index, 1);
+    if (moving)
+        decode_maps(of_maps, v, maps, rounds);
+    if (on_grid) {
+        tell("CART", decode_three(one.sections[CART], surface), 3 * surface->near.n);
+        return;
+    }
+    const int64_t k = file->anchor_count, isolated = surface->near.n - v->near.n;
+    int64_t *const points = decode_vectors(one.sections[ANCH], without_edges(k + isolated));
+    tell("ANCH", points, 3 * k);
+    tell("isolated", points + 3 * k, 3 * isolated);
+    decode_deltas(&one, v);
+    if (flags & HAS_CELLS)
+        decode_cells(&one, v, anchors);
+}
+
+static void decode_frames(const container *file, const solid *v, const elements *surface,
+                          const int64_t *anchors)
+{
+    bytes payload = file->sections[FRAM];
+    require(file->has_step, "frames in a file of 0 bits");
+    read_bytes(&payload, 8); /* the rate */
+    const int64_t count = read_varint(&payload);
+    require(count > 0 && count <= left_of(&payload), "a number of frames");
+    int64_t *const sizes = take_numbers(count), run = 0;
+    for (int64_t i = 0; i < count; i++)
+        sizes[i] = read_varint(&payload);
+    for (int64_t i = 0; i < count; i++) {
+        bytes record = read_bytes(&payload, sizes[i]);
+        require(left_of(&record) > CRC, "truncated");
+        run = *record.at & KEY ? 0 : run + 1;
+        require(run <= MOST_RUN, "too many frames since a key frame");
+        record.end -= CRC; /* a checksum, whatever it is */
+        decode_frame(record, i + 1, file, v, surface, anchors);
+    }
+    require(left_of(&payload) == 0, "bytes after the last frame");
+    tell("FRAM", &(int64_t){0}, 1); /* what follows is of frame 0 */
+}
+
 void decode_geometry(const container *file, const structure *s, const elements *surface)
 {
     if (file->method == 3) {
         int width;
         require(file->sections[EXAC].at != NULL && !file->sections[STEP].at, "EXAC is missing");
+        require(!file->sections[FRAM].at, "frames in a lossless file");
         decode_exact(file->sections[EXAC], surface, &width);
         return;
     }
@@ -218,6 +318,8 @@ void decode_geometry(const container *file, const structure *s, const elements *
     if (file->method == 1) {
         require(file->sections[CART].at != NULL, "CART is missing");
         decode_cartesian(file->sections[CART], &v, surface);
+        if (file->sections[FRAM].at)
+            decode_frames(file, &v, surface, NULL);
         return;
     }
     require(file->sections[ANCH].at != NULL, "ANCH is missing");
@@ -227,4 +329,6 @@ void decode_geometry(const container *file, const structure *s, const elements *
         decode_cells(file, &v, anchors);
     if (file->sections[POSE].at)
         decode_poses(file->sections[POSE], v.near, anchors, file->anchor_count);
+    if (file->sections[FRAM].at)
+        decode_frames(file, &v, surface, anchors);
 }

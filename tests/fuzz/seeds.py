@@ -22,6 +22,7 @@ import meshes
 import numpy as np
 import polygon_meshes
 import stepped
+from animated import moving
 from places import GOLDEN, REFUSED
 
 from deltamesh import encode
@@ -61,11 +62,28 @@ def files() -> Iterator[tuple[str, bytes]]:
         ordered = golden_polymeshes.shuffled(mesh)
         yield f"{name}-order", encode(ordered, method="cartesian", bits=2, keep_order=True)
     yield from attributed_files()
+    yield from sequences()
     scene = from_triangles(*meshes.union(meshes.tetrahedron(), meshes.tetrahedron()))
     scene = replace(scene, vertices=scene.vertices * np.repeat([1.0, 0.01], 4)[:, None])
     for method in ("cartesian", "highpass", "refined"):
         options = Options(method=method, step=0.01)
         yield f"steps-{method}", stepped.restepped(scene, options, stepped.by_size).data
+
+
+def sequences() -> Iterator[tuple[str, bytes]]:
+    """Yield files of a few frames."""
+    at_rate = {"bits": 5, "key_every": 2}
+    within = {"max_error_rel": 0.004, "normal_error": 20.0}
+    for name, mesh, options in (
+        ("torus", meshes.torus(3, 3), at_rate),
+        ("isolated", meshes.with_isolated(), at_rate),
+        ("corrected", meshes.torus(5, 4), within),
+    ):
+        given = moving(mesh, 3)
+        yield f"frames-{name}-cartesian", encode(given, method="cartesian", **options)
+        for method in ("highpass", "refined"):
+            data = encode(given, method=method, anchors=3, solution="interpolated", **options)
+            yield f"frames-{name}-{method}", data
 
 
 def attributed_files() -> Iterator[tuple[str, bytes]]:

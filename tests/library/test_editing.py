@@ -13,7 +13,7 @@ import posed
 import pytest
 
 import deltamesh
-from deltamesh import LimitError, MeshError, OptionError, decode, edit, encode
+from deltamesh import LimitError, MeshError, OptionError, decode, edit, encode, remove_poses
 from deltamesh._decode_options import DecodeOptions
 from deltamesh._editing import edit_chosen
 from deltamesh._handles import indices_of
@@ -115,6 +115,20 @@ def test_a_file_has_many_poses() -> None:
     x = [decode(container, pose=f"shift {k}").vertices[TOP, 0].mean() for k in range(5)]
     np.testing.assert_allclose(np.diff(x), 0.1, atol=5e-3)
     assert deltamesh.verify(data).digest == container.digest
+
+
+def test_poses_are_removed_and_all_else_stays() -> None:
+    for name, data in FILES.items():
+        two = edit(bent(data).data, [(TOP, [0.5, 0, 0])], [BOTTOM], name="two").data
+        assert remove_poses(two, "two") == bent(data).data, name
+        assert remove_poses(two, ["bent", "two"]) == data, name
+        left = deltamesh.info(remove_poses(two, ["bent"]))
+        np.testing.assert_array_equal(
+            decode(left, pose="two").vertices, decode(two, pose="two").vertices
+        )
+        assert deltamesh.info(remove_poses(two, ())).digest == deltamesh.info(two).digest
+    with pytest.raises(OptionError, match="there is no pose 'none': the poses are 'bent'"):
+        remove_poses(bent().data, ["bent", "none"])
 
 
 def test_sources_are_those_of_verify(tmp_path: Path) -> None:

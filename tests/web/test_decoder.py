@@ -342,6 +342,33 @@ def test_frames_decode_in_a_worker(node: str, package: Path) -> None:
     assert done.stdout.strip() == wanted
 
 
+@pytest.mark.parametrize("keep_order", [False, True])
+def test_the_next_frame_costs_no_more_than_that(
+    node: str, package: Path, tmp_path: Path, keep_order: bool
+) -> None:
+    path = tmp_path / "walk.dmesh"
+    options = {"method": "refined", "step": 0.05, "key_every": 4, "keep_order": keep_order}
+    path.write_bytes(encode(animated.moving(meshes.torus(9, 7), 7), **options))
+    done = children.run([node, str(HERE / "play_all.mjs"), str(package), str(path)], text=True)
+    assert done.stderr == ""
+    forth, back = [0, 1, 1, 1, 1, 1, 1], [0, 2, 1, 3, 2, 1, 0]
+    assert json.loads(done.stdout) == [*forth, *back, 2, 1, 2]  # 1 to 3, 3 to 1, and 1 to 3
+
+
+def test_wrong_arguments_are_named(node: str, package: Path) -> None:
+    path = GOLDEN / "refined-sequence.dmesh"
+    command = [node, str(HERE / "wrong_arguments.mjs"), str(package), str(path)]
+    done = children.run(command, text=True)
+    assert done.stderr == ""
+    needed = "TypeError: a Uint8Array, or an ArrayBuffer, with the bytes of a file is needed"
+    assert done.stdout.splitlines() == [
+        "buffer: decoded",
+        *(f"{name}: {needed}" for name in ("nothing", "list", "text", "frames", "worker")),
+        "memory: DeltameshError: memory must be a number from 0 on, not much",
+        "maxVertices: DeltameshError: maxVertices must be a number from 0 on, not NaN",
+    ]
+
+
 def test_limits_are_kept(node: str, package: Path, tmp_path: Path) -> None:
     V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     F = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])

@@ -13,50 +13,89 @@ import pytest
 from places import GOLDEN, REFUSED, ROOT
 
 from deltamesh._content import Content
+from deltamesh._geometry.integers import Integers
 from deltamesh._pipeline.decoder import read_content
+from deltamesh._sections.frames import frame_integers
+from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.frame_table import Frame
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import FormatError, LimitError
 
 sys.path.insert(0, str(ROOT / "tests" / "fuzz"))
 from harness import build, clang, core
+from seeds import sequences
 
 Arrays = list[tuple[str, np.ndarray]]
 
 
 def decoded(path: Path) -> tuple[Mapping[str, object], Content]:
     container = read_container(path.read_bytes())
-    return container.sections, read_content(container, 10**6, 10**9)
+    content = read_content(container, 10**6, 10**9)
+    for frame in container.frames:
+        frame_integers(container, content, frame)
+    return container.sections, content
 
 
-def expected_arrays(path: Path) -> Arrays:
-    """What `replay` has to print of a file, but for attributes and parts."""
+def expected_arrays(path: Path) -> list[Arrays]:
+    """What `replay` has to print of each frame of a file, but for attributes and parts."""
+    container = read_container(path.read_bytes())
     sections, content = decoded(path)
-    s, i = content.structure, content.integers
+    s = content.structure
     found = [
         ("CONN", s.complex.manifold.faces),
         ("STCH", s.complex.stitches.points),
         ("COPY", s.faces),
         ("POLY", s.merged),
-        ("STEP", i.exponents),
-        ("ANCH", i.positions),
-        ("DELT", i.values),
-        ("CELL", i.cells),
-        ("FIXS", i.corrections),
-        ("NORM", i.refinements),
-        ("CART", i.values),
+        ("STEP", content.integers.exponents),
+        *arrays_of(content.integers),
     ]
     found = [(name, array) for name, array in found if name in sections]
     if "ANCH" in sections:
-        found += [("anchors", i.anchors), ("isolated", i.isolated)]
+        found += [("anchors", content.integers.anchors), ("isolated", content.integers.isolated)]
     if "CELL" in sections:
-        found.append(("units", i.units))
+        found.append(("units", content.integers.units))
     if content.poses:
         found.append(("POSE", content.poses[-1].numbers))
     if content.order is not None:
         order = content.order
         found += [("vertices", order.vertices), ("polygons", order.polygons)]
         found += [("rotations", order.rotations)]
+    return [found, *(arrays_of_frame(container, content, frame) for frame in container.frames)]
+
+
+def arrays_of(integers: Integers) -> Arrays:
+    return [
+        ("ANCH", integers.positions),
+        ("DELT", integers.values),
+        ("CELL", integers.cells),
+        ("FIXS", integers.corrections),
+        ("NORM", integers.refinements),
+        ("CART", integers.values),
+    ]
+
+
+def arrays_of_frame(container: Container, content: Content, frame: Frame) -> Arrays:
+    motion, integers = frame_integers(container, content, frame)
+    found = [(name, array) for name, array in arrays_of(integers) if name in frame.sections]
+    if motion is not None:
+        found.append(("MAPS", motion.rows))
+    if "ANCH" in frame.sections:
+        found.append(("isolated", integers.isolated))
+    if "CELL" in frame.sections:
+        found.append(("units", integers.units))
     return found
+
+
+def by_frames(arrays: Arrays) -> list[Arrays]:
+    """The arrays that `replay` has printed of each frame."""
+    frames: dict[int, Arrays] = {0: []}
+    at = 0
+    for name, array in arrays:
+        if name == "FRAM":
+            at = int(array[0])
+        else:
+            frames.setdefault(at, []).append((name, array))
+    return list(frames.values())
 
 
 def replayed(program: Path, paths: list[Path]) -> dict[str, tuple[Arrays, str]]:
@@ -89,35 +128,42 @@ def replay(tmp_path_factory: pytest.TempPathFactory) -> Path:
         pytest.fail(error.stderr)
 
 
-@pytest.mark.slow
-def test_golden_files_are_read_as_the_library_reads_them(replay: Path) -> None:
-    paths = sorted(GOLDEN.glob("*.dmesh"))
+def compare(replay: Path, paths: list[Path]) -> set[tuple[str, bool]]:
+    """Compare what is read of files; return names of arrays, and whether of further frames."""
     found = replayed(replay, paths)
     assert len(found) == len(paths)
-    sections = set()
+    seen = set()
     for path in paths:
         arrays, refusal = found[path.stem]
         if refusal == "a block of Zstandard":  # which the harness does not read
             assert "zstd" in path.stem
             continue
         assert refusal == "", path.stem
-        known = dict(arrays)
-        for name, array in expected_arrays(path):
-            np.testing.assert_array_equal(known[name], array.ravel(), err_msg=f"{path.stem} {name}")
-            sections.add(name)
-    assert {
-        "CONN",
-        "STCH",
-        "COPY",
-        "POLY",
-        "STEP",
-        "DELT",
-        "NORM",
-        "CART",
-        "FIXS",
-        "CELL",
-        "POSE",
-    } <= sections
+        frames = zip(by_frames(arrays), expected_arrays(path), strict=True)
+        for i, (known, expected) in enumerate(frames):
+            for name, array in expected:
+                where = f"{path.stem} {name} of frame {i}"
+                np.testing.assert_array_equal(dict(known)[name], array.ravel(), err_msg=where)
+                seen.add((name, i > 0))
+    return seen
+
+
+OF_FRAMES = ("DELT", "NORM", "CART", "FIXS", "CELL", "ANCH", "isolated")
+
+
+@pytest.mark.slow
+def test_golden_files_are_read_as_the_library_reads_them(replay: Path) -> None:
+    seen = compare(replay, sorted(GOLDEN.glob("*.dmesh")))
+    names = ("CONN", "STCH", "COPY", "POLY", "STEP", "POSE", *OF_FRAMES)
+    assert {(name, False) for name in names} <= seen
+
+
+@pytest.mark.slow
+def test_frames_are_read_as_the_library_reads_them(replay: Path, tmp_path: Path) -> None:
+    for name, data in sequences():
+        (tmp_path / f"{name}.dmesh").write_bytes(data)
+    seen = compare(replay, sorted(tmp_path.iterdir()))
+    assert {(name, True) for name in ("MAPS", *OF_FRAMES)} <= seen
 
 
 @pytest.mark.slow

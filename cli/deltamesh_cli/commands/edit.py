@@ -1,7 +1,8 @@
-"""`deltamesh edit`: a pose is added to a `.dmesh` file."""
+"""`deltamesh edit`: a pose is added to a `.dmesh` file, or poses are removed."""
 
 from __future__ import annotations
 
+from collections.abc import Sized
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -28,6 +29,7 @@ deltamesh edit a.dmesh b.dmesh --name up --move 'z>9' turn=y,90 --fix 'z<1'
 deltamesh edit a.dmesh b.dmesh --name out --move vertices:7 shift=1,0,0
 deltamesh edit a.dmesh b.dmesh --name in --move part:arm turn=0,1,1,40
 deltamesh decode b.dmesh up.obj --pose up
+deltamesh edit b.dmesh c.dmesh --remove up
 """
 
 _REGIONS = """\
@@ -52,13 +54,12 @@ _RMS, _NORMAL = 0.0015, 1.0
 @click.command(epilog=epilog(_EXAMPLES, _REGIONS, _MOTIONS))
 @click.argument("source", type=FILE, metavar="IN")
 @options.output("none; it is needed")
-@click.option("--name", required=True, help="Name of the pose.")
+@click.option("--name", help="Name of the pose.")
 @click.option(
     "--move",
     "moves",
     type=(region, motion),
     multiple=True,
-    required=True,
     metavar="REGION MOTION",
     help="Move the vertices of a region; may be given several times.",
 )
@@ -77,6 +78,13 @@ _RMS, _NORMAL = 0.0015, 1.0
     help="Step of the displacements in the file, in the unit of the mesh."
     "  [default: 1/4096 of the diagonal]",
 )
+@click.option(
+    "--remove",
+    "removed",
+    multiple=True,
+    metavar="NAME",
+    help="Remove a pose instead of adding one; may be given several times.",
+)
 @options.decoding
 @options.reporting
 def command(
@@ -84,28 +92,30 @@ def command(
     target: str | None,
     output: str | None,
     force: bool,
-    name: str,
+    name: str | None,
     moves: tuple[tuple[tuple[Term, ...], Motion], ...],
     fixed: tuple[tuple[Term, ...], ...],
     step: float | None,
+    removed: tuple[str, ...],
     as_json: bool,
     quiet: bool,
     verbose: bool,
     show_progress: bool | None,
     **parameters: Any,
 ) -> None:
-    """Add a pose to a .dmesh file, by moving some of its vertices.
+    """Add a pose to a .dmesh file, or remove poses.
 
-    The surface follows those that are moved (--move) and stays where it is held (--fix). OUT is IN
-    with one pose more: the mesh at rest stays as it is, and deltamesh decode --pose NAME makes the
-    mesh in the pose. A pose is a motion of the anchors of the file, and takes about 0.4 to 3 % of
-    it. What is printed says how far that is from the edit; more anchors (deltamesh encode
+    The surface follows the vertices that are moved (--move) and stays where it is held (--fix). OUT
+    is IN with one pose more: the mesh at rest stays as it is, and deltamesh decode --pose NAME
+    makes the mesh in the pose. A pose is a motion of the anchors of the file, and takes about 0.4
+    to 3 % of it. What is printed says how far that is from the edit; more anchors (deltamesh encode
     --anchors) come nearer.
 
     Without a turn, vertices are put where they are to be, and turn as the surface does; turn=z,0
     keeps them from turning. Files of methods cartesian and lossless have no anchors, and take no
-    poses.
+    poses. With --remove, OUT is IN without the poses of these names.
     """
+    _check_use(name, moves, fixed, step, removed)
     target = files.chosen_output(target, output)
     if target is None:
         raise click.UsageError("OUT is needed: IN is never modified.")
@@ -117,10 +127,21 @@ def command(
         files.check_output(source, target, force=force)
         with displayed_progress(show_progress, verbose=verbose, quiet=quiet) as progress:
             with attempt(source, "cannot edit"):
-                made = interruptible(
-                    lambda: _edited(container, moves, fixed, name, progress, step, parameters)
-                )
-            files.write_output(target, made.data, force=force)
+                if removed:
+                    data = interruptible(lambda: _without(container, removed, progress, parameters))
+                else:
+                    assert name is not None
+                    made = interruptible(
+                        lambda: _edited(container, moves, fixed, name, progress, step, parameters)
+                    )
+                    data = made.data
+            files.write_output(target, data, force=force)
+        if removed:
+            if as_json:
+                print_json(_object_without(source, target, data, removed))
+            elif not (quiet or target == files.STDIO):
+                _print_removed(source, target, data, removed)
+            return
         if as_json:
             print_json(_object(source, target, made))
         elif not (quiet or target == files.STDIO):
@@ -130,6 +151,37 @@ def command(
             message(f"note: {display_name(source)}: {anchors}: deltamesh encode --anchors has more")
 
     process_all_and_exit([source], edit, as_json=as_json)
+
+
+def _check_use(
+    name: str | None,
+    moves: Sized,
+    fixed: Sized,
+    step: float | None,
+    removed: Sized,
+) -> None:
+    """Refuse options that are needed and missing, or mean nothing beside others."""
+    given = {"--name": name, "--move": moves, "--fix": fixed, "--step": step}
+    if removed:
+        for option, value in given.items():
+            if value:
+                raise click.UsageError(f"{option} means nothing with --remove.")
+        return
+    for option in ("--name", "--move"):
+        if not given[option]:
+            raise click.UsageError(f"Missing option '{option}'; or --remove NAME removes a pose.")
+
+
+def _without(
+    container: Container,
+    removed: tuple[str, ...],
+    progress: Progress,
+    parameters: dict[str, Any],
+) -> bytes:
+    from deltamesh import remove_poses
+
+    limits = {name: parameters[name] for name in ("max_vertices", "memory")}
+    return remove_poses(container, removed, progress=progress, **options.specified(limits))
 
 
 def _edited(
@@ -179,6 +231,19 @@ def _object(source: str, target: str, made: Edited) -> dict[str, object]:
         "dihedral_degrees": made.dihedral,
         "recorded_dihedral_degrees": made.recorded_dihedral,
     }
+
+
+def _object_without(
+    source: str, target: str, data: bytes, removed: tuple[str, ...]
+) -> dict[str, object]:
+    """Return what was removed for `--json`."""
+    return {"source": source, "file": target, "bytes": len(data), "removed": list(removed)}
+
+
+def _print_removed(source: str, target: str, data: bytes, removed: tuple[str, ...]) -> None:
+    names = ", ".join(map(display_name, removed))
+    sizes = f"{len(data)} bytes, without pose {names}"
+    click.echo(f"{display_name(source)} -> {display_name(target)}: {sizes}")
 
 
 def _print_summary(source: str, target: str, made: Edited) -> None:

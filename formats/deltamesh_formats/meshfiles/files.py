@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from deltamesh_formats.atomic import PathOrFile, write_file
-from deltamesh_formats.errors import FormatError, LimitError, MeshError, OptionError
+from deltamesh_formats.arguments import require, require_type, require_whole
+from deltamesh_formats.atomic import PathOrFile, require_file, write_file
+from deltamesh_formats.errors import FormatError, LimitError, MeshError
 from deltamesh_formats.meshfiles.beside import in_folder
 from deltamesh_formats.meshfiles.file_format import FileFormat, Written
 from deltamesh_formats.meshfiles.float32 import rounding_error
@@ -28,7 +29,7 @@ from deltamesh_formats.meshfiles.number_text import with_places
 from deltamesh_formats.places import parent, read_bytes
 from deltamesh_formats.polymesh.mesh import PolyMesh
 from deltamesh_formats.polymesh.texture_origin import marked_top_left, with_origin
-from deltamesh_formats.polymesh.validation import checked
+from deltamesh_formats.polymesh.validation import check_arrays, check_indices, checked
 from deltamesh_formats.wrappers import unwrapped, without_wrapper, wrapped
 
 __all__ = ["mesh_bytes", "mesh_format", "read_mesh", "write_mesh", "written"]
@@ -45,6 +46,8 @@ def mesh_format(target: PathOrFile, file_format: str | None = None) -> FileForma
         When it is not in the table of the formats.
     """
     name = _name(target)
+    if file_format is not None:
+        require_type("file_format", file_format, str)
     asked = (file_format or Path(without_wrapper(name)[0]).suffix).removeprefix(".").lower()
     found = format_of_extension(asked)
     if found is not None:
@@ -90,13 +93,21 @@ def read_mesh(
         compression.
     LimitError
         For a file that decompresses to more.
+    OptionError
+        For a format, or a folder, that is no text.
     OSError
         When the file cannot be opened or read.
+    TypeError
+        For anything but a path or a file.
     """
     name, known = _name(source), mesh_format(source, file_format)
+    if folder is not None:
+        fits = isinstance(folder, (str, os.PathLike))
+        require(fits, "folder must be a path", folder)
     if isinstance(source, (str, os.PathLike)):
         data, home = read_bytes(source), parent(os.fspath(source))
     else:
+        require_file(source, "read")
         data, home = source.read(), None
     home = home if folder is None else os.fspath(folder)
     try:
@@ -140,8 +151,8 @@ def written(mesh: PolyMesh, file_format: str, digits: int | None = None) -> Writ
     OptionError
         For digits that are not a number from 0 to 20.
     """
-    if digits is not None and digits not in range(MAX_DIGITS + 1):
-        raise OptionError(f"digits must be a whole number from 0 to {MAX_DIGITS}, not {digits!r}")
+    if digits is not None:
+        require_whole("digits", digits, 0, MAX_DIGITS)
     if len(mesh.offsets) < 2:
         raise MeshError("a mesh without faces is not written")
     known = READABLE[file_format]
@@ -198,12 +209,18 @@ def write_mesh(
     Raises
     ------
     MeshError
-        For an unknown format, and a mesh that the format cannot hold.
+        For an unknown format, a mesh that the format cannot hold, or one whose arrays are at fault.
     OptionError
-        For digits that are not a number from 0 to 20.
+        For digits that are not a number from 0 to 20, and other arguments of a wrong type.
     OSError
         When the file cannot be written.
+    TypeError
+        For anything but a path or a file.
     """
+    require_file(target, "write")
+    require_type("mesh", mesh, PolyMesh)
+    check_arrays(mesh)
+    check_indices(mesh)
     made = written(mesh, mesh_format(target, file_format).name, digits)
     is_path = isinstance(target, (str, os.PathLike))
     write_file(target, wrapped(_name(target), made.data) if is_path else made.data)

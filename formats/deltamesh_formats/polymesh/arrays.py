@@ -7,12 +7,13 @@ attributes of a domain by their names.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from deltamesh_formats.arguments import brief
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.mesh import Attribute, Domain, PolyMesh, Role
@@ -99,6 +100,9 @@ def unchecked(
         ("corner", corner),
         ("face", face),
     )
+    for domain, named in given:
+        if named is not None and not isinstance(named, Mapping):
+            raise MeshError(f"{domain} must be a mapping of names to arrays, not {brief(named)}")
     attributes = tuple(
         attribute_of(name, domain, values, counts[domain], regular)
         for domain, named in given
@@ -200,7 +204,9 @@ def _polygons(
     if isinstance(faces, np.ndarray) and faces.dtype != object:
         rows: Sequence[NDArray[Any]] | NDArray[Any] = faces
     else:
-        rows = [np.asarray(face) for face in faces]  # type: ignore[union-attr]
+        if not isinstance(faces, Iterable):
+            raise MeshError(f"faces must be rows of vertex indices, not {brief(faces)}")
+        rows = [np.asarray(face) for face in faces]
         for i, row in enumerate(rows):
             if row.ndim != 1:
                 raise MeshError(f"face {i} is not a row of vertex indices: {row.tolist()}")

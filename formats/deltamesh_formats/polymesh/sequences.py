@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from deltamesh_formats.array_types import Floats
-from deltamesh_formats.errors import MeshError
+from deltamesh_formats.errors import MeshError, in_frame
 from deltamesh_formats.polymesh.descriptions import describe_attribute
 from deltamesh_formats.polymesh.kinds import KIND_WORDS
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh
@@ -46,17 +46,18 @@ def joined(
     positions: list[Floats] = []
     for index, given in enumerate(frames):
         if not isinstance(given, PolyMesh):
-            raise MeshError(f"frame {index} is {type(given).__name__}, not a PolyMesh")
+            what = type(given).__name__
+            raise in_frame(MeshError(f"{what} is no PolyMesh"), index)
         try:
             frame = check(given)
         except MeshError as error:
-            raise type(error)(f"frame {index}: {error}") from error
+            raise in_frame(error, index) from error
         if first is None or whole is None:
             first = whole = frame
             continue
         difference = _difference(first, frame)
         if difference:
-            raise MeshError(f"frame {index}: {difference}")
+            raise in_frame(MeshError(difference), index)
         positions.append(frame.vertices)
         first = _common(first, frame, whole)
     if first is None:

@@ -8,14 +8,23 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from deltamesh_formats.arguments import brief, is_real
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError, NoSurfaceError
-from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, keep_faces
+from deltamesh_formats.polymesh.kinds import Kind
+from deltamesh_formats.polymesh.mesh import (
+    Attribute,
+    Parts,
+    PolyMesh,
+    Precision,
+    Role,
+    keep_faces,
+)
 
 # Descriptions that readers give of points, lines, and surfaces that are not polygons.
 _POINTS: Final = ("points",)
@@ -45,7 +54,7 @@ def checked(mesh: PolyMesh, largest: float = math.inf) -> PolyMesh:
     NoSurfaceError
         For points or lines without a face.
     """
-    _check_shapes(mesh)
+    check_arrays(mesh)
     sizes = mesh.sizes
     whole = sizes >= 3
     has_points = any(word in mesh.lost for word in (*_POINTS, *_LINES))
@@ -58,7 +67,7 @@ def checked(mesh: PolyMesh, largest: float = math.inf) -> PolyMesh:
     if not whole.any():  # before the positions: those of clouds need not be finite
         raise _no_surface(named, edges=int(np.count_nonzero(sizes == 2)))
     _check_positions(mesh.vertices, largest)
-    _check_indices(mesh)
+    check_indices(mesh)
     return keep_faces(named, whole)
 
 
@@ -92,7 +101,13 @@ def _check_positions(V: Floats, largest: float) -> None:
         raise MeshError(f"vertex {i} is beyond {largest:g}: {V[i].tolist()}")
 
 
-def _check_indices(mesh: PolyMesh) -> None:
+def check_indices(mesh: PolyMesh) -> None:
+    """Refuse a mesh of which a face has a vertex that is not there.
+
+    Raises
+    ------
+    MeshError
+    """
     n = len(mesh.vertices)
     bad = (mesh.corners < 0) | (mesh.corners >= n)
     if bad.any():
@@ -111,8 +126,26 @@ def _also(mesh: PolyMesh) -> str:
     return f" (and {lost if lost.isprintable() else ascii(lost)[1:-1]})" if lost else ""
 
 
-def _check_shapes(mesh: PolyMesh) -> None:
-    """Refuse a mesh whose arrays have other shapes or types than `PolyMesh` says."""
+def check_arrays(mesh: PolyMesh) -> None:
+    """Refuse a mesh that has something else than `PolyMesh` says.
+
+    Numbers of positions, and indices of vertices, may be anything.
+
+    Raises
+    ------
+    MeshError
+        It names the array, attribute or part, or the field.
+    """
+    for name in ("vertices", "corners", "offsets"):
+        _expect_array(name, getattr(mesh, name))
+    _expect_all("attributes", mesh.attributes, Attribute)
+    _expect_all("parts", mesh.parts, Parts)
+    _expect_all("lost", mesh.lost, str)
+    _check_metadata(mesh.metadata)
+    _expect_one_of("precision", mesh.precision, get_args(Precision))
+    if not isinstance(mesh.format, str):
+        raise MeshError(f"format must be a str, not {brief(mesh.format)}")
+    _check_margin("margin", mesh.margin)
     n, c = len(mesh.vertices), len(mesh.corners)
     _expect("vertices", mesh.vertices, np.float64, (n, 3))
     _expect("corners", mesh.corners, np.int64, (c,))
@@ -130,9 +163,15 @@ def _check_shapes(mesh: PolyMesh) -> None:
 
 
 def _check_attribute(attribute: Attribute, counts: Mapping[str, int]) -> None:
+    if not isinstance(attribute.name, str):
+        raise MeshError(f"names of attributes must be str, not {brief(attribute.name)}")
     name = f"{attribute.domain} attribute {attribute.name!r}"
-    if attribute.domain not in counts:
-        raise MeshError(f"{name}: there are attributes of {', '.join(counts)}")
+    _expect_one_of(f"the domain of attribute {attribute.name!r}", attribute.domain, (*counts,))
+    _expect_one_of(f"the role of {name}", attribute.role, get_args(Role))
+    _expect_array(name, attribute.values)
+    _check_margin(f"the margin of {name}", attribute.margin)
+    if not isinstance(attribute.normalized, (bool, np.bool_)):
+        raise MeshError(f"{name}: normalized must be a bool, not {brief(attribute.normalized)}")
     count, values, index = counts[attribute.domain], attribute.values, attribute.index
     if not _is_numeric(values.dtype):
         raise MeshError(f"{name} is of type {values.dtype}: numbers of up to 64 bits only")
@@ -154,12 +193,47 @@ def _is_numeric(dtype: np.dtype[Any]) -> bool:
 
 
 def _check_parts(parts: Parts, faces: int) -> None:
-    name, count = f"parts of kind {parts.kind!r}", len(parts.names)
+    _expect_one_of("the kind of parts", parts.kind, get_args(Kind))
+    name = f"parts of kind {parts.kind!r}"
+    _expect_all(f"names of {name}", parts.names, str)
+    count = len(parts.names)
     _expect(name, parts.of_face, np.int64, (faces,))
     if parts.of_face.min(initial=-1) < -1 or parts.of_face.max(initial=-1) >= count:
         raise MeshError(f"{name} lead out of their {count} names")
     if parts.transforms is not None:
         _expect(f"transforms of {name}", parts.transforms, np.float64, (count, 4, 4))
+
+
+def _check_metadata(metadata: object) -> None:
+    if not isinstance(metadata, Mapping):
+        raise MeshError(f"metadata must be a mapping of names to texts, not {brief(metadata)}")
+    for key, lines in metadata.items():
+        if not isinstance(key, str):
+            raise MeshError(f"names of metadata must be str, not {brief(key)}")
+        _expect_all(f"metadata {key!r}", lines, str)
+
+
+def _check_margin(name: str, margin: object) -> None:
+    if not (is_real(margin) and 0 <= margin < math.inf):
+        raise MeshError(f"{name} must be a number from 0 on, not {brief(margin)}")
+
+
+def _expect_one_of(name: str, value: object, known: tuple[str, ...]) -> None:
+    if not isinstance(value, str) or value not in known:
+        raise MeshError(f"{name} must be one of {', '.join(known)}, not {brief(value)}")
+
+
+def _expect_all(name: str, values: object, kind: type) -> None:
+    if not isinstance(values, (tuple, list)):
+        raise MeshError(f"{name} must be a tuple of {kind.__name__}, not {brief(values)}")
+    for value in values:
+        if not isinstance(value, kind):
+            raise MeshError(f"{name} must be a tuple of {kind.__name__}, not of {brief(value)}")
+
+
+def _expect_array(name: str, array: object) -> None:
+    if not isinstance(array, np.ndarray) or not array.ndim:
+        raise MeshError(f"{name} must be an array, not {brief(array)}")
 
 
 def _expect(name: str, array: NDArray[Any], dtype: type, shape: tuple[int, ...]) -> None:

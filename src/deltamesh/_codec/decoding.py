@@ -6,11 +6,13 @@ from typing import Literal, overload
 
 from deltamesh._decode_options import DecodeOptions
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
+from deltamesh._options import check_decoding
 from deltamesh._pipeline.decoder import decode_mesh
 from deltamesh._player import decode_frames
 from deltamesh._prefixes import Partial, decode_prefix
-from deltamesh._progress import Progress, silent
+from deltamesh._progress import Progress, heard
 from deltamesh._sources import Bytes, bytes_of
+from deltamesh_formats.arguments import is_whole, require, require_flag
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_container, read_prefix
 from deltamesh_formats.errors import OptionError
@@ -103,7 +105,8 @@ def decode(
         that solve, by the entries of the factorization.
     SolveError
     OptionError
-        If there is no such pose or frame, or the file may be cut.
+        If there is no such pose or frame, or the file may be cut; for an argument of a wrong type,
+        or out of range.
     TypeError
         For anything but bytes.
 
@@ -111,7 +114,10 @@ def decode(
     -----
     D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
     """
-    options = DecodeOptions(solver, threads, max_vertices, memory, progress or silent)
+    check_decoding(solver, threads, max_vertices, memory)
+    require_flag("partial", partial)
+    require(is_whole(frame), "frame must be a whole number", frame)
+    options = DecodeOptions(solver, threads, max_vertices, memory, heard(progress))
     if partial:
         if pose is not None:
             raise OptionError("a pose of a file that may be cut: poses need the whole file")

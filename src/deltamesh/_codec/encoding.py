@@ -15,8 +15,9 @@ from deltamesh._options import (
     DEFAULT_KEY_EVERY,
     EncodeOptions,
     Options,
+    names_of,
 )
-from deltamesh._progress import Progress, silent
+from deltamesh._progress import Progress, heard
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
 
@@ -242,7 +243,7 @@ def encode(
         threads=threads,
         drop_isolated=drop_isolated,
         keep_order=keep_order,
-        drop=(drop,) if isinstance(drop, str) else tuple(drop),
+        drop=names_of(drop),
         bits_uv=bits_uv,
         bits_normal=bits_normal,
         bits_float=bits_float,
@@ -256,5 +257,5 @@ def encode(
     )
     frames = frames_of(mesh, faces)
     if frames is not None:
-        return encode_sequence(frames, options, progress or silent).data
-    return encode_checked(mesh_of(mesh, faces), options, progress or silent).data
+        return encode_sequence(frames, options, heard(progress)).data
+    return encode_checked(mesh_of(mesh, faces), options, heard(progress)).data

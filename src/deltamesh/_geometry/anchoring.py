@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -88,7 +89,7 @@ def _anchor_step(vertices: Floats, step: float) -> float:
     extent = float(sides(vertices).max())
     if not step:
         return extent / 2.0**BARE_GRID_BITS or 1.0
-    coarsest = extent / 2.0**ANCHOR_GRID_BITS or 1.0
+    coarsest = extent / 2.0**ANCHOR_GRID_BITS or math.inf  # a point is on any grid
     finest = extent / 2.0 ** (MAX_GRID_BITS - 1)
     return max(min(coarsest, step / ANCHOR_REFINEMENT), finest)
 

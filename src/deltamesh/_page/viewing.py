@@ -11,6 +11,8 @@ from deltamesh._codec.decoding import decode
 from deltamesh._compare.likeness import corresponding
 from deltamesh._page.filling import page_of
 from deltamesh._page.holding import held, held_original
+from deltamesh._sources import bytes_of
+from deltamesh_formats.arguments import require_type
 from deltamesh_formats.atomic import write_file
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.reader import read_container
@@ -63,11 +65,16 @@ def view(mesh: Shown, original: Shown | None = None, *, title: str = "mesh") -> 
     ------
     FormatError, LimitError, SolveError
         If a file cannot be decoded.
+    OptionError
+        If the title is not a str.
+    TypeError
+        For anything but a mesh or bytes.
     MeshError
         If a mesh cannot be encoded.
     DeltameshError
         If this installation was made without the page.
     """
+    require_type("title", title, str)
     own, container = _read(mesh)
     files = [held(title, own, container)]
     if original is not None:
@@ -82,5 +89,5 @@ def _read(mesh: Shown) -> tuple[PolyMesh, Container | None]:
     """Return a mesh, and the file that it comes from, if it does."""
     if isinstance(mesh, PolyMesh):
         return mesh, None
-    container = mesh if isinstance(mesh, Container) else read_container(mesh)
+    container = mesh if isinstance(mesh, Container) else read_container(bytes_of(mesh))
     return decode(container), container

@@ -29,19 +29,29 @@ from deltamesh._sections.draft import Draft, FrameResult
 from deltamesh._sections.trials import Trials
 from deltamesh_formats.container.container import Container, Parameters
 from deltamesh_formats.container.frame_table import Frame, write_frames
+from deltamesh_formats.container.layout import FRAMES
 from deltamesh_formats.container.payload_layout import MAPS, MAX_FINER
 from deltamesh_formats.container.sections import laid_out
-from deltamesh_formats.errors import FormatError, MeshError, SolveError, TargetError
+from deltamesh_formats.errors import FormatError, MeshError, SolveError, TargetError, in_frame
 
 # Shares of the vertices that are cells of maps, and how coarse deltas may be: the likeliest first.
 SHARES: Final = (0.01, 0.02, 0.005, 0.0)
 COARSE: Final = (8.0, 12.0)
+# Bits of the largest frame, from whose step the search for that of a sequence begins which begins
+# with a point.
+POINT_BITS: Final = 4
+# From how many times the size of frame 0 on that is likely to be why a frame cannot be encoded.
+LARGE: Final = 1e5
 # The largest factor by which one trial of a Cartesian frame makes its step smaller.
 FURTHEST: Final = 32.0
 
 
-def encode(draft: Draft) -> tuple[bytes, Draft]:
-    """Return the payload of FRAM, and the draft with what became of the frames."""
+def encode(draft: Draft) -> tuple[dict[str, bytes], Draft]:
+    """Return the payload of FRAM, and the draft with what became of the frames.
+
+    Where frame 0 is a point, the payloads of its geometry, too, for other steps.
+    """
+    payloads, draft = _on_grid_of_others(draft)
     assert draft.systems is not None
     plan = _Plan(draft)
     frames: list[Frame] = []
@@ -59,7 +69,28 @@ def encode(draft: Draft) -> tuple[bytes, Draft]:
         margin = _finer_margin(margin, trials.margin(trial), trials.scale / scale if scale else 0)
         last = Reference(trial.parameters, trial.integers, trial.vertices, trial.measured.doubt)
     payload = write_frames(draft.sequence.rate, frames, plan.first.parameters.method)
-    return payload, replace(draft, frames=tuple(results), margin=margin)
+    return {**payloads, FRAMES: payload}, replace(draft, frames=tuple(results), margin=margin)
+
+
+def _on_grid_of_others(draft: Draft) -> tuple[dict[str, bytes], Draft]:
+    """Return payloads of frame 0 on a grid that fits the largest frame, if it is a point itself.
+
+    A point has no size that says how fine a grid has to be, and is on each: the grids of all frames
+    are halves of that of frame 0.
+    """
+    assert draft.systems is not None
+    others = [draft.of_points(positions) for positions in draft.sequence.positions]
+    sizes = [diagonal(positions) for positions in others]
+    if diagonal(draft.positions) or draft.options.step is not None or not max(sizes):
+        return {}, draft
+    largest = draft.sequence.positions[sizes.index(max(sizes))]
+    bits = draft.options.bits or POINT_BITS
+    settings = replace(draft.chosen.settings, bits=bits, step=None)
+    step = Trials(draft, largest, draft.systems, "largest frame").attempt(settings).parameters.step
+    settings = replace(settings, bits=None, step=step)
+    trial = Trials(draft, draft.mesh.vertices, draft.systems, "geometry").attempt(settings)
+    content = replace(draft.content, integers=trial.integers)
+    return trial.payloads, replace(draft, trial=trial, content=content)
 
 
 def _finer_margin(margin: int, other: int, size: float) -> int:
@@ -95,6 +126,7 @@ class _Plan:
         self._share = SHARES[0]
         self._is_settled = draft.options.effort == 1 or not self._settings.layout.anchored
         self.first = Reference(p, i, chosen.vertices, doubt)
+        self._size = diagonal(draft.positions) or math.inf
 
     def encoded(
         self, index: int, trials: Trials, reference: Reference, *, moves: bool
@@ -116,9 +148,16 @@ class _Plan:
             if moves and not self._is_settled:
                 best = self._settled(trials, reference, best)
         except (MeshError, SolveError, TargetError) as error:
-            raise type(error)(f"frame {index}: {error}") from error
+            raise in_frame(type(error)(f"{error}{self._hint(trials.scale)}"), index) from error
         self._settings = replace(self._settings, step=best[0].parameters.step)
         return best
+
+    def _hint(self, size: float) -> str:
+        """Return what to say where a frame of this size fails, "" if there is nothing."""
+        if size < LARGE * self._size:
+            return ""
+        far = f"{size / self._size:.2g} times as large as frame 0"
+        return f": it is {far}, whose grid all frames have, or halves of it"
 
     def _still(self, trials: Trials, reference: Reference) -> tuple[Trial, Prediction] | None:
         """Return the trial that leaves a frame where its reference is, if that keeps the bounds."""

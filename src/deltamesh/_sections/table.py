@@ -175,14 +175,10 @@ def _decode_order(payload: memoryview, container: Container, content: Content) -
     return replace(content, order=order)
 
 
-def _encode_frames(draft: Draft) -> tuple[bytes, Draft]:
+def _encode_frames(draft: Draft) -> tuple[dict[str, bytes], Draft]:
     from deltamesh._sections import frames
 
     return frames.encode(draft)
-
-
-def _decode_frames(payload: memoryview, container: Container, content: Content) -> Content:
-    return content  # `frames` decodes those that are asked for
 
 
 def _encode_poses(draft: Draft) -> tuple[bytes, Draft]:
@@ -224,11 +220,11 @@ SECTIONS: Final = (
         _encode_poses,
         poses.decode,
     ),
-    _single(
-        layout.FRAMES,
+    Section(
         "frames",
         lambda draft: bool(draft.sequence.positions),
         _encode_frames,
-        _decode_frames,
+        lambda container: layout.FRAMES in container.sections,
+        lambda container, content: content,  # `frames` decodes those that are asked for
     ),
 )

@@ -25,6 +25,7 @@ from typing import Final
 from deltamesh.batch._plan import Task
 from deltamesh.batch._schedule import startable
 from deltamesh.batch._serial import Begin, Outcome, Work, WorkerError, attempted, ignore
+from deltamesh_formats.arguments import require_limit, require_whole
 
 # A worker is one of many: none may start threads of its own for every core.
 ONE_THREAD: Final = {
@@ -80,7 +81,12 @@ def run_in_processes(
     ------
     WorkerError
         If processes die before they begin.
+    OptionError
+        If there are no jobs, or a limit is no number.
     """
+    require_whole("jobs", jobs, 1)
+    require_limit("memory", memory)
+    require_limit("timeout", timeout)
     pool = _Pool(deque(tasks), jobs, memory, timeout, work, prepare)
     try:
         while pool.waiting or pool.running():

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from deltamesh._limits import memory_for_counts
 from deltamesh.batch._plan import Task
-from deltamesh_formats.errors import OptionError
+from deltamesh_formats.arguments import require_whole
 from deltamesh_formats.meshfiles.formats import FORMATS, format_of_extension
 
 _Item = TypeVar("_Item")
@@ -87,6 +87,6 @@ def share(items: Sequence[_Item], rank: int, world_size: int) -> list[_Item]:
     OptionError
         If `rank` is not one of 0 to `world_size` - 1.
     """
-    if not 0 <= rank < world_size:
-        raise OptionError(f"rank {rank} is not one of 0..{world_size - 1}")
+    require_whole("world_size", world_size, 1)
+    require_whole("rank", rank, 0, world_size - 1)
     return list(items[rank::world_size])

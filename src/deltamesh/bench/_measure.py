@@ -25,6 +25,7 @@ from deltamesh._mesh import TriangleMesh, triangulated
 from deltamesh._options import CHOICES, Options
 from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh.bench._peers import PEERS, Coded, settings_of
+from deltamesh_formats.arguments import require_type
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import DeltameshError, OptionError
 from deltamesh_formats.polymesh.mesh import PolyMesh, from_triangles
@@ -177,6 +178,7 @@ def codec_of(text: str, **more: Any) -> Codec:
     OptionError
         If there is no such codec, or no such option of it.
     """
+    require_type("text", text, str)
     name, *words = text.split() or [""]
     settings = dict(_setting(word) for word in words)
     if name in PEERS:

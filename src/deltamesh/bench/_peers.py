@@ -18,6 +18,7 @@ import numpy as np
 from deltamesh._mesh import TriangleMesh
 from deltamesh._vectors import sides
 from deltamesh.bench._peer_names import DRACO, MESHOPT, ZSTD
+from deltamesh_formats.arguments import require_one_of, require_type
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError, OptionError
 from deltamesh_formats.zstd_frames import decompressor, frame
@@ -208,14 +209,28 @@ PEERS: Final[Mapping[str, Peer]] = {
 
 
 def missing(label: str) -> tuple[str, ...]:
-    """Return the packages that the codec of a label needs and that are not installed."""
+    """Return the packages that the codec of a label needs and that are not installed.
+
+    Raises
+    ------
+    OptionError
+        If the label is no str.
+    """
+    require_type("label", label, str)
     peer = PEERS.get(label.partition(" ")[0])
     packages = () if peer is None else peer.packages
     return tuple(one for one in packages if importlib.util.find_spec(one) is None)
 
 
 def labels(name: str, bits: Iterable[int]) -> list[str]:
-    """Return the labels of a peer at each number of bits, just one where bits mean nothing."""
+    """Return the labels of a peer at each number of bits, just one where bits mean nothing.
+
+    Raises
+    ------
+    OptionError
+        If there is no such peer.
+    """
+    require_one_of("name", name, (*PEERS,))
     return [f"{name} bits={one}" for one in bits] if PEERS[name].max_bits else [name]
 
 

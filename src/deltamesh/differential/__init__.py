@@ -13,11 +13,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from deltamesh._measures.metrics import (
-        VertexErrors as VertexErrors,
-        diagonal as diagonal,
-        vertex_errors as vertex_errors,
-    )
+    from deltamesh._measures.metrics import VertexErrors as VertexErrors
     from deltamesh.differential._choice import (
         farthest_anchors as farthest_anchors,
         greedy_anchors as greedy_anchors,
@@ -27,6 +23,10 @@ if TYPE_CHECKING:
         components as components,
         deltas as deltas,
         laplacian as laplacian,
+    )
+    from deltamesh.differential._metrics import (
+        diagonal as diagonal,
+        vertex_errors as vertex_errors,
     )
     from deltamesh.differential._quantization import (
         coded_size as coded_size,
@@ -56,13 +56,14 @@ else:
     __getattr__, __dir__, __all__ = lazy_names(
         __name__,
         {
-            "deltamesh._measures.metrics": ("VertexErrors", "diagonal", "vertex_errors"),
+            "deltamesh._measures.metrics": ("VertexErrors",),
             "deltamesh.differential._choice": (
                 "farthest_anchors",
                 "greedy_anchors",
                 "random_anchors",
             ),
             "deltamesh.differential._graphs": ("components", "deltas", "laplacian"),
+            "deltamesh.differential._metrics": ("diagonal", "vertex_errors"),
             "deltamesh.differential._quantization": (
                 "coded_size",
                 "quantized_deltas",

@@ -10,7 +10,9 @@ from numpy.typing import ArrayLike
 from deltamesh._geometry import anchors as choice
 from deltamesh._geometry.greedy_anchors import greedy
 from deltamesh._graph.adjacency import components
+from deltamesh._options import MAX_SEED
 from deltamesh.differential._graphs import graph_of, rows_of
+from deltamesh_formats.arguments import require_whole
 from deltamesh_formats.array_types import Ints
 
 if TYPE_CHECKING:
@@ -35,8 +37,14 @@ def farthest_anchors(L: Sparse, k: int) -> Ints:
     -------
     int64 (k,)
         In the order of selection.
+
+    Raises
+    ------
+    OptionError
+        If L is no Laplacian, or k is no number of vertices.
     """
     graph = graph_of(L)
+    require_whole("k", k, 0)
     return choice.farthest(*graph, components(*graph), k)
 
 
@@ -45,6 +53,8 @@ def random_anchors(L: Sparse, k: int, seed: int = 0) -> Ints:
 
     The first are one of each component. L, k and the result are as of `farthest_anchors`.
     """
+    require_whole("k", k, 0)
+    require_whole("seed", seed, 0, MAX_SEED)
     return choice.random(components(*graph_of(L)), k, seed)
 
 
@@ -73,11 +83,12 @@ def greedy_anchors(L: Sparse, vertices: ArrayLike, k: int, delta: ArrayLike | No
 
     Raises
     ------
-    ValueError
-        If the shapes do not agree.
+    OptionError
+        If the shapes do not agree, or k is no number of vertices.
     SolveError
     """
     graph = graph_of(L)
+    require_whole("k", k, 0)
     V = rows_of(vertices, len(graph[0]) - 1, "vertices", 3)
     rows = np.zeros_like(V) if delta is None else rows_of(delta, len(V), "deltas", 3)
     return greedy(graph, V, rows, k)

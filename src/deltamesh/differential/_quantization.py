@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from deltamesh._geometry import quantize
+from deltamesh._options import MAX_BITS
 from deltamesh._streams.vectors import encode_vectors
-from deltamesh.differential._graphs import graph_of, rows_of
+from deltamesh.differential._graphs import graph_of, integers_of, numbers_of, rows_of
+from deltamesh_formats.arguments import require_number, require_whole
 from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
     from deltamesh.differential._graphs import Sparse
@@ -21,9 +24,14 @@ def step_of(values: ArrayLike, bits: int) -> float:
 
     1 if all are the same. O. Sorkine, D. Cohen-Or, S. Toledo, "High-Pass Quantization for Mesh
     Encoding", SGP 2003.
+
+    Raises
+    ------
+    OptionError
+        If the values are no such rows, or bits are not in 1 to 30.
     """
-    array = np.asarray(values, dtype=np.float64)
-    return quantize.delta_step(rows_of(array, len(array), "values"), bits)
+    require_whole("bits", bits, 1, MAX_BITS)
+    return quantize.delta_step(rows_of(values, None, "values"), bits)
 
 
 def quantized_deltas(
@@ -48,16 +56,17 @@ def quantized_deltas(
 
     Raises
     ------
-    ValueError
+    OptionError
         If the shapes do not agree.
     MeshError
         If a step is so small that numbers would not fit a file.
     """
     graph = graph_of(L)
     n = len(graph[0]) - 1
-    steps = np.asarray(step, dtype=np.float64)
-    if steps.shape not in ((), (n,)) or not (steps > 0).all():
-        raise ValueError("steps are no positive number, nor one for each vertex")
+    require_number("diffusion", diffusion, 0, 1)
+    steps = numbers_of(step, "steps")
+    if steps.shape not in ((), (n,)) or not ((steps > 0) & (steps < math.inf)).all():
+        raise OptionError("steps are no positive number, nor one for each vertex")
     each = steps.reshape(-1, 1) if steps.ndim else float(steps)
     rows = rows_of(delta, n, "deltas", 3)
     return quantize.quantize_delta(rows, graph, each, quantize.Rounding(tangential=diffusion))
@@ -68,10 +77,10 @@ def coded_size(L: Sparse, values: Ints) -> int:
 
     Vertices in coding order, that of a decoded file, take the fewest.
     """
-    rows = np.ascontiguousarray(values, dtype=np.int64)
+    rows = integers_of(values, "values")
     graph = graph_of(L)
     if rows.shape != (len(graph[0]) - 1, 3):
-        raise ValueError(f"values have shape {rows.shape}, not ({len(graph[0]) - 1}, 3)")
+        raise OptionError(f"values have shape {rows.shape}, not ({len(graph[0]) - 1}, 3)")
     return len(encode_vectors(*graph, rows))
 
 
@@ -80,9 +89,14 @@ def quantized_positions(vertices: ArrayLike, bits: int) -> Floats:
 
     Its step is the longest side of the bounding box over 2^bits - 1; ends of that side stay where
     they are.
+
+    Raises
+    ------
+    OptionError
+        If the vertices have another shape, or bits are not in 1 to 30.
     """
-    array = np.asarray(vertices, dtype=np.float64)
-    V = rows_of(array, len(array), "vertices", 3)
+    require_whole("bits", bits, 1, MAX_BITS)
+    V = rows_of(vertices, None, "vertices", 3)
     if not len(V):
         return V
     origin, step = V.min(axis=0), quantize.grid_step(V, bits)

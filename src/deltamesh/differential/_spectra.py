@@ -10,8 +10,10 @@ from numpy.typing import ArrayLike
 
 from deltamesh._geometry.solvers import SOLVERS, solver_name
 from deltamesh._machine import available_cores
-from deltamesh.differential._graphs import graph_of, rows_of
+from deltamesh.differential._graphs import graph_of, numbers_of, rows_of
+from deltamesh_formats.arguments import require_whole
 from deltamesh_formats.array_types import Floats
+from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
     from deltamesh.differential._graphs import Sparse
@@ -43,13 +45,13 @@ def eigenvectors(L: Sparse, k: int | None = None) -> tuple[Floats, Floats]:
 
     Raises
     ------
-    ValueError
+    OptionError
         If L is no Laplacian, or k is not in 1 to n.
     """
     graph_of(L)
     n = L.shape[0]
-    if k is not None and not 1 <= k <= n:
-        raise ValueError(f"{k} eigenvectors of {n}")
+    if k is not None:
+        require_whole("k", k, 1, n)
     if k is None or k > n // 2:
         values, vectors = np.linalg.eigh(L.toarray())
         return values[:k], vectors[:, :k]
@@ -73,9 +75,15 @@ def energies(vectors: Floats, x: ArrayLike) -> Floats:
 
     It is |u_j^T x|^2 for each eigenvector u_j, summed over the columns; over all eigenvectors they
     sum to |x|^2.
+
+    Raises
+    ------
+    OptionError
+        If the shapes do not agree.
     """
-    rows = rows_of(x, len(vectors), "rows")
-    return np.asarray(((vectors.T @ rows) ** 2).sum(axis=1))
+    basis = rows_of(vectors, None, "eigenvectors")
+    rows = rows_of(x, len(basis), "rows")
+    return np.asarray(((basis.T @ rows) ** 2).sum(axis=1))
 
 
 def spectral_slope(values: Floats, energy: Floats) -> float:
@@ -88,5 +96,15 @@ def spectral_slope(values: Floats, energy: Floats) -> float:
     ----------
     values, energy : float array (k,)
         Eigenvalues, and energies at them, positive but for the first, which is left out.
+
+    Raises
+    ------
+    OptionError
+        If they are not that, or fewer than three.
     """
-    return float(np.polyfit(np.log(values[1:]), np.log(energy[1:]), 1)[0])
+    x, y = numbers_of(values, "values"), numbers_of(energy, "energies")
+    if x.ndim != 1 or x.shape != y.shape or len(x) < 3:
+        raise OptionError(f"values and energies have shapes {x.shape} and {y.shape}, not (k,)")
+    if not ((x[1:] > 0) & (y[1:] > 0) & np.isfinite(x[1:]) & np.isfinite(y[1:])).all():
+        raise OptionError("a value or an energy, after the first, is no positive number")
+    return float(np.polyfit(np.log(x[1:]), np.log(y[1:]), 1)[0])

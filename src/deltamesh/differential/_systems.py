@@ -13,9 +13,18 @@ from deltamesh._geometry import solve
 from deltamesh._geometry.cells import Cells
 from deltamesh._geometry.directions import directions, quotient
 from deltamesh._geometry.interpolation import Interpolation
+from deltamesh._options import SOLVERS
 from deltamesh._vectors import largest, sides
-from deltamesh.differential._graphs import graph_of, rows_of, vertices_of
+from deltamesh.differential._graphs import graph_of, integers_of, numbers_of, rows_of, vertices_of
+from deltamesh_formats.arguments import (
+    require_above_0,
+    require_limit,
+    require_one_of,
+    require_type,
+    require_whole,
+)
 from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
     from deltamesh.differential._graphs import Sparse
@@ -54,7 +63,7 @@ class LeastSquares:
 
     Raises
     ------
-    ValueError
+    OptionError
         If L is no Laplacian, or anchors or weights are no such lists.
     SolveError
         If a component has no anchor, or the solver is missing or fails.
@@ -74,9 +83,11 @@ class LeastSquares:
         graph = graph_of(L)
         self.count = len(graph[0]) - 1
         self.anchors = vertices_of(anchors, self.count)
-        given = np.asarray(weights, dtype=np.float64)
+        require_one_of("solver", solver, SOLVERS)
+        require_limit("memory", memory)
+        given = numbers_of(weights, "weights")
         if given.shape not in ((), self.anchors.shape) or not (given > 0).all():
-            raise ValueError("weights are no positive number, nor one for each anchor")
+            raise OptionError("weights are no positive number, nor one for each anchor")
         self.weights: Floats = np.broadcast_to(given, self.anchors.shape)
         self._system = solve.LeastSquares(
             graph, self.anchors, solver, memory=memory, weights=self.weights
@@ -98,7 +109,7 @@ class LeastSquares:
 
         Raises
         ------
-        ValueError
+        OptionError
             If the shapes do not agree, or a number is not finite.
         SolveError
             If the system is too ill-conditioned for double precision.
@@ -133,7 +144,7 @@ class Poisson:
 
     Raises
     ------
-    ValueError
+    OptionError
         If L is no Laplacian, or `fixed` is no such list.
     SolveError
         If a component has no fixed vertex.
@@ -141,7 +152,7 @@ class Poisson:
 
     def __init__(self, L: Sparse, fixed: ArrayLike) -> None:
         graph = graph_of(L)
-        self.fixed: Ints = vertices_of(fixed, len(graph[0]) - 1)
+        self.fixed: Ints = vertices_of(fixed, len(graph[0]) - 1, "fixed vertices")
         _, labels = solve.anchored_components(graph, self.fixed)
         self._system = Interpolation(Cells(graph, labels, self.fixed))
 
@@ -163,11 +174,12 @@ class Poisson:
 
         Raises
         ------
-        ValueError
+        OptionError
             If the shapes do not agree, or a number is not finite.
         SolveError
             If double precision cannot keep that.
         """
+        require_above_0("tolerance", tolerance)
         rows = rows_of(b, len(self._system.cells.labels), "right-hand sides")
         columns = rows.shape[1]
         held = rows_of(positions, len(self.fixed), "positions", columns)
@@ -213,12 +225,15 @@ def fitted_positions(
 
     Raises
     ------
-    ValueError
+    OptionError
         If an anchor is hard, or the shapes do not agree.
     SolveError
     """
+    require_type("system", system, LeastSquares)
+    require_limit("tolerance", tolerance)
+    require_whole("most", most, 0)
     if not np.isfinite(system.weights).all():
-        raise ValueError("an anchor is hard: its position is not to be fitted")
+        raise OptionError("an anchor is hard: its position is not to be fitted")
     V = rows_of(vertices, system.count, "vertices")
     squares = (system.weights**2)[:, None]
 
@@ -258,7 +273,15 @@ def basis_functions(system: LeastSquares, which: ArrayLike | None = None) -> Flo
     Returns
     -------
     float64 (n, j)
+
+    Raises
+    ------
+    OptionError
+        If there are no such anchors.
     """
+    require_type("system", system, LeastSquares)
     k = len(system.anchors)
-    chosen = np.arange(k) if which is None else np.asarray(which, dtype=np.int64)
+    chosen = np.arange(k) if which is None else integers_of(which, "which")
+    if chosen.ndim != 1 or (len(chosen) and not 0 <= chosen.min() <= chosen.max() < k):
+        raise OptionError(f"which is not a list of anchors from 0 to {k - 1}")
     return system.solve(np.zeros((system.count, len(chosen))), np.eye(k)[:, chosen])

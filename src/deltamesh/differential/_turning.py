@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from deltamesh._geometry import rotations
-from deltamesh.differential._graphs import graph_of, rows_of
+from deltamesh.differential._graphs import graph_of, numbers_of, rows_of
+from deltamesh_formats.arguments import require_whole
 from deltamesh_formats.array_types import Floats
+from deltamesh_formats.errors import OptionError
 
 if TYPE_CHECKING:
     from deltamesh.differential._graphs import Sparse
@@ -36,9 +37,10 @@ def fitted_rotations(L: Sparse, before: ArrayLike, after: ArrayLike, rings: int 
 
     Raises
     ------
-    ValueError
+    OptionError
         If the shapes do not agree, or a number is not finite.
     """
+    require_whole("rings", rings, 0)
     graph = graph_of(L)
     n = len(graph[0]) - 1
     old, new = rows_of(before, n, "vertices before", 3), rows_of(after, n, "vertices after", 3)
@@ -72,18 +74,18 @@ def turned_deltas(L: Sparse, vertices: ArrayLike, matrices: ArrayLike) -> Floats
 
     Raises
     ------
-    ValueError
+    OptionError
         If the shapes do not agree, or a number is not finite.
     """
     graph = graph_of(L)
     V, R = rows_of(vertices, len(graph[0]) - 1, "vertices", 3), _matrices(matrices)
     if len(R) != len(V):
-        raise ValueError(f"there are {len(R)} matrices for {len(V)} vertices")
+        raise OptionError(f"there are {len(R)} matrices for {len(V)} vertices")
     return rotations.turned_deltas(graph, V, R)
 
 
 def _matrices(given: ArrayLike) -> Floats:
-    array = np.ascontiguousarray(given, dtype=np.float64)
+    array = numbers_of(given, "matrices")
     if array.ndim != 3 or array.shape[1:] != (3, 3):
-        raise ValueError(f"matrices have shape {array.shape}, not (k, 3, 3)")
+        raise OptionError(f"matrices have shape {array.shape}, not (k, 3, 3)")
     return rows_of(array.reshape(-1, 9), len(array), "matrices").reshape(-1, 3, 3)

@@ -7,7 +7,7 @@ import { decodeCopies } from "./copies.mjs";
 import { digested, digestOf } from "./digest.mjs";
 import { DeltameshError, FormatError } from "./errors.mjs";
 import { framesOf } from "./frame_table.mjs";
-import { framePositions } from "./frames.mjs";
+import { Player } from "./frames.mjs";
 import { decodeGeometry, geometrySolver, hasScale, reconstructed } from "./geometry.mjs";
 import { inverse, largest } from "./integers.mjs";
 import { announced, checkLimits, checkPose, MAX_VERTICES, MEMORY } from "./limits.mjs";
@@ -56,42 +56,79 @@ export function inspect(bytes) {
  * are stored; `attributes` and `parts` what else there is.
  */
 export function decode(core, bytes, options = {}) {
-  const { maxVertices = MAX_VERTICES, memory = MEMORY, pose = null, frame = 0 } = options;
-  const container = readContainer(bytes);
-  const count = framesOf(container).frames.length + 1;
-  if (!(Number.isInteger(frame) && frame >= 0 && frame < count)) {
-    throw new DeltameshError(`there is no frame ${frame}: the file has ${count}, from 0 on`);
-  }
-  if (pose !== null) {
-    if (frame) throw new DeltameshError("a pose is one of frame 0");
-    if (!posesOf(container).some(({ name }) => name === pose)) {
-      throw new DeltameshError(`there is no pose '${pose}'`);
-    }
-    checkPose(container, memory);
-  }
-  const content = readContent(core, container, maxVertices, memory);
-  checkDigest(core, container, content);
-  const { parameters, sections } = container;
-  const { integers, structure: { surface } } = content;
-  if (!hasScale(parameters, integers)) {
-    throw new FormatError("positions that are too large", sections.get("PARM").offset);
-  }
-  const solver = geometrySolver(core, parameters, integers, surface);
-  let points;
-  let moved = null;
+  const file = new Opened(core, bytes, options);
   try {
-    points = reconstructed(core, parameters, integers, surface, solver);
-    if (frame) {
-      moved = { positions: framePositions(core, container, content, solver, points, frame) };
-    }
+    return file.mesh(options);
   } finally {
-    solver.free();
+    file.close();
   }
-  if (pose !== null) {
-    const wanted = content.poses.find(({ name }) => name === pose);
-    moved = posed(core, surface, integers.anchors, wanted, points);
+}
+
+/** File whose meshes are decoded as they are asked for: what is alike in all is decoded once. */
+export class Opened {
+  constructor(core, bytes, { maxVertices = MAX_VERTICES, memory = MEMORY } = {}) {
+    for (const [name, limit] of Object.entries({ maxVertices, memory })) {
+      if (limit >= 0) continue;
+      throw new DeltameshError(`${name} must be a number from 0 on, not ${limit}`);
+    }
+    Object.assign(this, { core, maxVertices, memory, container: readContainer(bytes) });
+    this.frames = framesOf(this.container).frames.length + 1;
   }
-  return meshOf(container, content, points, moved);
+
+  /** Return the mesh in a pose, or in a frame; see `decode`. */
+  mesh({ pose = null, frame = 0 } = {}) {
+    const { core, container, frames, memory } = this;
+    if (!(Number.isInteger(frame) && frame >= 0 && frame < frames)) {
+      throw new DeltameshError(`there is no frame ${frame}: the file has ${frames}, from 0 on`);
+    }
+    if (pose !== null) {
+      if (frame) throw new DeltameshError("a pose is one of frame 0");
+      if (!posesOf(container).some(({ name }) => name === pose)) {
+        throw new DeltameshError(`there is no pose '${pose}'`);
+      }
+      checkPose(container, memory);
+    }
+    if (!this.player) this.#read();
+    const { content, points } = this;
+    if (pose !== null) {
+      const wanted = content.poses.find(({ name }) => name === pose);
+      const { integers, structure: { surface } } = content;
+      const moved = posed(core, surface, integers.anchors, wanted, points);
+      return meshOf(container, content, points, moved);
+    }
+    this.first ??= meshOf(container, content, points);
+    return frame ? this.#moved(this.player.points(frame)) : { ...this.first };
+  }
+
+  #read() {
+    this.close(); // of a reading that has failed
+    const { core, container } = this;
+    const content = readContent(core, container, this.maxVertices, this.memory);
+    checkDigest(core, container, content);
+    const { parameters, sections } = container;
+    const { integers, structure: { surface } } = content;
+    if (!hasScale(parameters, integers)) {
+      throw new FormatError("positions that are too large", sections.get("PARM").offset);
+    }
+    this.solver = geometrySolver(core, parameters, integers, surface);
+    const points = reconstructed(core, parameters, integers, surface, this.solver);
+    const player = new Player(core, container, content, this.solver, points);
+    Object.assign(this, { content, points, player });
+  }
+
+  #moved(points) {
+    const { structure, order } = this.content;
+    const { corners, offsets } = this.first;
+    let positions = gathered(points, structure.points, 3);
+    if (order) positions = gathered(positions, order.vertices, 3);
+    return { ...this.first, positions, ...trianglesOf(positions, corners, offsets) };
+  }
+
+  /** Free the memory of the core. */
+  close() {
+    this.solver?.free();
+    this.solver = null;
+  }
 }
 
 function readContent(core, container, maxVertices, memory) {
@@ -145,9 +182,9 @@ function checkDigest(core, { digest, sections }, content) {
 /**
  * Return the mesh of a content and of the positions of its points in frame 0.
  *
- * Where it has `moved`, its points are at other `positions`; in a pose, their `turns` are matrices.
+ * In a pose, its points have `moved` to other `positions`, and their `turns` are matrices.
  */
-function meshOf(container, content, points, moved) {
+function meshOf(container, content, points, moved = null) {
   const { structure, domains, integers, attributes, parts, order } = content;
   const { points: pointOf, polygons } = structure;
   const positions = gathered(points, pointOf, 3);
@@ -163,8 +200,10 @@ function meshOf(container, content, points, moved) {
     anchors: anchorsOf(integers.anchors, pointOf),
     precision: container.parameters.single ? "float32" : "float64",
   };
-  if (moved) mesh.positions = gathered(moved.positions, pointOf, 3);
-  if (moved?.turns) turnNormals(mesh, gathered(moved.turns, pointOf, 9));
+  if (moved) {
+    mesh.positions = gathered(moved.positions, pointOf, 3);
+    turnNormals(mesh, gathered(moved.turns, pointOf, 9));
+  }
   if (order) reorder(mesh, order);
   return Object.assign(mesh, trianglesOf(mesh.positions, mesh.corners, mesh.offsets));
 }

@@ -16,21 +16,35 @@ import { greatest } from "./poisson.mjs";
 const NINE = 9;
 const STILL = [1, 0, 0, 0, 1, 0, 0, 0, 1, 1];
 
-/**
- * Return the positions of the points of a frame, from those of frame 0.
- *
- * The frames between the key frame before it and itself are decoded on the way.
- */
-export function framePositions(core, container, content, solver, points, index) {
-  const first = { finer: 0, integers: content.integers, points };
-  const frames = framesOf(container).frames.slice(0, index);
-  const key = frames.findLastIndex(({ isKey }) => isKey);
-  const cells = new Map(); // by their count: many frames have as many maps
-  let last = first;
-  for (const frame of frames.slice(Math.max(key, 0))) {
-    last = decoded(core, container, content, solver, cells, frame, frame.isKey ? first : last);
+/** Player of the frames of a file, in any order; the next one after the last costs the least. */
+export class Player {
+  /** `points` are the positions of frame 0. */
+  constructor(core, container, content, solver, points) {
+    Object.assign(this, { core, container, content, solver });
+    this.first = { finer: 0, integers: content.integers, points };
+    this.cells = new Map(); // by their count: many frames have as many maps
+    this.#rewind();
   }
-  return last.points;
+
+  #rewind(at = 0) {
+    Object.assign(this, { at, last: this.first });
+  }
+
+  /** Return the positions of the points of a frame. */
+  points(index) {
+    const { frames } = framesOf(this.container);
+    const key = frames.slice(0, index).findLastIndex(({ isKey }) => isKey);
+    if (index < this.at) this.#rewind();
+    if (key >= this.at) this.#rewind(key);
+    while (this.at < index) {
+      const frame = frames[this.at];
+      const { core, container, content, solver, cells } = this;
+      const reference = frame.isKey ? this.first : this.last;
+      this.last = decoded(core, container, content, solver, cells, frame, reference);
+      this.at++;
+    }
+    return this.last.points;
+  }
 }
 
 /** Return a frame, from what it is predicted from: both `finer`, `integers` and `points`. */

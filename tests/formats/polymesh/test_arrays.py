@@ -156,9 +156,10 @@ def test_the_shapes_of_any_mesh_of_a_reader_are_right(mesh: deltamesh.PolyMesh) 
 BROKEN = {
     "vertices must be float64": {"vertices": V.astype(np.float32)},
     "corners must be int64": {"corners": F.ravel().astype(np.int32)},
-    "offsets must be int64": {"offsets": [0, 3]},
+    "offsets must be an array": {"offsets": [0, 3]},
+    "offsets must be int64": {"offsets": np.array([0.0, 3.0])},
     "offsets must ascend": {"offsets": np.arange(m + 1) * 3 - 1},
-    "there are attributes of vertex, corner, face": {
+    "the domain of attribute 'T' must be one of vertex, corner, face": {
         "attributes": (Attribute("T", "edge", np.zeros((n, 1))),)
     },
     "vertex attribute 'T' has 3 rows for 63 elements": {

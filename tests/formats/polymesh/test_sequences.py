@@ -43,7 +43,7 @@ def test_frames_are_checked_and_named() -> None:
 
     with pytest.raises(MeshError, match=r"^frame 1: it is at fault$"):
         joined(FRAMES, refuse)
-    with pytest.raises(MeshError, match="frame 1 is int, not a PolyMesh"):
+    with pytest.raises(MeshError, match="frame 1: int is no PolyMesh"):
         joined([FRAMES[0], 3], same)
     with pytest.raises(MeshError, match="without frames"):
         joined([], same)

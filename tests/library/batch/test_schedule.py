@@ -14,6 +14,7 @@ from works import task
 
 from deltamesh._limits import memory_for_counts, memory_needed
 from deltamesh._machine import available_cores, physical_memory
+from deltamesh.batch import Task, run_in_processes
 from deltamesh.batch._schedule import (
     groups,
     memory_for_mesh_file,
@@ -126,7 +127,7 @@ def test_shares_are_all_and_equal(count: int, world: int) -> None:
 
 def test_a_rank_beyond_the_world_is_refused() -> None:
     for rank in (-1, 4):
-        with pytest.raises(OptionError, match=r"is not one of 0..3"):
+        with pytest.raises(OptionError, match=r"rank must lie in 0\.\.3"):
             share([1, 2], rank, 4)
 
 
@@ -154,3 +155,16 @@ for _ in range(2):
 sys.exit(resident() > before - 18 * RETURNED)
 """
     assert children.run([sys.executable, "-c", code]).returncode == 0
+
+
+def test_other_numbers_are_refused_by_their_names() -> None:
+    """Without jobs, tasks would wait for ever."""
+    for rank, world in (("a", 4), (0.5, 4), (True, 4)):
+        with pytest.raises(OptionError, match="rank"):
+            share([1, 2], rank, world)  # type: ignore[arg-type]
+    with pytest.raises(OptionError, match="world_size must be a whole number from 1 on, not 0"):
+        share([1, 2], 0, 0)
+    waiting = [Task("a", "b", 1)]
+    for wrong in ({"jobs": 0}, {"jobs": "a"}, {"memory": "a"}, {"timeout": float("nan")}):
+        with pytest.raises(OptionError, match=next(iter(wrong))):
+            next(run_in_processes(waiting, print, **{"jobs": 1, **wrong}))  # type: ignore[arg-type]

@@ -19,8 +19,10 @@ from deltamesh._options import Options
 from deltamesh.bench import _measure as bench
 from deltamesh.bench import _peers as peers
 from deltamesh.bench import _rates as rates
+from deltamesh.bench import codec_of, labels, missing
 from deltamesh.bench._peer_names import PEER_NAMES
 from deltamesh_formats import zstd_frames
+from deltamesh_formats.errors import OptionError
 
 
 @pytest.fixture(scope="module")
@@ -287,3 +289,13 @@ def test_a_gate_opens_for_what_is_within_the_tolerance_only(size, tolerance, gro
     old, new = altered(row, bytes=size), altered(row, bytes=now)
     worse = any(one.worse for one in rates.changes([old], [new], tolerance=tolerance))
     assert worse == (now - size > tolerance * size)
+
+
+def test_labels_that_are_none_are_refused() -> None:
+    for wrong in (None, 3, b"draco"):
+        with pytest.raises(OptionError, match="text must be a str"):
+            codec_of(wrong)  # type: ignore[arg-type]
+        with pytest.raises(OptionError, match="label must be a str"):
+            missing(wrong)  # type: ignore[arg-type]
+        with pytest.raises(OptionError, match="name must be one of draco, meshopt, zstd"):
+            labels(wrong, [3])  # type: ignore[arg-type]

@@ -170,7 +170,7 @@ def test_eigenvectors_are_those_of_the_matrix() -> None:
     np.testing.assert_allclose(L @ few, few * some, atol=1e-7)
     again = eigenvectors(L, 12)
     np.testing.assert_array_equal(few, again[1])
-    with pytest.raises(ValueError, match="0 eigenvectors of 209"):
+    with pytest.raises(ValueError, match=r"k must lie in 1\.\.209, not 0"):
         eigenvectors(L, 0)
 
 
@@ -209,7 +209,7 @@ def test_errors_are_those_of_arrays_of_any_layout() -> None:
     assert vertex_errors(V.tolist(), np.asfortranarray(2 * V), F.astype(np.int32)) == errors
     with pytest.raises(ValueError, match="outside of 0 to 62"):
         vertex_errors(V, V, F + 1)
-    with pytest.raises(TypeError, match="Cannot cast"):
+    with pytest.raises(ValueError, match="faces are not integers, but float64"):
         vertex_errors(V, V, F + 0.5)
 
 

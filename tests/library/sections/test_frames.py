@@ -10,7 +10,16 @@ import numpy as np
 import pytest
 from animated import moving
 
-from deltamesh import OptionError, TargetError, decode, encode, frames, from_arrays, info
+from deltamesh import (
+    MeshError,
+    OptionError,
+    TargetError,
+    decode,
+    encode,
+    frames,
+    from_arrays,
+    info,
+)
 from deltamesh._content import frame_digest
 from deltamesh._measures.metrics import diagonal, vertex_errors
 from deltamesh._options import Options
@@ -214,3 +223,29 @@ def test_maps_that_are_all_the_identity_are_refused() -> None:
     wrong = animated.with_first(data, sections=streams, digest=frame_digest(rows, seen))
     with pytest.raises(ValueError, match="MAPS: no map moves anything"):
         decode(wrong, frame=1)
+
+
+@pytest.mark.parametrize("method", ["auto", "highpass", "cartesian"])
+@pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
+def test_sequences_that_begin_with_a_point_keep_the_bounds(method: str, size: float) -> None:
+    """All vertices of frame 0 are at one place, and say nothing of how fine a grid has to be."""
+    grown = [replace(mesh, vertices=size * i * mesh.vertices) for i, mesh in enumerate(MOVING[:4])]
+    data = encode(grown, method=method, keep_order=True)
+    for e, mesh in zip(errors(data, grown)[1:], grown[1:], strict=True):
+        assert e.normal_deviation <= 1
+        assert e.rms <= 0.0015 * diagonal(mesh.vertices)
+    np.testing.assert_array_equal(decode(data).vertices, grown[0].vertices)
+    still = encode([grown[0]] * 3, method=method, keep_order=True)
+    np.testing.assert_array_equal(decode(still, frame=2).vertices, grown[0].vertices)
+
+
+def test_frames_far_larger_than_the_first_are_told_why_they_fail() -> None:
+    small = replace(MOVING[0], vertices=1e-9 * MOVING[0].vertices)
+    with pytest.raises(MeshError, match=r"^frame 1: .*: it is 1e\+09 times as large as frame 0"):
+        encode([small, MOVING[0]])
+
+
+def test_bits_of_a_sequence_that_begins_with_a_point_are_those_of_the_largest_frame() -> None:
+    point = replace(MOVING[0], vertices=0 * MOVING[0].vertices)
+    step = info(encode([point, *MOVING[:3]], method="highpass", bits=8)).parameters.step
+    assert step == info(encode(MOVING[2], method="highpass", bits=8)).parameters.step
