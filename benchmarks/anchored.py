@@ -15,7 +15,8 @@ from deltamesh._geometry.systems import Systems
 from deltamesh._kernels.mesh import laplacian
 from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
-from deltamesh._pipeline import Encoded, encode_mesh, read_content
+from deltamesh._pipeline.decoder import read_content
+from deltamesh._pipeline.encoder import Encoded, encode_mesh
 from deltamesh._shape.surface import Surface
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.container.container import Parameters

@@ -18,10 +18,11 @@ import numpy as np
 from anchored import File, coded
 from pages import lines
 
-from deltamesh._geometry import anchors as choice
+from deltamesh._geometry import greedy_anchors
+from deltamesh._geometry.anchors import farthest
 from deltamesh._geometry.cells import Cells
 from deltamesh._geometry.solve import Factor
-from deltamesh._graph.adjacency import Graph
+from deltamesh._graph.adjacency import Graph, components
 from deltamesh._kernels.mesh import distance
 from deltamesh._measures.metrics import diagonal, vertex_errors
 from deltamesh._mesh import TriangleMesh
@@ -52,8 +53,8 @@ def mixed(
 
     At most one is in the cell of each.
     """
-    labels = choice.components(*graph)
-    anchors = choice.farthest(*graph, labels, (k + 1) // 2)
+    labels = components(*graph)
+    anchors = farthest(*graph, labels, (k + 1) // 2)
     x = factor(anchors).solve(delta, positions[anchors])
     error = ((x - vertices) ** 2).sum(axis=1)
     is_maximum = np.empty(len(error), dtype=bool)
@@ -70,7 +71,7 @@ def chosen_by(how: str, mesh: TriangleMesh, options: dict[str, Any]) -> File:
     """Encode with anchors that are chosen in one way; "mixed" is none of the encoder's."""
     if how != "mixed":
         return coded(mesh, Options(anchor_method=how, **options))
-    with mock.patch.object(choice, "greedy", mixed):
+    with mock.patch.object(greedy_anchors, "greedy", mixed):
         return coded(mesh, Options(anchor_method="greedy", **options))
 
 

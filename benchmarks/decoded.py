@@ -20,7 +20,7 @@ from deltamesh._measures.metrics import diagonal, reference_of, vertex_errors_of
 from deltamesh._measures.named_parts import OBJECTS
 from deltamesh._measures.parts import LINE, QUALITY_NORMAL, QUALITY_RMS
 from deltamesh._options import Options
-from deltamesh._pipeline import Encoded, encode_mesh
+from deltamesh._pipeline.encoder import Encoded, encode_mesh
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.polymesh.mesh import PolyMesh
 

@@ -21,7 +21,7 @@ from deltamesh._measures.measure import errors_by_importance
 from deltamesh._measures.metrics import diagonal
 from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
-from deltamesh._pipeline import Encoded, encode_mesh
+from deltamesh._pipeline.encoder import Encoded, encode_mesh
 from deltamesh_formats.array_types import Bools, Floats, Ints
 
 _EXAMPLES = """\

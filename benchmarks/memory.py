@@ -14,7 +14,7 @@ from deltamesh._limits import memory_needed
 from deltamesh._mesh import TriangleMesh
 from deltamesh._methods import METHODS
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh_cli.output import table
 from deltamesh_formats.container.reader import read_container
 

@@ -16,7 +16,7 @@ import corpus
 from deltamesh import MeshError
 from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh.bench._peers import draco_file
 from deltamesh_cli.output import table
 from deltamesh_formats.container.reader import read_container

@@ -16,14 +16,15 @@ import corpus
 import numpy as np
 
 import deltamesh
-from deltamesh._geometry import highpass
+from deltamesh._geometry.deltas import deltas
 from deltamesh._geometry.integers import NO_CELLS, NONE
 from deltamesh._geometry.positions import solved
 from deltamesh._geometry.systems import Systems
 from deltamesh._measures.metrics import diagonal, vertex_errors
 from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh, read_content
+from deltamesh._pipeline.decoder import read_content
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.container.stages import stages_of
 
@@ -99,7 +100,7 @@ def coarse_surfaces(mesh: TriangleMesh) -> Iterator[Stage]:
         ("interpolated without cells", replace(p, interpolated=True), bare),
         ("interpolated with cells", p, integers),
     ):
-        W = solved(highpass.deltas(parameters, known), parameters, known, systems, stage=0)
+        W = solved(deltas(parameters, known), parameters, known, systems, stage=0)
         yield _stage(name, size, size / len(made.data), V, W, np.asarray(surface.faces))
 
 

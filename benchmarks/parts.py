@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import click
 import corpus
 import decoded
+import made_scenes
 import pool
-import shapes
 
 from deltamesh._mesh import TriangleMesh
 from deltamesh._methods import METHODS
@@ -74,7 +74,7 @@ class Row(NamedTuple):
 
 
 @click.command(epilog=corpus.epilog(_EXAMPLES))
-@click.option("--scene", "names", multiple=True, type=click.Choice(list(shapes.SCENES)))
+@click.option("--scene", "names", multiple=True, type=click.Choice(list(made_scenes.SCENES)))
 @click.option("--method", "methods", multiple=True, type=click.Choice(CHOICES))
 @click.option(
     "--quality",
@@ -112,7 +112,8 @@ def command(
         raise click.ClickException(f"{absent[0]} is missing: pip install '.[bench]', or --no-peer")
     start = time.perf_counter()
     tasks = [
-        (name, methods or CHOICES, quality, uniform, peer, share) for name in names or shapes.SCENES
+        (name, methods or CHOICES, quality, uniform, peer, share)
+        for name in names or made_scenes.SCENES
     ]
     rows = [row for found in pool.each(measured, tasks, jobs) for row in found]
     click.echo(table(_cells(rows)))
@@ -127,7 +128,7 @@ def command(
 def measured(task: tuple[str, Sequence[str], int, bool, bool, float]) -> list[Row]:
     """Return the rows of a scene: ours by each method, and Draco's."""
     name, methods, quality, uniform, peer, share = task
-    mesh = shapes.scene(name, share)
+    mesh = made_scenes.scene(name, share)
     rows = []
     for method in methods:
         one = _found(mesh, method=method, quality=quality)

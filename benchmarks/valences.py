@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from deltamesh import MeshError
 from deltamesh._graph.adjacency import adjacency
 from deltamesh._options import Options
-from deltamesh._pipeline import Encoded, encode_mesh
+from deltamesh._pipeline.encoder import Encoded, encode_mesh
 from deltamesh_cli.output import table
 from deltamesh_formats.container.reader import read_container
 

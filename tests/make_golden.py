@@ -35,16 +35,17 @@ from places import GOLDEN, REFUSED
 from second_opinion import assert_same
 
 from deltamesh import frames, info
-from deltamesh._codec import decode
+from deltamesh._codec.decoding import decode
 from deltamesh._content import digest
-from deltamesh._geometry import cartesian, highpass, lossless, steps
+from deltamesh._geometry import anchor_sections, cartesian, lossless, steps
 from deltamesh._geometry.integers import NONE, Integers
 from deltamesh._geometry.quantize import from_grid
 from deltamesh._graph.adjacency import lowest, without_edges
 from deltamesh._options import Options
 from deltamesh._order.coding import encode_order
 from deltamesh._order.reordering import Order
-from deltamesh._pipeline import encode_mesh, read_content
+from deltamesh._pipeline.decoder import read_content
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh._shape.polygons import plain
 from deltamesh._shape.surface import surface_of
 from deltamesh._streams import exact as exact_streams
@@ -55,8 +56,8 @@ from deltamesh._streams.vectors import encode_vectors
 from deltamesh_formats import zstd_frames
 from deltamesh_formats.container.attribute_table import entries_of
 from deltamesh_formats.container.container import Section
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.container.reader import read_container
-from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, LimitError
 from deltamesh_formats.polymesh.mesh import from_triangles
 
@@ -506,7 +507,7 @@ def one_sided_anchors():
     surface, integers = content.structure.surface, content.integers
     anchors = np.array([0, 1])
     wrong = Integers(integers.values, anchors, integers.positions, integers.isolated)
-    payload = highpass.encode(surface, container.parameters, wrong)["ANCH"]
+    payload = anchor_sections.encode(surface, container.parameters, wrong)["ANCH"]
     return forging.forged(data, ANCH=payload, checksum=digest(surface.faces, NONE, wrong))
 
 

@@ -14,7 +14,7 @@ from deltamesh._progress import Progress
 from deltamesh_cli.meshes import LoadedMesh
 from deltamesh_cli.output import display_name, number, table
 from deltamesh_cli.summary import part_object
-from deltamesh_formats.container.summary import bits_per_vertex, relative
+from deltamesh_formats.container.figures import bits_per_vertex, relative
 from deltamesh_formats.polymesh.kinds import KIND_WORDS
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def compare_meshes(a: LoadedMesh, b: LoadedMesh, progress: Progress) -> Comparis
     from deltamesh._measures import metrics
     from deltamesh._mesh import TriangleMesh, triangulated
     from deltamesh._shape.complexes import distinct_faces
-    from deltamesh_formats.container.layout import METHODS
+    from deltamesh_formats.container.method_layouts import METHODS
 
     progress("matching vertices")
     containers = [one.container for one in (a, b) if one.container]

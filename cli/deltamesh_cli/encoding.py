@@ -15,7 +15,7 @@ from deltamesh_formats.container.texts import texts_of
 
 if TYPE_CHECKING:
     from deltamesh._measures.report import Report
-    from deltamesh._pipeline import Encoded
+    from deltamesh._pipeline.encoder import Encoded
     from deltamesh._sections.draft import Cost
     from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
@@ -100,7 +100,7 @@ def encode_file(
 
 
 def _encode(mesh: PolyMesh, progress: Progress, parameters: dict[str, Any]) -> Encoded:
-    from deltamesh._codec import encode_checked
+    from deltamesh._codec.inputs import encode_checked
     from deltamesh._options import Options
 
     given = options.specified(parameters)

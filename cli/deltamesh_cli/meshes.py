@@ -101,7 +101,7 @@ def note_prefix(name: str, container: Container, *, quiet: bool) -> None:
     """Note on standard error how far a file that is cut reaches, and what it lacks."""
     if container.is_whole or quiet:
         return
-    from deltamesh_formats.container.summary import prefix_text
+    from deltamesh_formats.container.lines import prefix_text
 
     told = f"{prefix_text(container)}; the checksum of its content cannot be verified"
     message(f"note: {display_name(name)}: {told}")

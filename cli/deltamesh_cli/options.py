@@ -82,6 +82,9 @@ as_json: Final = click.option(
     help="Print JSON on standard output, one object per line.",
 )
 
+# All options that say what a command tells of its work.
+reporting: Final = combined(as_json, verbosity, debug)
+
 
 def output(default: str, *, positional: bool = True) -> Decorator:
     """Add the argument OUT, `--output` and `--force`; `default` describes OUT without them.
@@ -159,7 +162,8 @@ memory: Final = click.option(
     help="Refuse a file that needs more memory to decode, such as 512M or 8G.",
 )
 
-limits: Final = combined(max_vertices, memory)
+# All options that say how a file is decoded ...
+decoding: Final = combined(solver, threads, max_vertices, memory)
 
 partial: Final = click.option(
     "--partial",
@@ -167,8 +171,8 @@ partial: Final = click.option(
     help="Take a file that is cut, and what has come of it.",
 )
 
-# All options that say how a file is decoded, and into which format.
-decode_options: Final = combined(output_format, digits, solver, threads, limits)
+# ... and those with the format that it is written into.
+decode_options: Final = combined(output_format, digits, decoding)
 
 
 def flag_of(name: str) -> str:

@@ -22,7 +22,7 @@ from deltamesh_formats.container.texts import texts_of
 from deltamesh_formats.wrappers import without_wrapper
 
 if TYPE_CHECKING:
-    from deltamesh._pipeline import Encoded
+    from deltamesh._pipeline.encoder import Encoded
     from deltamesh_formats.container.container import Container
     from deltamesh_formats.polymesh.mesh import PolyMesh
 
@@ -109,7 +109,7 @@ def _encode(
 ) -> Encoded:
     from itertools import chain
 
-    from deltamesh._codec import encode_sequence
+    from deltamesh._codec.inputs import encode_sequence
     from deltamesh._options import Options
 
     given = options.specified(parameters)

@@ -8,24 +8,24 @@ from typing import TYPE_CHECKING, Final
 
 from deltamesh_cli.output import display_name
 from deltamesh_formats.container.container import Container, Meta, Parameters
-from deltamesh_formats.container.layout import ATTRIBUTES, ORDER, PARTS
-from deltamesh_formats.container.regions import regions_of
-from deltamesh_formats.container.stages import awaited, stage_of, stages_of
-from deltamesh_formats.container.summary import (
+from deltamesh_formats.container.figures import (
     attributes_of,
     bits_per_vertex,
-    container_text,
     header_bytes,
     polygons,
     relative,
     worst_frame,
 )
+from deltamesh_formats.container.layout import ATTRIBUTES, ORDER, PARTS
+from deltamesh_formats.container.regions import regions_of
+from deltamesh_formats.container.stages import awaited, stage_of, stages_of
+from deltamesh_formats.container.summary import container_text
 
 # The share of a file above which a kind of content is worth a line.
 _COSTLY: Final = 0.2
 
 if TYPE_CHECKING:
-    from deltamesh_formats.container.attribute_table import Entry
+    from deltamesh_formats.container.attribute_entry import Entry
 
 
 def container_object(name: str, container: Container) -> dict[str, object]:

@@ -384,6 +384,8 @@ DM_API int dm_factor(const int64_t *indptr, int64_t n, const int64_t *indices, i
                      const int64_t *of, int64_t *rank, int64_t *place, int64_t *from,
                      int64_t *next, int64_t *first, double *block, double *packed,
                      int64_t *pivot);
+
+/* substitution.c */
 DM_API int dm_solve_factored(const dm_factor_plan *plan, double *x, int64_t columns,
                              double *ordered, double *sums);
 

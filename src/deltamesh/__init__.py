@@ -14,7 +14,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from deltamesh._codec import decode as decode, encode as encode
+    from deltamesh._codec.decoding import decode as decode
+    from deltamesh._codec.encoding import encode as encode
     from deltamesh._editing import (
         Edited as Edited,
         edit as edit,
@@ -53,7 +54,8 @@ else:
     __getattr__, __dir__, __all__ = lazy_names(
         __name__,
         {
-            "deltamesh._codec": ("decode", "encode"),
+            "deltamesh._codec.decoding": ("decode",),
+            "deltamesh._codec.encoding": ("encode",),
             "deltamesh._editing": ("Edited", "edit", "remove_poses"),
             "deltamesh._files": ("frames", "info", "load", "save", "verify"),
             "deltamesh._page.viewing": ("Page", "view"),

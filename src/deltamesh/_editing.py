@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 from deltamesh._content import Content
+from deltamesh._decode_options import DecodeOptions
 from deltamesh._geometry.editing import Held, deformed
 from deltamesh._geometry.poses import Pose, measured
 from deltamesh._geometry.rotations import to_quaternions
@@ -13,7 +14,8 @@ from deltamesh._handles import Move, Vertices, held
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY, check_pose
 from deltamesh._measures.metrics import diagonal, vertex_errors
 from deltamesh._options import check_decoding
-from deltamesh._pipeline import points_at_rest, proven, proven_content
+from deltamesh._pipeline.decoder import points_at_rest, proven_content
+from deltamesh._pipeline.proof import proven
 from deltamesh._posing import check_name, in_pose, posed_points, posing_system, with_isolated
 from deltamesh._progress import Progress, heard
 from deltamesh._sections.poses import encode, tree_of_anchors
@@ -23,14 +25,9 @@ from deltamesh_formats.arguments import require, require_above_0, require_type
 from deltamesh_formats.array_types import Bools, Floats
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.layout import (
-    CHECK,
-    META,
-    METHODS,
-    PARAMETERS,
-    POSES,
-    STRING_MAX_BYTES,
-)
+from deltamesh_formats.container.fields import STRING_MAX_BYTES
+from deltamesh_formats.container.layout import CHECK, META, PARAMETERS, POSES
+from deltamesh_formats.container.method_layouts import METHODS
 from deltamesh_formats.container.pose_table import entries_of, pose_fault
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_container
@@ -152,42 +149,33 @@ def edit(
     return edit_chosen(
         _container_of(source, memory),
         lambda mesh: (moves, fix),
+        DecodeOptions(solver, threads, max_vertices, memory, heard(progress)),
         name=name,
         step=step,
-        solver=solver,
-        threads=threads,
-        max_vertices=max_vertices,
-        memory=memory,
-        progress=progress,
     )
 
 
 def edit_chosen(
     container: Container,
     choose: Callable[[PolyMesh], tuple[Sequence[Move], Sequence[Vertices]]],
+    options: DecodeOptions,
     *,
     name: str,
     step: float | None = None,
-    solver: str = "auto",
-    threads: int | None = None,
-    max_vertices: int = DEFAULT_MAX_VERTICES,
-    memory: int = DEFAULT_MEMORY,
-    progress: Progress | None = None,
 ) -> Edited:
     """Do as `edit` does, with moves and fixed vertices that are chosen of the mesh at rest."""
-    check_decoding(solver, threads, max_vertices, memory)
-    progress = heard(progress)
     _check(container, name, step)
-    to_solve = check_pose(container, memory)
-    content = proven_content(container, max_vertices, memory, progress)
-    surface, solving = content.structure.surface, (solver, threads, memory, progress)
-    points = points_at_rest(container, surface, [content.integers], *solving)
+    progress, solving = options.progress, (options.solver, options.threads)
+    to_solve = check_pose(container, options.memory)
+    content = proven_content(container, options.max_vertices, options.memory, progress)
+    surface = content.structure.surface
+    points = points_at_rest(container, surface, [content.integers], options)
     mesh = content.mesh(points, container.parameters.single, container.margin)
     anchors = content.integers.anchors
     rest, size = points[: surface.vertex_count], diagonal(points) or 1.0
     places, is_moved = held(mesh, content, rest, *choose(mesh))
     progress("edit")
-    exact, turns = deformed(surface.graph, rest, places, solver, threads, to_solve)
+    exact, turns = deformed(surface.graph, rest, places, *solving, to_solve)
     pose = measured(
         name,
         size / STEPS if step is None else step,
@@ -198,7 +186,7 @@ def edit_chosen(
         to_quaternions(turns[anchors]),
     )
     progress("pose")
-    system = posing_system(content, solver, threads, to_solve)
+    system = posing_system(content, *solving, to_solve)
     recorded, recorded_turns = posed_points(content, points, system, pose)
     near = recorded[: len(rest)]
     made = _with_poses(container, content, (*content.poses, pose))

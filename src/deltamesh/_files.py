@@ -107,20 +107,14 @@ def frames(
     ------
     FormatError, LimitError, OptionError, SolveError, OSError
     """
+    from deltamesh._decode_options import DecodeOptions
     from deltamesh._player import decode_frames
     from deltamesh._progress import heard
 
     check_decoding(solver, threads, max_vertices, memory)
     container = _container_of(source, memory)
-    yield from decode_frames(
-        container,
-        range(container.frame_count),
-        solver=solver,
-        threads=threads,
-        max_vertices=max_vertices,
-        memory=memory,
-        progress=heard(progress),
-    )
+    options = DecodeOptions(solver, threads, max_vertices, memory, heard(progress))
+    yield from decode_frames(container, range(container.frame_count), options)
 
 
 def _container_of(source: Source | Container, memory: int) -> Container:
@@ -196,7 +190,7 @@ def load(
     TypeError
         For anything but a path or a file that is open in binary mode.
     """
-    from deltamesh._codec import decode
+    from deltamesh._codec.decoding import decode
 
     check_decoding(solver, threads, max_vertices, memory)
     require_flag("partial", partial)
@@ -242,7 +236,7 @@ def save(
     TypeError
         For anything but a path or a file that is open in binary mode.
     """
-    from deltamesh._codec import encode
+    from deltamesh._codec.encoding import encode
 
     require_file(target, "write")
     if isinstance(target, (str, os.PathLike)):

@@ -11,12 +11,12 @@ from deltamesh_formats.container.layout import (
     CONNECTIVITY,
     FILLING,
     FRAMES,
-    MAX_ELEMENTS_PER_BYTE,
     POLYGONS,
     POSES,
     SPLIT_VERTICES,
     STITCHES,
 )
+from deltamesh_formats.container.payload_layout import MAX_ELEMENTS_PER_BYTE
 from deltamesh_formats.container.pose_table import entries_of as entries_of_poses
 from deltamesh_formats.container.texts import text_size, texts_of
 from deltamesh_formats.errors import FormatError, LimitError

@@ -1,8 +1,8 @@
 """Methods of geometry as values: all that the codec knows of one beside its functions.
 
-The table of the container (`deltamesh_formats.container.layout.METHODS`) has what files say of a
-method, this one what encoder, decoder and command line go by; `deltamesh._geometry.methods` has the
-functions. Nothing here imports them, so that the command line starts fast.
+The table of the container (`deltamesh_formats.container.method_layouts.METHODS`) has what files say
+of a method, this one what encoder, decoder and command line go by; `deltamesh._geometry.methods`
+has the functions. Nothing here imports them, so that the command line starts fast.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from deltamesh_formats.container import layout
-from deltamesh_formats.container.layout import FARTHEST, GREEDY, MethodLayout
+from deltamesh_formats.container import layout, method_layouts
+from deltamesh_formats.container.layout import FARTHEST, GREEDY
+from deltamesh_formats.container.method_layouts import MethodLayout
 
 # The choice of a method by the search: refined or cartesian, of 0 bits highpass.
 AUTO: Final = "auto"
@@ -79,14 +80,14 @@ class Method:
 
 
 REFINED: Final = Method(
-    layout.METHODS["refined"],
+    method_layouts.METHODS["refined"],
     memory=None,
     options=(*RATES, *BOUNDS, *ANCHORING, "coarse", "importance"),
     solution=layout.INTERPOLATED,
     first_step=0.11,
 )
 HIGHPASS: Final = Method(
-    layout.METHODS["highpass"],
+    method_layouts.METHODS["highpass"],
     memory=None,
     options=(*RATES, *BOUNDS, *ANCHORING, "importance"),
     solution=layout.LEAST_SQUARES,
@@ -94,13 +95,13 @@ HIGHPASS: Final = Method(
     first_step=0.12,
 )
 CARTESIAN: Final = Method(
-    layout.METHODS["cartesian"],
+    method_layouts.METHODS["cartesian"],
     memory=Memory(64 << 20, 300),
     options=(*RATES, *BOUNDS, "importance"),
     first_step=0.03,
 )
 LOSSLESS: Final = Method(
-    layout.METHODS["lossless"],
+    method_layouts.METHODS["lossless"],
     memory=Memory(64 << 20, 400),
 )
 

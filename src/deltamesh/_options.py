@@ -20,7 +20,15 @@ from deltamesh_formats.arguments import (
     require_whole,
 )
 from deltamesh_formats.container import layout
-from deltamesh_formats.container.layout import MethodLayout
+from deltamesh_formats.container.fields import STRING_MAX_BYTES
+from deltamesh_formats.container.method_layouts import MethodLayout
+from deltamesh_formats.container.payload_layout import (
+    MAX_GRID_BITS,
+    MAX_LIMB_BITS,
+    MAX_NORMAL_BITS,
+    MAX_RUN,
+    MIN_NORMAL_BITS,
+)
 from deltamesh_formats.errors import OptionError
 
 CHOICES = (AUTO, *METHODS)
@@ -33,17 +41,17 @@ SOLVERS = ("auto", "core", "rslab", "pardiso", "scipy")
 DEFAULT_QUALITY, MAX_QUALITY = 5, 9
 # Efforts of the search for fewer bytes: none, among the likeliest settings, among all.
 DEFAULT_EFFORT, MAX_EFFORT = 2, 3
-MAX_BITS = layout.MAX_GRID_BITS
+MAX_BITS = MAX_GRID_BITS
 # Of texture coordinates, of the largest extent, and of both coordinates of a normal.
-DEFAULT_BITS_UV, MAX_BITS_UV = 12, layout.MAX_LIMB_BITS
+DEFAULT_BITS_UV, MAX_BITS_UV = 12, MAX_LIMB_BITS
 DEFAULT_BITS_NORMAL = 10
-MIN_BITS_NORMAL, MAX_BITS_NORMAL = layout.MIN_NORMAL_BITS, layout.MAX_NORMAL_BITS
+MIN_BITS_NORMAL, MAX_BITS_NORMAL = MIN_NORMAL_BITS, MAX_NORMAL_BITS
 # Options that let attributes lose what they would keep by default, or say how much.
 ATTRIBUTE_BOUNDS = ("bits_float", "max_uv_error", "max_attribute_error")
 MAX_THREADS = 1024
 MAX_SEED = (1 << 64) - 1
 # Of a sequence, a frame in so many is a key frame.
-DEFAULT_KEY_EVERY, MAX_KEY_EVERY = 16, layout.MAX_RUN
+DEFAULT_KEY_EVERY, MAX_KEY_EVERY = 16, MAX_RUN
 # Options that mean nothing for one mesh.
 SEQUENCE_OPTIONS = ("fps", "key_every")
 
@@ -163,7 +171,7 @@ class Options:
             require_above_0("fps", self.fps)
         require_whole("key_every", self.key_every, 1, MAX_KEY_EVERY)
         require_type("source_format", self.source_format, str)
-        most = layout.STRING_MAX_BYTES
+        most = STRING_MAX_BYTES
         fits = self.source_format.isprintable() and len(self.source_format.encode()) <= most
         rule = f"source_format must be printable, and at most {most} bytes"
         require(fits, rule, self.source_format)

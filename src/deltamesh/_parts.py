@@ -13,10 +13,9 @@ from deltamesh._kernels.coding.coder import Coder
 from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh._streams.labels import decode_labels, encode_labels
 from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.container.fields import read_varint, take, write_varint
 from deltamesh_formats.container.packed import packed, unpacked
-from deltamesh_formats.container.reader import read_varint, take
 from deltamesh_formats.container.texts import Division, Texts, raw_texts, read_texts, write_texts
-from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, located
 from deltamesh_formats.polymesh.descriptions import losses_of, unreferenced_rows
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh

@@ -10,14 +10,14 @@ from collections.abc import Iterable, Iterator
 from typing import Final
 
 from deltamesh._content import Content
+from deltamesh._decode_options import DecodeOptions
 from deltamesh._geometry.frames import absolute
 from deltamesh._geometry.methods import frame_codec
 from deltamesh._geometry.prediction import Reference, predicted
 from deltamesh._geometry.systems import Systems
 from deltamesh._limits import memory_to_solve
 from deltamesh._mesh import LARGEST
-from deltamesh._pipeline import decode_mesh, proven_content, to_precision_of
-from deltamesh._progress import Progress, silent
+from deltamesh._pipeline.decoder import decode_mesh, proven_content, to_precision_of
 from deltamesh._sections.frames import frame_integers, frame_parameters
 from deltamesh._sections.trials import has_scale
 from deltamesh._vectors import largest
@@ -34,28 +34,18 @@ FURTHEST: Final = 100 * LARGEST
 def decode_frames(
     container: Container,
     wanted: Iterable[int],
-    *,
-    solver: str,
-    threads: int | None,
-    max_vertices: int,
-    memory: int,
-    progress: Progress = silent,
+    options: DecodeOptions,
 ) -> Iterator[PolyMesh]:
     """Decompress some frames of a file, one after the other; see `deltamesh.frames`."""
     if not container.frames:
-        yield decode_mesh(
-            container,
-            solver=solver,
-            threads=threads,
-            max_vertices=max_vertices,
-            memory=memory,
-            progress=progress,
-        )
+        yield decode_mesh(container, options)
         return
-    content = proven_content(container, max_vertices, memory, progress)
+    progress = options.progress
+    content = proven_content(container, options.max_vertices, options.memory, progress)
     progress("positions")
     parameters, surface = container.parameters, content.structure.surface
-    systems = Systems(surface, solver, threads, memory_to_solve(container, memory))
+    memory = memory_to_solve(container, options.memory)
+    systems = Systems(surface, options.solver, options.threads, memory)
     precise = to_precision_of(container, systems)
     coder = frame_codec(parameters.method)
     points = coder.reconstruct(surface, parameters, content.integers, precise)

@@ -10,11 +10,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import BinaryIO, Final
 
+from deltamesh._decode_options import DecodeOptions
 from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
 from deltamesh._methods import HIGHPASS, METHODS
 from deltamesh._options import check_decoding
-from deltamesh._pipeline import check_scale, positioned, proven_content, read_content
-from deltamesh._progress import Progress, silent
+from deltamesh._pipeline.decoder import check_scale, positioned, proven_content, read_content
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.layout import CELLS, NORMALS
 from deltamesh_formats.container.reader import progress_of, read_prefix
@@ -52,23 +52,16 @@ class Partial:
         return self.stage == WHOLE
 
 
-def decode_prefix(
-    container: Container,
-    *,
-    solver: str,
-    threads: int | None,
-    max_vertices: int,
-    memory: int,
-    progress: Progress = silent,
-) -> Partial:
+def decode_prefix(container: Container, options: DecodeOptions) -> Partial:
     """Decompress what has come of a file; see `deltamesh.decode`."""
+    limits = options.max_vertices, options.memory, options.progress
     if container.is_whole:
-        come, content = container, proven_content(container, max_vertices, memory, progress)
+        come, content = container, proven_content(container, *limits)
     else:
         come = solvable(container)
-        content = read_content(come, max_vertices, memory, progress)
+        content = read_content(come, *limits)
         check_scale(come, content.integers)
-    mesh = positioned(come, content, solver, threads, memory, progress)
+    mesh = positioned(come, content, options)
     return Partial(mesh, stage_of(container), awaited(container), container.size)
 
 
@@ -134,6 +127,7 @@ def stages(
     check_decoding(solver, threads, max_vertices, memory)
     if not hasattr(stream, "read"):
         raise TypeError(f"a binary file is needed, not {type(stream).__name__}")
+    options = DecodeOptions(solver, threads, max_vertices, memory)
     read = getattr(stream, "read1", stream.read)
     data, seen, reached = bytearray(), (0, False), ""
     while piece := read(_PIECE):
@@ -144,12 +138,6 @@ def stages(
         seen, container = come, read_prefix(bytes(data))
         if stage_of(container) not in ("", reached):
             reached = stage_of(container)
-            yield decode_prefix(
-                container,
-                solver=solver,
-                threads=threads,
-                max_vertices=max_vertices,
-                memory=memory,
-            )
+            yield decode_prefix(container, options)
     if not reached:
         solvable(read_prefix(bytes(data)))

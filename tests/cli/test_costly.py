@@ -42,7 +42,7 @@ def costly(capsys: pytest.CaptureFixture[str]) -> list[str]:
 
 def sizes() -> dict[str, int]:
     from deltamesh import info
-    from deltamesh_formats.container.summary import attributes_of
+    from deltamesh_formats.container.figures import attributes_of
 
     container = info("scan.ply.dmesh")
     found = {entry.name: entry.size for entry in attributes_of(container)}

@@ -138,7 +138,7 @@ def test_every_error_is_one_line_and_has_its_exit_code(
     def fail(*arguments: object, **options: object) -> None:
         raise error
 
-    monkeypatch.setattr("deltamesh._codec.encode_checked", fail)
+    monkeypatch.setattr("deltamesh._codec.inputs.encode_checked", fail)
     assert cli("encode torus.ply") == code
     printed = capsys.readouterr()
     assert printed.err.startswith(f"deltamesh: torus.ply: cannot encode: {message}")

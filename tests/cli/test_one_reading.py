@@ -16,13 +16,13 @@ from deltamesh_formats.container import reader
 def readings(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """The sizes of the files whose sections were read, however `read_container` was imported."""
     sizes: list[int] = []
-    original = reader._read_sections
+    original = reader.read_sections
 
     def counting(view: memoryview, position: int, **options: bool) -> object:
         sizes.append(len(view))
         return original(view, position, **options)
 
-    monkeypatch.setattr(reader, "_read_sections", counting)
+    monkeypatch.setattr(reader, "read_sections", counting)
     return sizes
 
 

@@ -14,11 +14,12 @@ import pytest
 
 import deltamesh
 from deltamesh import LimitError, MeshError, OptionError, decode, edit, encode, remove_poses
+from deltamesh._decode_options import DecodeOptions
 from deltamesh._editing import edit_chosen
 from deltamesh._handles import indices_of
 from deltamesh._limits import check_pose, memory_needed
 from deltamesh._measures.metrics import diagonal
-from deltamesh._pipeline import read_content
+from deltamesh._pipeline.decoder import read_content
 from deltamesh._posing import check_name, posing_system
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh, from_triangles
@@ -149,6 +150,7 @@ def test_vertices_are_chosen_in_all_ways() -> None:
     chosen = edit_chosen(
         deltamesh.info(DATA),
         lambda mesh: ([(mesh.vertices[:, 2] > 5.7, BENT)], [mesh.vertices[:, 2] < 0.3]),
+        DecodeOptions(),
         name="bent",
     )
     assert chosen.data == wanted

@@ -19,7 +19,8 @@ from deltamesh._limits import (
 from deltamesh._methods import INTERPOLATED, LEAST_SQUARES
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.layout import CHECK, FILLING, MAX_ELEMENTS_PER_BYTE
+from deltamesh_formats.container.layout import CHECK, FILLING
+from deltamesh_formats.container.payload_layout import MAX_ELEMENTS_PER_BYTE
 from deltamesh_formats.errors import FormatError, LimitError
 
 

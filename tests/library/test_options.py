@@ -12,7 +12,7 @@ import pytest
 
 import deltamesh
 from deltamesh import OptionError
-from deltamesh._codec import encode
+from deltamesh._codec.encoding import encode
 from deltamesh._methods import BOUNDS, METHOD_OPTIONS, METHODS, RATES
 from deltamesh._options import CHOICES, EncodeOptions, Options, check_together
 from deltamesh_cli.commands.encode import command

@@ -19,18 +19,18 @@ from packed_blocks import deflated, plain
 
 import deltamesh
 from deltamesh._limits import memory_needed
-from deltamesh_formats.container import layout, texts
-from deltamesh_formats.container.layout import MAX_TEXT
+from deltamesh_formats.container import texts
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.container.listing import texts_object
+from deltamesh_formats.container.payload_layout import KINDS, MAX_TEXT
 from deltamesh_formats.container.reader import read_container
-from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, LimitError, MeshError
 from deltamesh_formats.meshfiles import files as meshfile
 from deltamesh_formats.polymesh.mesh import Kind, Parts, PolyMesh, from_triangles
 
 
 def test_every_kind_has_a_number() -> None:
-    assert set(get_args(Kind)) == set(layout.KINDS)
+    assert set(get_args(Kind)) == set(KINDS)
 
 
 def bits(transforms: Any) -> Any:
@@ -95,7 +95,7 @@ def test_a_mesh_without_all_this_has_no_such_section() -> None:
 
 def test_the_encoder_says_what_the_decoder_will_make() -> None:
     from deltamesh._options import Options
-    from deltamesh._pipeline import encode_mesh
+    from deltamesh._pipeline.encoder import encode_mesh
 
     mesh = replace(with_names("a", "b"), metadata={"comments": ("x",)}, precision="float32")
     for keep in (False, True):

@@ -12,7 +12,7 @@ from deltamesh import LimitError, OptionError, decode, encode, frames, info, loa
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.systems import Systems
 from deltamesh._limits import memory_needed
-from deltamesh._pipeline import proven_content
+from deltamesh._pipeline.decoder import proven_content
 from deltamesh._player import Player
 
 MOVING = moving(meshes.torus(12, 9), 16, each=0.1)

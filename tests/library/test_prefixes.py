@@ -15,7 +15,7 @@ from forging import forged
 import deltamesh
 from deltamesh._geometry.solve import LeastSquares
 from deltamesh._graph.adjacency import adjacency
-from deltamesh._pipeline import read_content
+from deltamesh._pipeline.decoder import read_content
 from deltamesh._prefixes import Partial, solvable, stages
 from deltamesh_formats.container.reader import read_prefix
 from deltamesh_formats.container.stages import stages_of

@@ -9,7 +9,7 @@ import strategies
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 
-from deltamesh_formats.container import layout
+from deltamesh_formats.container.payload_layout import KINDS
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh, from_triangles
 
 # Any text of Python, with surrogates and control characters.
@@ -39,7 +39,7 @@ def divisions(draw: st.DrawFn, kind: str, faces: int) -> Parts:
 def annotated_meshes(draw: st.DrawFn) -> PolyMesh:
     """Triangles of any kind with parts, metadata and losses."""
     V, F = draw(strategies.complexes())
-    kinds = draw(st.lists(st.sampled_from(list(layout.KINDS)), unique=True))
+    kinds = draw(st.lists(st.sampled_from(list(KINDS)), unique=True))
     return replace(
         from_triangles(V, F),
         parts=tuple(draw(divisions(kind, len(F))) for kind in kinds),

@@ -9,8 +9,9 @@ from forging import section
 
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Meta, Parameters
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.container.reader import read_container
-from deltamesh_formats.container.writer import write_container, write_varint
+from deltamesh_formats.container.writer import write_container
 from deltamesh_formats.errors import FormatError
 
 HIGHPASS = Parameters(

@@ -6,11 +6,12 @@ import dataclasses
 import struct
 import zlib
 
-from deltamesh._pipeline import read_content
+from deltamesh._pipeline.decoder import read_content
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.building import build_container
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.container.reader import read_container
-from deltamesh_formats.container.writer import write_container, write_varint
+from deltamesh_formats.container.writer import write_container
 
 UNTOUCHED = object()
 

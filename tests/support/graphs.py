@@ -14,7 +14,7 @@ from deltamesh._graph.adjacency import Graph, adjacency, components
 from deltamesh._graph.halfedges import weld
 from deltamesh._graph.laplacian import laplacian
 from deltamesh._measures.metrics import diagonal
-from deltamesh._pipeline import read_content
+from deltamesh._pipeline.decoder import read_content
 from deltamesh._shape.surface import Surface
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.container import Parameters

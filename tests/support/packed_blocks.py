@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import zlib
 
-from deltamesh_formats.container import layout
-from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.container.fields import write_varint
+from deltamesh_formats.container.payload_layout import BLOCK_PLAIN
 
 
 def plain(raw: bytes) -> bytes:
-    return bytes([layout.BLOCK_PLAIN]) + write_varint(len(raw)) + raw
+    return bytes([BLOCK_PLAIN]) + write_varint(len(raw)) + raw
 
 
 def deflated(raw: bytes, size: int, more: bytes = b"") -> bytes:

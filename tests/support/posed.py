@@ -13,10 +13,10 @@ from rotations_oracle import matrix_of
 
 from deltamesh import decode, edit, encode
 from deltamesh._measures.metrics import diagonal
-from deltamesh._pipeline import read_content
+from deltamesh._pipeline.decoder import read_content
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.container.pose_table import entries_of, write_poses
 from deltamesh_formats.container.reader import read_container
-from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.polymesh.arrays import from_arrays
 from deltamesh_formats.polymesh.mesh import from_triangles
 

@@ -13,11 +13,13 @@ from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.systems import Systems
 from deltamesh._measures.metrics import vertex_errors
 from deltamesh._options import Options
-from deltamesh._pipeline import Encoded, encode_mesh
+from deltamesh._pipeline.encoder import Encoded, encode_mesh
 from deltamesh._shape.surface import Surface
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.building import build_container
+from deltamesh_formats.container.method_layouts import METHODS
+from deltamesh_formats.container.payload_layout import MAX_EXPONENT
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_container
 from deltamesh_formats.polymesh.mesh import PolyMesh, from_triangles
@@ -38,12 +40,12 @@ def by_size(surface: Surface, V: Floats) -> Ints:
     boxes = [V[surface.labels == k] for k in range(surface.labels.max() + 1)]
     size = np.array([np.ptp(box, axis=0).max() for box in boxes])
     octaves = np.log2(size.max() / size)
-    return np.minimum(np.rint(4 * octaves), layout.MAX_EXPONENT).astype(np.int64)[surface.labels]
+    return np.minimum(np.rint(4 * octaves), MAX_EXPONENT).astype(np.int64)[surface.labels]
 
 
 def extreme(surface: Surface, V: Floats) -> Ints:
     """The largest exponent in all components but the largest."""
-    return np.where(by_size(surface, V) > 0, layout.MAX_EXPONENT, 0)
+    return np.where(by_size(surface, V) > 0, MAX_EXPONENT, 0)
 
 
 def across(surface: Surface, V: Floats) -> Ints:
@@ -82,7 +84,7 @@ def restepped(
     payloads = {
         name: bytes(section.payload)
         for name, section in done.container.sections.items()
-        if name not in (*own, *layout.METHODS[parameters.method].geometry)
+        if name not in (*own, *METHODS[parameters.method].geometry)
     }
     changed = {"settings": settings, "parameters": parameters, "integers": integers}
     draft = dataclasses.replace(

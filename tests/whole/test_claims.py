@@ -21,7 +21,7 @@ from deltamesh._geometry.cells import Cells
 from deltamesh._measures import metrics
 from deltamesh._mesh import TriangleMesh
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline.encoder import encode_mesh
 
 
 def coded(mesh, **options):

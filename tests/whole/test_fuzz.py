@@ -14,7 +14,7 @@ from places import GOLDEN, REFUSED, ROOT
 
 from deltamesh._content import Content
 from deltamesh._geometry.integers import Integers
-from deltamesh._pipeline import read_content
+from deltamesh._pipeline.decoder import read_content
 from deltamesh._sections.frames import frame_integers
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.frame_table import Frame

@@ -18,12 +18,12 @@ import spec_decoder
 import deltamesh
 from deltamesh import FormatError, decode, encode, from_arrays, info
 from deltamesh import _limits as limits
-from deltamesh import _pipeline as pipeline
 from deltamesh._limits import filling
+from deltamesh._pipeline import encoder
 from deltamesh._sections.draft import Draft
 from deltamesh._sections.table import Section
 from deltamesh._shape.announced import announced
-from deltamesh_formats.container.layout import MAX_ELEMENTS_PER_BYTE
+from deltamesh_formats.container.payload_layout import MAX_ELEMENTS_PER_BYTE
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh
 
 CORNERS = np.eye(3)
@@ -189,7 +189,7 @@ def with_section(monkeypatch: pytest.MonkeyPatch, name: str, change: Any) -> Non
             return section
         return replace(section, encode=lambda draft: change(*section.encode(draft)))
 
-    monkeypatch.setattr(pipeline, "SECTIONS", tuple(map(changed, pipeline.SECTIONS)))
+    monkeypatch.setattr(encoder, "SECTIONS", tuple(map(changed, encoder.SECTIONS)))
 
 
 def shortened(payloads: dict[str, bytes], draft: Draft) -> tuple[dict[str, bytes], Draft]:

@@ -8,7 +8,7 @@ import pytest
 
 from deltamesh import decode
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline.encoder import encode_mesh
 
 NAMES = (
     "unstated/bun_zipper.ply",

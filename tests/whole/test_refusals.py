@@ -19,14 +19,14 @@ from hypothesis import strategies as st
 
 from deltamesh import decode, encode, verify
 from deltamesh._content import digest
-from deltamesh._geometry import highpass
+from deltamesh._geometry import anchor_sections
 from deltamesh._geometry.integers import NONE, Integers
 from deltamesh._limits import memory_needed
-from deltamesh._pipeline import read_content
+from deltamesh._pipeline.decoder import read_content
 from deltamesh._shape.surface import surface_of
 from deltamesh_formats.container import layout
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.container.reader import read_container
-from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import DeltameshError, FormatError, LimitError, SolveError
 
 SPHERE = meshes.icosphere(1)
@@ -358,7 +358,7 @@ def test_component_without_an_anchor() -> None:
         one_sided = Integers(
             integers.values, np.array(anchors), integers.positions, integers.isolated
         )
-        payload = highpass.encode(surface, parameters, one_sided)["ANCH"]
+        payload = anchor_sections.encode(surface, parameters, one_sided)["ANCH"]
         checksum = digest(surface.faces, NONE, one_sided)
         error = refusal(forging.forged(data, ANCH=payload, checksum=checksum))
         assert "anchor" in str(error)
@@ -376,7 +376,7 @@ def test_anchors_that_are_no_vertices() -> None:
     values = np.pad(integers.values, ((0, 1), (0, 0)))
     outside = Integers(values, np.array([0, 1, 2, 42]), integers.positions, integers.isolated)
     larger = surface_of(surface.faces, 43, 0)
-    payload = highpass.encode(larger, parameters, outside)["ANCH"]
+    payload = anchor_sections.encode(larger, parameters, outside)["ANCH"]
     refusal(forging.forged(data, ANCH=payload))
 
 

@@ -19,7 +19,7 @@ from deltamesh import decode
 from deltamesh._graph.adjacency import components_of_faces
 from deltamesh._measures.metrics import diagonal, vertex_errors
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh_formats.errors import TargetError
 from deltamesh_formats.meshfiles.files import write_mesh
 from deltamesh_formats.polymesh.mesh import Parts, PolyMesh, from_triangles

@@ -23,8 +23,8 @@ from deltamesh._order import coding as order
 from deltamesh._order.reordering import Order
 from deltamesh._shape.polygons import plain
 from deltamesh._streams.labels import encode_labels
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.container.stages import stages_of
-from deltamesh_formats.container.writer import write_varint
 
 GOLDEN = sorted(places.GOLDEN.glob("*.dmesh"))
 # Files that the second decoder takes longest over.

@@ -19,7 +19,7 @@ from second_opinion import assert_same
 
 from deltamesh import encode
 from deltamesh._streams.exact import unpack_formats
-from deltamesh_formats.container import layout
+from deltamesh_formats.container import payload_layout
 from deltamesh_formats.container.attribute_table import entries_of
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import FormatError
@@ -31,7 +31,7 @@ METHODS = ("cartesian", "highpass", "lossless", "refined")
 @st.composite
 def told_polygons(draw: st.DrawFn) -> PolyMesh:
     mesh = draw(polygon_meshes.soups())
-    kinds = draw(st.lists(st.sampled_from(list(layout.KINDS)), unique=True, max_size=2))
+    kinds = draw(st.lists(st.sampled_from(list(payload_layout.KINDS)), unique=True, max_size=2))
     count = len(mesh.sizes)
     return replace(
         mesh,

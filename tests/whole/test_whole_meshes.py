@@ -21,11 +21,10 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 
 from deltamesh import decode, encode
-from deltamesh._codec import encode_mesh
 from deltamesh._compare import likeness
 from deltamesh._options import Options
-from deltamesh._pipeline import Encoded
-from deltamesh_formats.container import layout
+from deltamesh._pipeline.encoder import Encoded, encode_mesh
+from deltamesh_formats.container import payload_layout
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.meshfiles.files import read_mesh, written
@@ -33,7 +32,7 @@ from deltamesh_formats.polymesh.descriptions import unreferenced_rows
 from deltamesh_formats.polymesh.mesh import Attribute, Parts, PolyMesh, from_triangles
 
 METHODS = ("lossless", "cartesian", "highpass", "refined")
-TYPES = tuple(map(np.dtype, layout.TYPES))
+TYPES = tuple(map(np.dtype, payload_layout.TYPES))
 DOMAINS = ("vertex", "corner", "face")
 BITS_UV, BITS_NORMAL = 9, 8
 
@@ -173,7 +172,7 @@ def wholes(draw: st.DrawFn) -> PolyMesh:
     V, precision = draw(places(n))
     sizes = [len(row) for row in rows]
     counts = {"vertex": n, "corner": sum(sizes), "face": len(sizes)}
-    kinds = draw(st.lists(st.sampled_from(list(layout.KINDS)), max_size=3, unique=True))
+    kinds = draw(st.lists(st.sampled_from(list(payload_layout.KINDS)), max_size=3, unique=True))
     lines = st.lists(texts, max_size=2).map(tuple)
     return PolyMesh(
         V,

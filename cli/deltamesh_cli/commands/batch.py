@@ -140,9 +140,7 @@ The exit code is the largest of the exit codes of all files."""
 @options.output_format
 @options.digits
 @options.max_vertices
-@options.as_json
-@options.verbosity
-@options.debug
+@options.reporting
 def command(
     inputs: tuple[str, ...],
     decode: bool,

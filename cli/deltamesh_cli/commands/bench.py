@@ -105,9 +105,7 @@ deltamesh bench scans -r --check rates.csv --tolerance 0.5%
 @options.solver
 @options.threads
 @click.option("--csv", "as_csv", is_flag=True, help="Print CSV on standard output.")
-@options.as_json
-@options.verbosity
-@options.debug
+@options.reporting
 @options.name_formats
 def command(
     sources: tuple[str, ...],

@@ -54,12 +54,8 @@ deltamesh compare --json a.obj b.obj | jq .errors.hausdorff
 )
 @click.option("-f", "--force", is_flag=True, help="Overwrite PAGE if it exists.")
 @options.input_format
-@options.solver
-@options.threads
-@options.limits
-@options.as_json
-@options.verbosity
-@options.debug
+@options.decoding
+@options.reporting
 def command(
     sources: tuple[str, ...],
     second: str,

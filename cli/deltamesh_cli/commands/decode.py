@@ -56,9 +56,7 @@ head -c 20000 scan.dmesh | deltamesh decode - preview.ply --partial
 @click.option("--pose", metavar="NAME", help="Decode the mesh in a pose, not at rest.")
 @options.decode_options
 @options.partial
-@options.as_json
-@options.verbosity
-@options.debug
+@options.reporting
 @options.name_formats
 def command(
     source: str,

@@ -85,12 +85,8 @@ _RMS, _NORMAL = 0.0015, 1.0
     metavar="NAME",
     help="Remove a pose instead of adding one; may be given several times.",
 )
-@options.solver
-@options.threads
-@options.limits
-@options.as_json
-@options.verbosity
-@options.debug
+@options.decoding
+@options.reporting
 def command(
     source: str,
     target: str | None,
@@ -197,14 +193,15 @@ def _edited(
     step: float | None,
     parameters: dict[str, Any],
 ) -> Edited:
+    from deltamesh._decode_options import DecodeOptions
     from deltamesh._editing import edit_chosen
 
     def chosen(mesh: PolyMesh) -> tuple[list[Move], list[Bools]]:
         handles: list[Move] = [_handle(mesh, *one) for one in moves]
         return handles, [vertices_in(mesh, one) for one in fixed]
 
-    keywords = options.specified({**parameters, "step": step})
-    return edit_chosen(container, chosen, name=name, progress=progress, **keywords)
+    decoding = DecodeOptions(progress=progress, **options.specified(parameters))
+    return edit_chosen(container, chosen, decoding, name=name, step=step)
 
 
 def _handle(mesh: PolyMesh, terms: tuple[Term, ...], moved: Motion) -> tuple[Bools, Floats]:

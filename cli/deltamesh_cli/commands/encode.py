@@ -18,10 +18,10 @@ from deltamesh_cli.progress import displayed_progress
 from deltamesh_cli.sequences import encode_sequence_file, in_order
 from deltamesh_cli.summary import container_object, costly_lines
 from deltamesh_cli.value_types import FILE, positive, whole
-from deltamesh_formats.container.summary import (
+from deltamesh_formats.container.figures import attributes_of
+from deltamesh_formats.container.lines import (
     achieved,
     achieved_in_worst_part,
-    attributes_of,
     counts,
     frame_lines,
     region_lines,
@@ -78,9 +78,7 @@ cat mesh.off | deltamesh encode - --input-format off > mesh.dmesh
     f"  [default: {DEFAULT_KEY_EVERY}]",
 )
 @encode_options
-@options.as_json
-@options.verbosity
-@options.debug
+@options.reporting
 @options.name_formats
 def command(
     names: tuple[str, ...],

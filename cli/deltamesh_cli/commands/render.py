@@ -70,12 +70,8 @@ deltamesh render scan.ply -o scan.png --from 1 0 0.2 --up 0 0 1
     help="Direction that points upwards.",
 )
 @options.input_format
-@options.solver
-@options.threads
-@options.limits
-@options.as_json
-@options.verbosity
-@options.debug
+@options.decoding
+@options.reporting
 def command(
     source: str,
     output: str | None,

@@ -24,12 +24,8 @@ deltamesh test -q -r archive && echo all intact
 @click.command(epilog=epilog(_EXAMPLES))
 @click.argument("sources", type=FILE, metavar="[FILE|FOLDER]...", nargs=-1)
 @chosen_files
-@options.solver
-@options.threads
-@options.limits
-@options.as_json
-@options.verbosity
-@options.debug
+@options.decoding
+@options.reporting
 def command(
     sources: tuple[str, ...],
     choice: Choice,

@@ -40,12 +40,8 @@ deltamesh view --no-open -o page.html scan.obj
     "--open/--no-open", "opened", default=True, help="Open PAGE in the browser.  [default: open]"
 )
 @options.input_format
-@options.solver
-@options.threads
-@options.limits
-@options.as_json
-@options.verbosity
-@options.debug
+@options.decoding
+@options.reporting
 def command(
     source: str,
     original: str | None,

@@ -6,125 +6,54 @@ Plain bytes, so that programs can list attributes without decoding any. `read_ta
 
 from __future__ import annotations
 
-import math
 import struct
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
 from deltamesh_formats.container import layout
+from deltamesh_formats.container.attribute_entry import Entry, fault_of, fault_of_owners
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.layout import OWN_WEDGES, WEDGES_OF, Coding
-from deltamesh_formats.container.reader import payload_of, read_varint, take
-from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.container.fields import (
+    STRUCT_CODES,
+    read_varint,
+    struct_of,
+    take,
+    write_varint,
+)
+from deltamesh_formats.container.payload_layout import (
+    CODING_AT,
+    CODINGS,
+    DOMAINS,
+    FIRST_NONE,
+    INTEGER_FIELDS,
+    MIXED,
+    NORMALIZED,
+    PALETTE,
+    PARTLY,
+    ROLE_AT,
+    ROLES,
+    TYPE_AT,
+    TYPES,
+    Coding,
+)
+from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import FormatError
-from deltamesh_formats.polymesh.mesh import Domain, Role
 
-_DOMAINS: Final = {code: name for name, code in layout.DOMAINS.items()}
-_ROLES: Final = {code: name for name, code in layout.ROLES.items()}
-_CODINGS: Final = {code: name for name, code in layout.CODINGS.items()}
-_TYPES: Final = {code: np.dtype(name) for name, code in layout.TYPES.items()}
+_DOMAINS: Final = {code: name for name, code in DOMAINS.items()}
+_ROLES: Final = {code: name for name, code in ROLES.items()}
+_CODINGS: Final = {code: name for name, code in CODINGS.items()}
+_TYPES: Final = {code: np.dtype(name) for name, code in TYPES.items()}
 # Surrogates stand for bytes of a name that was no UTF-8; they are encoded as other code points are.
 _NAMES: Final = "surrogatepass"
-# Kinds of numpy types that each coding is for.
-_FITTING: Final = {"integer": "bui", "exact": "fc", "grid": "f", "octahedral": "f"}
 
 # Masks of what a byte has left after shifting.
-_DOMAIN: Final = (1 << layout.ROLE_AT) - 1
-_ROLE: Final = (1 << layout.TYPE_AT - layout.ROLE_AT) - 1
+_DOMAIN: Final = (1 << ROLE_AT) - 1
+_ROLE: Final = (1 << TYPE_AT - ROLE_AT) - 1
 _CODING: Final = 3
-_INTEGER: Final = layout.struct_of(layout.INTEGER_FIELDS)
-_F64: Final = layout.STRUCT_CODES["f64"]
-
-
-@dataclass(frozen=True)
-class Entry:
-    """One attribute of a file.
-
-    Attributes
-    ----------
-    name : str
-    domain, role, normalized
-        As those of an `Attribute`.
-    dtype : numpy dtype, in the byte order of the machine
-    width : int
-        Numbers a row.
-    coding : {"integer", "exact", "grid", "octahedral"}
-    partly : bool
-        Whether there are owners (vertices, polygons or wedges) without a value.
-    first_none : bool
-        Whether the first of them has none.
-    palette : int or None
-        Number of different rows, where each owner names one of these.
-    mixed : bool
-        Whether the second column is taken from the first and the third.
-    wedges : int
-        Of an attribute of corners, the owners of its values: wedges of its own (OWN_WEDGES),
-        polygons (POLYGON_OWNERS), or the wedges of attribute k (k + WEDGES_OF).
-    origin : tuple
-        Of integers, one number; of a grid, one a column.
-    bits : int
-        Of integers, those of a limb; of a grid what was asked for, or 0; of normals, those of each
-        of both coordinates.
-    limbs : int
-        Columns that a column of integers is cut into.
-    density : float
-        Grid points a unit.
-    error : float
-        The largest difference between a number and what becomes of it; of normals, the largest
-        angle, in degrees.
-    sizes : tuple of int
-        Bytes of each stream: of the wedges, of the owners that have a value, of their rows in the
-        palette, each if it is there; then of every three columns.
-    """
-
-    name: str
-    domain: Domain
-    role: Role
-    dtype: np.dtype[Any]
-    width: int
-    normalized: bool
-    coding: Coding
-    partly: bool = False
-    first_none: bool = False
-    palette: int | None = None
-    mixed: bool = False
-    wedges: int = OWN_WEDGES
-    origin: tuple[float, ...] = ()
-    bits: int = 0
-    limbs: int = 1
-    density: float = 0.0
-    error: float = 0.0
-    sizes: tuple[int, ...] = ()
-
-    @property
-    def numbers(self) -> int:
-        """Real numbers a row."""
-        return self.width * (2 if self.dtype.kind == "c" else 1)
-
-    @property
-    def number_size(self) -> int:
-        """Bytes of a real number."""
-        return self.dtype.itemsize // (2 if self.dtype.kind == "c" else 1)
-
-    @property
-    def columns(self) -> int:
-        """Columns that are coded."""
-        if self.coding == "octahedral":
-            return 3
-        return self.numbers * (self.limbs if self.coding == "integer" else 1)
-
-    @property
-    def streams(self) -> int:
-        """Number of streams."""
-        own = self.domain == "corner" and self.wedges == OWN_WEDGES
-        return own + self.partly + (self.palette is not None) + -(-self.columns // 3)
-
-    @property
-    def size(self) -> int:
-        """Bytes of all streams."""
-        return sum(self.sizes)
+_INTEGER: Final = struct_of(INTEGER_FIELDS)
+_F64: Final = STRUCT_CODES["f64"]
 
 
 def write_table(entries: tuple[Entry, ...]) -> bytes:
@@ -134,12 +63,12 @@ def write_table(entries: tuple[Entry, ...]) -> bytes:
 
 def _written(e: Entry) -> bytes:
     name = e.name.encode(errors=_NAMES)
-    what = layout.DOMAINS[e.domain] | layout.ROLES[e.role] << layout.ROLE_AT
-    what |= layout.TYPES[e.dtype.name] << layout.TYPE_AT
-    flags = layout.CODINGS[e.coding] << layout.CODING_AT
-    flags |= layout.NORMALIZED * e.normalized | layout.MIXED * e.mixed
-    flags |= layout.PARTLY * e.partly | layout.FIRST_NONE * e.first_none
-    flags |= layout.PALETTE * (e.palette is not None)
+    what = DOMAINS[e.domain] | ROLES[e.role] << ROLE_AT
+    what |= TYPES[e.dtype.name] << TYPE_AT
+    flags = CODINGS[e.coding] << CODING_AT
+    flags |= NORMALIZED * e.normalized | MIXED * e.mixed
+    flags |= PARTLY * e.partly | FIRST_NONE * e.first_none
+    flags |= PALETTE * (e.palette is not None)
     parts = [write_varint(len(name)), name, bytes([what, flags]), write_varint(e.width)]
     if e.domain == "corner":
         parts.append(write_varint(e.wedges))
@@ -194,18 +123,18 @@ def _read(payload: bytes | memoryview, at: int, before: list[Entry]) -> tuple[En
     start, number = at, len(before)
     name, at = _read_name(payload, at, number)
     what, flags = take(payload, at, 2)
-    domain, role = what & _DOMAIN, what >> layout.ROLE_AT & _ROLE
-    kind, coding = what >> layout.TYPE_AT, flags >> layout.CODING_AT & _CODING
+    domain, role = what & _DOMAIN, what >> ROLE_AT & _ROLE
+    kind, coding = what >> TYPE_AT, flags >> CODING_AT & _CODING
     for field, code, known in (("domain", domain, _DOMAINS), ("type", kind, _TYPES)):
         if code not in known:
             raise FormatError(f"attribute {number}: unknown {field} {code}", at)
-    if flags >= 2 * layout.FIRST_NONE:
+    if flags >= 2 * FIRST_NONE:
         raise FormatError(f"attribute {number}: reserved bits of flags are set", at)
     width, at = read_varint(payload, at + 2)
     fields: dict[str, Any] = {}
     if _DOMAINS[domain] == "corner":
         fields["wedges"], at = read_varint(payload, at)
-    if flags & layout.PALETTE:
+    if flags & PALETTE:
         fields["palette"], at = read_varint(payload, at)
     coded, at = _read_coding(payload, at, _CODINGS[coding], width)
     entry = Entry(
@@ -214,15 +143,15 @@ def _read(payload: bytes | memoryview, at: int, before: list[Entry]) -> tuple[En
         _ROLES[role],
         _TYPES[kind],
         width,
-        bool(flags & layout.NORMALIZED),
+        bool(flags & NORMALIZED),
         _CODINGS[coding],
-        partly=bool(flags & layout.PARTLY),
-        first_none=bool(flags & layout.FIRST_NONE),
-        mixed=bool(flags & layout.MIXED),
+        partly=bool(flags & PARTLY),
+        first_none=bool(flags & FIRST_NONE),
+        mixed=bool(flags & MIXED),
         **fields,
         **coded,
     )
-    fault = _fault(entry) or _fault_of_owners(entry, before)
+    fault = fault_of(entry) or fault_of_owners(entry, before)
     if fault:
         raise FormatError(f"attribute {number}: {fault}", start)
     if entry.streams > len(payload) - at:
@@ -265,43 +194,3 @@ def _floats(payload: bytes | memoryview, at: int, count: int) -> tuple[tuple[flo
     if count > (len(payload) - at) // 8:
         raise FormatError("truncated: the numbers of an attribute", len(payload))
     return struct.unpack_from(f"<{count}d", payload, at), at + 8 * count
-
-
-def _fault(e: Entry) -> str:
-    """Return the fault of an entry by the rules of SPEC.md 5.14; "" if it has none."""
-    if e.dtype.kind not in _FITTING[e.coding]:
-        return f"type {e.dtype} with coding {e.coding}"
-    if e.mixed and (e.coding not in ("integer", "grid") or e.width < 3 or e.limbs > 1):
-        return f"mixed columns with coding {e.coding}, width {e.width} and {e.limbs} limbs"
-    if e.coding == "integer":
-        fits = 1 <= e.bits <= layout.MAX_LIMB_BITS and 1 <= e.limbs <= -(-64 // e.bits)
-        return "" if fits else f"{e.limbs} limbs of {e.bits} bits"
-    if e.coding == "octahedral":
-        if e.width != 3:
-            return f"octahedral coding with width {e.width}"
-        if e.palette is not None:
-            return "octahedral coding with a palette"
-        if not layout.MIN_NORMAL_BITS <= e.bits <= layout.MAX_NORMAL_BITS:
-            return f"normals of {e.bits} bits"
-    for field, values in (("error", (e.error,)), ("density", (e.density,)), ("origin", e.origin)):
-        for value in values:
-            if not math.isfinite(value) or (field == "error" and value < 0):
-                return f"{field} {value}"
-    if e.coding == "grid" and not e.density > 0:
-        return f"density {e.density}"
-    return ""
-
-
-def _fault_of_owners(e: Entry, before: list[Entry]) -> str:
-    if e.palette == 0:
-        return "empty palette"
-    if e.first_none and not e.partly:
-        return "first_none without partly"
-    if e.domain != "corner" or e.wedges < WEDGES_OF:
-        return ""
-    other = e.wedges - WEDGES_OF
-    if other >= len(before):
-        return f"wedges of attribute {other}, which does not come before it"
-    if before[other].domain != "corner" or before[other].wedges != OWN_WEDGES:
-        return f"wedges of attribute {other}, which has none of its own"
-    return ""

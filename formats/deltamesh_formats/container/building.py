@@ -4,22 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from deltamesh_formats.container import layout
-from deltamesh_formats.container.container import (
-    Container,
-    Meta,
+from deltamesh_formats.container import layout, method_layouts
+from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.fields import write_fields
+from deltamesh_formats.container.header import write_header
+from deltamesh_formats.container.meta import Meta, meta_faults, read_meta, write_meta
+from deltamesh_formats.container.parameters import (
     Parameters,
-    laid_out,
-    meta_faults,
     parameter_faults,
-)
-from deltamesh_formats.container.reader import read_meta, read_parameters
-from deltamesh_formats.container.writer import (
-    write_digest,
-    write_header,
-    write_meta,
+    read_parameters,
     write_parameters,
 )
+from deltamesh_formats.container.sections import laid_out
 from deltamesh_formats.errors import MeshError
 
 
@@ -41,8 +37,8 @@ def build_container(
         The result has those of the file, where some numbers are rounded to binary32 or hundredths.
     payloads : mapping of section id to bytes
         In any order: `CONN`, the sections of the method, and those further ones of
-        `layout.required` that the mesh needs. Ids unknown to this version must be optional ones;
-        they come last, in their order.
+        `method_layouts.required` that the mesh needs. Ids unknown to this version must be
+        optional ones; they come last, in their order.
     meta : Meta or None
         Rounded in the same way.
     digest : bytes, 8
@@ -63,8 +59,8 @@ def build_container(
     own = {layout.PARAMETERS: _parameters(parameters, vertices)}
     if meta is not None:
         own[layout.META] = _meta(meta)
-    own[layout.CHECK] = write_digest(digest)
-    first = layout.required(parameters.method, payloads)
+    own[layout.CHECK] = write_fields(layout.CHECK_FIELDS, {"digest": digest})
+    first = method_layouts.required(parameters.method, payloads)
     ids = (*first, layout.META, *(name for name in payloads if name not in first), layout.CHECK)
     present = {**payloads, **own}
     sections = laid_out({name: present[name] for name in ids if name in present}, start)
@@ -80,11 +76,11 @@ def build_container(
 
 
 def _check_payloads(method: str, payloads: Mapping[str, bytes]) -> None:
-    required = layout.required(method, payloads)[1:]
+    required = method_layouts.required(method, payloads)[1:]
     others = [name for name in payloads if name not in required]
     if not set(required) <= set(payloads):
         raise ValueError(f"the payloads are {list(payloads)}, not {required}")
-    taken = layout.KNOWN - {layout.REGIONS}
+    taken = method_layouts.KNOWN - {layout.REGIONS}
     if any(name in taken or not _is_optional_id(name) for name in others):
         raise ValueError(f"not ids of optional sections: {others}")
     if len(others) + len(required) + 3 > layout.MAX_SECTIONS:

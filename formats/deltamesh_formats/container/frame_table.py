@@ -7,39 +7,42 @@ and `write_frames` are mirrors.
 from __future__ import annotations
 
 import math
-import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from deltamesh_formats.container import layout
-from deltamesh_formats.container.container import Container, Parameters, Section, varint_size
-from deltamesh_formats.container.layout import (
-    CELLS,
-    CORRECTIONS,
+from deltamesh_formats.container.container import Container, Parameters, Section
+from deltamesh_formats.container.fields import (
     CRC_SIZE,
+    check_crc,
+    read_fields,
+    read_varint,
+    struct_of,
+    take,
+    varint_size,
+    with_crc,
+    write_fields,
+    write_varint,
+)
+from deltamesh_formats.container.layout import CELLS, CORRECTIONS, FRAMES, ID_SIZE
+from deltamesh_formats.container.method_layouts import METHODS
+from deltamesh_formats.container.payload_layout import (
     FRAME_CELLS,
     FRAME_CORRECTIONS,
     FRAME_FIELDS,
     FRAME_KEY,
-    FRAMES,
-    ID_SIZE,
     MAP_FIELDS,
     MAPS,
     MAX_FINER,
     MAX_MAP_UNIT,
     MAX_RUN,
-    METHODS,
     SEQUENCE_FIELDS,
-    STRUCT_CODES,
 )
-from deltamesh_formats.container.reader import payload_of, read_fields, read_varint, take
-from deltamesh_formats.container.writer import with_crc, write_fields, write_varint
+from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import FormatError, located
 
-_CRC: Final = STRUCT_CODES["u32"]
 # A record has that many bytes or more.
-_LEAST_RECORD: Final = layout.struct_of(FRAME_FIELDS[:-1]).size + CRC_SIZE
+_LEAST_RECORD: Final = struct_of(FRAME_FIELDS[:-1]).size + CRC_SIZE
 _ERRORS: Final = ("rms", "max", "normal", "dihedral")
 
 
@@ -147,10 +150,8 @@ def _read_frame(
     record: memoryview, start: int, index: int, parameters: Parameters, vertices: int
 ) -> Frame:
     """Return the frame in a record; offsets count from its beginning, at byte `start`."""
-    end = len(record) - CRC_SIZE
-    (stored,) = _CRC.unpack(take(record, max(end, 0), CRC_SIZE))
-    if stored != zlib.crc32(record[:end]):
-        raise FormatError("the record is damaged: its checksum does not match", 0)
+    end = max(len(record) - CRC_SIZE, 0)
+    check_crc(record, 0, end, "the record")
     inside = record[:end]
     values, offsets, at = read_fields(inside, 0, FRAME_FIELDS)
     rounds = unit = 0

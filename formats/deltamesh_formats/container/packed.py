@@ -6,9 +6,8 @@ import zlib
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from deltamesh_formats.container.layout import BLOCK_DEFLATED, BLOCK_PLAIN, BLOCK_ZSTD
-from deltamesh_formats.container.reader import Buffer, read_varint, take
-from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.container.fields import Buffer, read_varint, take, write_varint
+from deltamesh_formats.container.payload_layout import BLOCK_DEFLATED, BLOCK_PLAIN, BLOCK_ZSTD
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.zstd_frames import ZstdError, frame, framed
 

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.reader import Buffer, payload_of, read_fields, take
-from deltamesh_formats.container.writer import write_fields
+from deltamesh_formats.container.fields import Buffer, read_fields, take, write_fields
+from deltamesh_formats.container.payload_layout import MOST_OCTAVES, POSE_FIELDS
+from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import FormatError
 
 
@@ -72,7 +73,7 @@ def write_poses(entries: Iterable[PoseEntry]) -> bytes:
 
 
 def _written(entry: PoseEntry) -> bytes:
-    fields = write_fields(layout.POSE_FIELDS, {**vars(entry), "size": len(entry.stream)})
+    fields = write_fields(POSE_FIELDS, {**vars(entry), "size": len(entry.stream)})
     return fields + bytes(entry.stream)
 
 
@@ -87,7 +88,7 @@ def read_poses(payload: memoryview) -> tuple[PoseEntry, ...]:
     entries: dict[str, PoseEntry] = {}
     at = 0
     while at < len(payload) or not entries:
-        values, offsets, start = read_fields(payload, at, layout.POSE_FIELDS)
+        values, offsets, start = read_fields(payload, at, POSE_FIELDS)
         fault = pose_fault(values["name"], values["step"], values["octaves"])
         if fault:
             raise FormatError(fault[1], offsets[fault[0]])
@@ -105,6 +106,6 @@ def pose_fault(name: str, step: float, octaves: int) -> tuple[str, str] | None:
         return "name", "an empty name of a pose" if not name else "a name with control characters"
     if not (math.isfinite(step) and step > 0):
         return "step", f"a step of {step}"
-    if octaves > layout.MOST_OCTAVES:
+    if octaves > MOST_OCTAVES:
         return "octaves", f"a unit of 2^-{octaves}"
     return None

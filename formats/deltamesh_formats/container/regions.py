@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.reader import payload_of, read_table
-from deltamesh_formats.container.writer import write_fields
+from deltamesh_formats.container.fields import read_table, write_fields
+from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import FormatError
 
 

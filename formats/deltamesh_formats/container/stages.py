@@ -29,13 +29,13 @@ from deltamesh_formats.container.layout import (
     DELTAS,
     FRAMES,
     ID_SIZE,
-    METHODS,
     NORMALS,
     ORDER,
     PARAMETERS,
     PARTS,
     POSES,
 )
+from deltamesh_formats.container.method_layouts import METHODS
 
 POSITIONS: Final = "positions"
 WHOLE: Final = "whole"

@@ -10,18 +10,24 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.layout import MAX_TEXT, PARTS
+from deltamesh_formats.container.fields import Buffer, read_varint, take, write_varint
+from deltamesh_formats.container.layout import PARTS
 from deltamesh_formats.container.packed import packed, unpacked, unpacked_size
-from deltamesh_formats.container.reader import Buffer, payload_of, read_varint, take
-from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.container.payload_layout import (
+    DIVISION_KIND,
+    DIVISION_MOVED,
+    DIVISION_PARTLY,
+    KINDS,
+    MAX_TEXT,
+)
+from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import FormatError, MeshError
 
 if TYPE_CHECKING:
     from deltamesh_formats.polymesh.kinds import Kind
 
-_KINDS: Final = {code: kind for kind, code in layout.KINDS.items()}
+_KINDS: Final = {code: kind for kind, code in KINDS.items()}
 # Any text of Python has one form: bytes of the source that were no UTF-8 are surrogates in it.
 _ENCODING: Final = ("utf-8", "surrogatepass")
 
@@ -99,8 +105,8 @@ def raw_texts(texts: Texts) -> bytes:
     """Return the bytes of a text before they are packed."""
     parts = [write_varint(len(texts.divisions))]
     for one in texts.divisions:
-        flags = layout.KINDS[one.kind] | one.partly * layout.DIVISION_PARTLY
-        flags |= one.moved * layout.DIVISION_MOVED
+        flags = KINDS[one.kind] | one.partly * DIVISION_PARTLY
+        flags |= one.moved * DIVISION_MOVED
         parts += [bytes([flags]), _strings(one.names)]
     parts.append(write_varint(len(texts.metadata)))
     for key, lines in texts.metadata.items():
@@ -164,13 +170,16 @@ def _read(raw: bytes) -> tuple[Texts, int]:
 
 def _read_division(raw: bytes, at: int) -> tuple[Division, int]:
     flags = take(raw, at, 1)[0]
-    kind = flags & layout.DIVISION_KIND
+    kind = flags & DIVISION_KIND
     if kind not in _KINDS:
         raise FormatError(f"unknown kind of parts {kind}", at)
-    if flags >= 2 * layout.DIVISION_MOVED:
+    if flags >= 2 * DIVISION_MOVED:
         raise FormatError(f"parts of kind {_KINDS[kind]}: reserved bits are set", at)
     names, end = _read_strings(raw, at + 1)
-    partly, moved = bool(flags & layout.DIVISION_PARTLY), bool(flags & layout.DIVISION_MOVED)
+    partly, moved = (
+        bool(flags & DIVISION_PARTLY),
+        bool(flags & DIVISION_MOVED),
+    )
     return Division(_KINDS[kind], names, partly, moved), end
 
 

@@ -14,8 +14,12 @@ from deltamesh._attributes.codings import from_codes, to_codes
 from deltamesh._attributes.normals.octahedral import half, is_unit
 from deltamesh._measures.margins import SHARE
 from deltamesh_formats.array_types import Floats
-from deltamesh_formats.container.attribute_table import Entry
-from deltamesh_formats.container.layout import MAX_LIMB_BITS, MAX_NORMAL_BITS, MIN_NORMAL_BITS
+from deltamesh_formats.container.attribute_entry import Entry
+from deltamesh_formats.container.payload_layout import (
+    MAX_LIMB_BITS,
+    MAX_NORMAL_BITS,
+    MIN_NORMAL_BITS,
+)
 from deltamesh_formats.polymesh.mesh import Attribute
 
 _Any = NDArray[Any]

@@ -12,8 +12,8 @@ from deltamesh._attributes.normals.octahedral import half
 from deltamesh._measures.margins import SHARE
 from deltamesh._streams.floats import bits_of, from_bits
 from deltamesh_formats.array_types import Ints
-from deltamesh_formats.container.attribute_table import Entry
-from deltamesh_formats.container.layout import MAX_LIMB_BITS
+from deltamesh_formats.container.attribute_entry import Entry
+from deltamesh_formats.container.payload_layout import MAX_LIMB_BITS
 from deltamesh_formats.errors import FormatError
 
 _Any = NDArray[Any]

@@ -12,8 +12,8 @@ from deltamesh._attributes.wedges import decode_wedges, encode_wedges
 from deltamesh._graph.elements import Elements, of_wedges
 from deltamesh._streams.labels import decode_labels, encode_labels
 from deltamesh_formats.array_types import Bools, Ints
-from deltamesh_formats.container.attribute_table import Entry
-from deltamesh_formats.container.layout import OWN_WEDGES, POLYGON_OWNERS, WEDGES_OF
+from deltamesh_formats.container.attribute_entry import Entry
+from deltamesh_formats.container.payload_layout import OWN_WEDGES, POLYGON_OWNERS, WEDGES_OF
 from deltamesh_formats.errors import FormatError, located
 from deltamesh_formats.polymesh.permutations import numbered
 

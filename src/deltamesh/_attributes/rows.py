@@ -14,7 +14,7 @@ from deltamesh._streams.columns import decode_columns, encode_columns
 from deltamesh._streams.floats import decode_floats, encode_floats
 from deltamesh._streams.labels import decode_labels, encode_labels
 from deltamesh_formats.array_types import Ints
-from deltamesh_formats.container.attribute_table import Entry
+from deltamesh_formats.container.attribute_entry import Entry
 from deltamesh_formats.errors import FormatError, located
 from deltamesh_formats.polymesh.permutations import numbered
 

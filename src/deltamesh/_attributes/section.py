@@ -26,8 +26,9 @@ from deltamesh._attributes.owners import Owners, decode_owners, encode_owners
 from deltamesh._attributes.rows import Rows, decode_rows, encode_rows
 from deltamesh._shape.provenance import Provenance
 from deltamesh_formats.array_types import Bools, Floats, Ints
-from deltamesh_formats.container.attribute_table import Entry, read_table, write_table
-from deltamesh_formats.container.layout import OWN_WEDGES
+from deltamesh_formats.container.attribute_entry import Entry
+from deltamesh_formats.container.attribute_table import read_table, write_table
+from deltamesh_formats.container.payload_layout import OWN_WEDGES
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh
 
 _Any = NDArray[Any]

@@ -29,8 +29,8 @@ from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Parameters, Section
-from deltamesh_formats.container.reader import payload_of, read_varint, take
-from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.container.fields import read_varint, take, write_varint
+from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import FormatError
 
 

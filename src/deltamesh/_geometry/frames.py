@@ -18,8 +18,9 @@ from deltamesh._streams.vectors import decode_vectors, encode_vectors
 from deltamesh._vectors import largest
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Parameters, Section
-from deltamesh_formats.container.layout import MAPS, METHODS
-from deltamesh_formats.container.reader import payload_of
+from deltamesh_formats.container.method_layouts import METHODS
+from deltamesh_formats.container.payload_layout import MAPS
+from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import MeshError
 
 

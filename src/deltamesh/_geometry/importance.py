@@ -19,7 +19,7 @@ import numpy as np
 from deltamesh._options import Settings
 from deltamesh._shape.surface import Surface
 from deltamesh_formats.array_types import Bools, Floats, Ints
-from deltamesh_formats.container.layout import PER_OCTAVE
+from deltamesh_formats.container.payload_layout import PER_OCTAVE
 from deltamesh_formats.errors import MeshError, OptionError
 from deltamesh_formats.polymesh.mesh import PolyMesh
 

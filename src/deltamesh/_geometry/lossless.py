@@ -30,7 +30,7 @@ from deltamesh._streams.number_formats import from_indices, raw_bits
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.layout import EXACT
-from deltamesh_formats.container.reader import payload_of
+from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import FormatError
 
 

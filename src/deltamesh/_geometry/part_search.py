@@ -20,8 +20,8 @@ from deltamesh._measures.metrics import mean_edges
 from deltamesh._measures.parts import Parts
 from deltamesh._options import Settings
 from deltamesh_formats.array_types import Bools, Floats, Ints
-from deltamesh_formats.container.layout import MAX_EXPONENT
-from deltamesh_formats.container.layout import PER_OCTAVE as LEVELS
+from deltamesh_formats.container.payload_layout import MAX_EXPONENT
+from deltamesh_formats.container.payload_layout import PER_OCTAVE as LEVELS
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.permutations import distinct
 

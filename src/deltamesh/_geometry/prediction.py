@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import Final
 
+import numpy as np
+
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.motion import Motion, carried
 from deltamesh._geometry.systems import Systems
@@ -13,7 +15,8 @@ from deltamesh._kernels.mesh import laplacian
 from deltamesh._shape.surface import Surface
 from deltamesh_formats.array_types import Floats
 from deltamesh_formats.container.container import Parameters
-from deltamesh_formats.container.layout import MAX_FINER, METHODS
+from deltamesh_formats.container.method_layouts import METHODS
+from deltamesh_formats.container.payload_layout import MAX_FINER
 
 # How much coarser than it should be a grid may be before it is halved.
 SLACK: Final = 1.25
@@ -84,6 +87,11 @@ def predicted(
     else:
         deltas = positions
     return Prediction(first, reference, motion, positions, deltas)
+
+
+def origin_of(predicted: Prediction | None) -> Floats | None:
+    """Return the origin of the grids of all frames, float64 (3,), None for the first frame."""
+    return None if predicted is None else np.array(predicted.first.origin)
 
 
 def halvings(step: float, wanted: float) -> int:

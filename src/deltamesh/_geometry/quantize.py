@@ -15,7 +15,7 @@ from deltamesh._graph.adjacency import Graph
 from deltamesh._kernels.coding import delta as kernels
 from deltamesh._vectors import largest, sides
 from deltamesh_formats.array_types import Bools, Floats, Ints
-from deltamesh_formats.container.layout import MAX_GRID_BITS
+from deltamesh_formats.container.payload_layout import MAX_GRID_BITS
 from deltamesh_formats.errors import MeshError
 
 # The entropy coder takes |value| < 2^31; a bit is to spare for diffused errors.

@@ -34,7 +34,7 @@ from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.array_types import Floats, Shorts
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.container.layout import NORMALS
-from deltamesh_formats.container.reader import payload_of
+from deltamesh_formats.container.sections import payload_of
 
 # Rounding of the coarse deltas, and of the refinements. Sizes at equal normals of 1 and 4 degrees,
 # and at both angles of Draco's files of 10 and 12 bits, are means over six meshes: nearest
@@ -169,7 +169,7 @@ def encode(surface: Surface, parameters: Parameters, integers: Integers) -> dict
 
 
 def encode_frame(surface: Surface, parameters: Parameters, integers: Integers) -> dict[str, bytes]:
-    """Return the payloads of a further frame, as `highpass.encode_frame` does."""
+    """Return the payloads of a further frame, as `anchor_sections.encode_frame` does."""
     payloads = highpass.encode_frame(surface, parameters, integers)
     return {**payloads, NORMALS: _encode_refinements(surface, integers)}
 

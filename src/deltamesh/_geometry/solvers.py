@@ -1,13 +1,9 @@
 """Sparse direct solvers of symmetric quasidefinite systems, behind one signature.
 
-rslab does not survive a fork: its threads stay in the parent and its child waits for them for ever,
-with one thread too. The allocator that comes with it belongs to a thread that may not be in the
-child either. A process that was forked from one that had loaded rslab goes by SuperLU of scipy
-instead. MKL starts its threads anew in a child.
+A process that was forked from one that had loaded rslab goes by SuperLU of scipy instead
+(`rslab_loading`). MKL starts its threads anew in a child.
 
-Factors of surfaces have some hundred entries an unknown, those of random graphs a share of all
-pairs. So each solver foresees its memory from the positions of the entries, and refuses what would
-take more than it may, before any number is computed.
+Each foresees its memory before it computes a number (`fill`).
 """
 
 from __future__ import annotations
@@ -16,9 +12,6 @@ import contextlib
 import importlib
 import importlib.util
 import math
-import os
-import sys
-import threading
 import weakref
 from collections.abc import Callable, Iterator, Mapping
 from ctypes import c_int
@@ -27,10 +20,23 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
+from deltamesh._geometry.fill import (
+    CORE_ENTRY,
+    FACTOR_ENTRY,
+    MATRIX_ENTRY,
+    MOST,
+    SUPERLU_ENTRY,
+    check_breadth,
+    check_fill,
+    check_memory,
+    entries_within,
+    pattern,
+)
+from deltamesh._geometry.rslab_loading import is_inherited, load_rslab
 from deltamesh._graph.adjacency import Graph
 from deltamesh._kernels.mesh import elimination, factor, laplacian
 from deltamesh_formats.array_types import Floats, Ints
-from deltamesh_formats.errors import LimitError, SolveError
+from deltamesh_formats.errors import SolveError
 
 if TYPE_CHECKING:
     import scipy.sparse as sparse
@@ -62,33 +68,6 @@ class Solver:
 SMALL: Final = 50_000
 SMALL_FACTOR: Final = 8_000_000
 
-# Bytes an entry, measured as peaks of whole processes (`benchmarks/memory.py`): of a matrix beside
-# the plan of rslab, of one for the core, of a triangular factor, and of one by SuperLU, which keeps
-# both triangles.
-MATRIX_ENTRY: Final = 60
-CORE_ENTRY: Final = 16
-FACTOR_ENTRY: Final = 8
-SUPERLU_ENTRY: Final = 30
-# More entries than any factor has.
-MOST: Final = 1 << 60
-# Unknowns on a mean breadth-first level, over the root of all: below 6 on nearly all surfaces,
-# above only on some with hubs, and 35 in a random graph of 20k vertices.
-BROAD: Final = 8
-# The most by which the fill of our own order may exceed that of amf: it is 1.3 to 2.7 on meshes.
-WORSE: Final = 4
-
-# Whether a process that this one was forked from had loaded rslab.
-_inherited = False
-
-
-def _after_fork() -> None:
-    global _inherited
-    _inherited = "rslab" in sys.modules
-
-
-if hasattr(os, "register_at_fork"):  # not on Windows, which has no fork
-    os.register_at_fork(after_in_child=_after_fork)
-
 
 def solver_name(name: str) -> str:
     """Return the name of an installed solver; "auto" becomes the preferred one for large systems.
@@ -100,13 +79,13 @@ def solver_name(name: str) -> str:
         it does not work in this process.
     """
     if name == "auto":
-        return "rslab" if _installed("rslab") and not _inherited else "scipy"
+        return "rslab" if _installed("rslab") and not is_inherited() else "scipy"
     if name not in SOLVERS:
         raise SolveError(f"unknown solver {name!r}: choose auto, {', '.join(SOLVERS)}")
     solver = SOLVERS[name]
     if not _installed(solver.module):
         raise SolveError(f'solver {name!r} is not installed: pip install "{solver.requirement}"')
-    if name == "rslab" and _inherited:
+    if name == "rslab" and is_inherited():
         raise SolveError(
             "solver 'rslab' does not work in a process forked from one that has loaded it:"
             " choose scipy, or start processes by spawn"
@@ -116,70 +95,6 @@ def solver_name(name: str) -> str:
 
 def _installed(module: str) -> bool:
     return importlib.util.find_spec(module) is not None
-
-
-def _rslab() -> Any:
-    """Import rslab in a thread that lives as long as the process.
-
-    Its allocator (mimalloc, in rslab 1.7) belongs to the thread that loads the library and crashes
-    the process in the next thread, once that thread has ended.
-    """
-    if "rslab" not in sys.modules and threading.current_thread() is not threading.main_thread():
-        loaded = threading.Event()
-
-        def load() -> None:
-            try:
-                importlib.import_module("rslab")
-            finally:
-                loaded.set()
-            threading.Event().wait()
-
-        threading.Thread(target=load, name="rslab-allocator", daemon=True).start()
-        loaded.wait()
-    return importlib.import_module("rslab")
-
-
-def check_memory(needed: float, memory: float) -> None:
-    """Refuse a system that takes more memory than there may be.
-
-    Raises
-    ------
-    LimitError
-    """
-    if needed > memory:
-        raise LimitError(
-            "the edges are not those of a surface: solving for the positions takes more than the"
-            f" limit of {memory / 2**20:.0f} MiB"
-        )
-
-
-def pattern(matrix: sparse.csr_array) -> tuple[Ints, Ints]:
-    """Return where the entries of a matrix are: its indptr and its indices, int64."""
-    return matrix.indptr.astype(np.int64), matrix.indices.astype(np.int64)
-
-
-def _entries(memory: float, entry: float = FACTOR_ENTRY) -> int:
-    """Return how many entries of so many bytes there may be."""
-    return int(min(max(memory, 0) / entry, MOST))
-
-
-def _check_breadth(indptr: Ints, indices: Ints, entry: float, memory: float) -> None:
-    """Refuse what is far too large for any order, before one of minimum degree is looked for.
-
-    Those are fast where there are small separators. In a random graph of 20k vertices that of
-    SuperLU takes 40 s, and amf 30 s in one of 100k; the time of dissection is bounded.
-    """
-    broad = BROAD * math.sqrt(len(indptr) - 1)
-    if memory < math.inf and elimination.breadth(indptr, indices) > broad:
-        order = elimination.dissect(indptr, indices)
-        _check_fill(indptr, indices, order, entry / WORSE, memory)
-
-
-def _check_fill(indptr: Ints, indices: Ints, order: Ints, entry: float, memory: float) -> None:
-    """Refuse an order of elimination whose factor has too many entries of so many bytes."""
-    most = _entries(memory, entry)
-    entries = elimination.factor_entries(indptr, indices, order, most)
-    check_memory(entry * entries, memory)
 
 
 def factor_normal(
@@ -221,8 +136,8 @@ def _factor_rows(
     indptr: Ints, indices: Ints, values: Floats, memory: float, most: int = MOST
 ) -> Solve | None:
     """Factor a matrix whose rows are given, unless the factor has more than `most` entries."""
-    most = min(most, _entries(memory))
-    _check_breadth(indptr, indices, FACTOR_ENTRY, min(memory, FACTOR_ENTRY * most))
+    most = min(most, entries_within(memory))
+    check_breadth(indptr, indices, FACTOR_ENTRY, min(memory, FACTOR_ENTRY * most))
     plan = factor.plan(indptr, indices, elimination.minimum_degree(indptr, indices), most)
     if plan is None:
         check_memory(FACTOR_ENTRY * (most + 1), memory)
@@ -232,8 +147,8 @@ def _factor_rows(
 
 
 def _factor_rslab(matrix: sparse.csr_array, threads: int, memory: float) -> Solve:
-    rslab = _rslab()
-    _check_breadth(*pattern(matrix), FACTOR_ENTRY, memory)
+    rslab = load_rslab()
+    check_breadth(*pattern(matrix), FACTOR_ENTRY, memory)
     # amf: half the time of metis on meshes of 35k to 540k vertices, 3-8 % more memory.
     analysis = rslab.analyze(matrix, path="ldlt", ordering="amf", scaling="none", threads=threads)
     # A thread more takes as much for a small matrix as for a large one: some stack.
@@ -249,7 +164,7 @@ def _factor_pardiso(matrix: sparse.csr_array, threads: int, memory: float) -> So
 
     if memory < math.inf:  # MKL dissects, too
         places = pattern(matrix)
-        _check_fill(*places, elimination.dissect(*places), FACTOR_ENTRY, memory)
+        check_fill(*places, elimination.dissect(*places), FACTOR_ENTRY, memory)
     upper = sparse.csr_matrix(sparse.triu(matrix))
     solver = pypardiso.PyPardisoSolver(mtype=-2)  # real, symmetric, indefinite
     with _mkl_threads(solver, threads):
@@ -292,9 +207,9 @@ def _minimum_degree(matrix: sparse.csr_array) -> Ints:
 def _factor_scipy(matrix: sparse.csr_array, threads: int, memory: float) -> Solve:
     from scipy.sparse.linalg import splu
 
-    _check_breadth(*pattern(matrix), SUPERLU_ENTRY, memory)
+    check_breadth(*pattern(matrix), SUPERLU_ENTRY, memory)
     order = _minimum_degree(matrix)
-    _check_fill(*pattern(matrix), order, SUPERLU_ENTRY, memory)
+    check_fill(*pattern(matrix), order, SUPERLU_ENTRY, memory)
     factor = splu(
         matrix[order][:, order].tocsc(),
         permc_spec="NATURAL",

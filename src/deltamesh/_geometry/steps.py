@@ -20,14 +20,15 @@ from deltamesh._shape.surface import Surface
 from deltamesh._streams.labels import decode_labels, encode_labels
 from deltamesh_formats.array_types import Floats, Ints
 from deltamesh_formats.container.container import Parameters, Section
-from deltamesh_formats.container.layout import (
+from deltamesh_formats.container.fields import take
+from deltamesh_formats.container.layout import STEPS
+from deltamesh_formats.container.payload_layout import (
     MAX_EXPONENT,
     MAX_GRID_BITS,
     PER_OCTAVE,
     QUARTERS,
-    STEPS,
 )
-from deltamesh_formats.container.reader import payload_of, take
+from deltamesh_formats.container.sections import payload_of
 from deltamesh_formats.errors import FormatError, located
 from deltamesh_formats.polymesh.permutations import numbered
 

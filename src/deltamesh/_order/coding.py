@@ -23,14 +23,13 @@ from deltamesh._order.reordering import Order, permuted_corners
 from deltamesh._shape.polygons import Polygons
 from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.array_types import Ints
-from deltamesh_formats.container.layout import (
+from deltamesh_formats.container.fields import read_varint, take, write_varint
+from deltamesh_formats.container.payload_layout import (
     PLAN_ANCHOR,
     PLAN_NEWEST,
     PLAN_POLYGONS_FIRST,
     POLYGON_ANCHORS,
 )
-from deltamesh_formats.container.reader import read_varint, take
-from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.permutations import inverse
 

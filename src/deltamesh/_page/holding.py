@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from deltamesh._codec import encode
+from deltamesh._codec.encoding import encode
 from deltamesh._compare.likeness import Correspondence
 from deltamesh._page.alignment import aligned, shown
 from deltamesh._page.filling import PageFile
 from deltamesh._progress import Progress, silent
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.layout import METHODS
+from deltamesh_formats.container.method_layouts import METHODS
 from deltamesh_formats.container.writer import write_container
 from deltamesh_formats.polymesh.mesh import PolyMesh
 

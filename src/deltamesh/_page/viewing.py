@@ -7,7 +7,7 @@ import os
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
-from deltamesh._codec import decode
+from deltamesh._codec.decoding import decode
 from deltamesh._compare.likeness import corresponding
 from deltamesh._page.filling import page_of
 from deltamesh._page.holding import held, held_original

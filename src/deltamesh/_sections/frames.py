@@ -27,9 +27,11 @@ from deltamesh._methods import AUTO
 from deltamesh._options import Settings
 from deltamesh._sections.draft import Draft, FrameResult
 from deltamesh._sections.trials import Trials
-from deltamesh_formats.container.container import Container, Parameters, laid_out
+from deltamesh_formats.container.container import Container, Parameters
 from deltamesh_formats.container.frame_table import Frame, write_frames
-from deltamesh_formats.container.layout import FRAMES, MAPS, MAX_FINER
+from deltamesh_formats.container.layout import FRAMES
+from deltamesh_formats.container.payload_layout import MAPS, MAX_FINER
+from deltamesh_formats.container.sections import laid_out
 from deltamesh_formats.errors import FormatError, MeshError, SolveError, TargetError, in_frame
 
 # Shares of the vertices that are cells of maps, and how coarse deltas may be: the likeliest first.

@@ -23,7 +23,8 @@ from deltamesh._shape.draft import ShapeDraft
 from deltamesh._shape.structure import Structure
 from deltamesh_formats.container import layout
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.reader import payload_of
+from deltamesh_formats.container.method_layouts import METHODS
+from deltamesh_formats.container.sections import payload_of
 
 if TYPE_CHECKING:
     from deltamesh._attributes.candidates import AttributeSettings
@@ -124,7 +125,7 @@ def _attribute_settings(draft: Draft) -> AttributeSettings:
 
     options, trial = draft.options, draft.chosen
     V = trial.vertices[draft.content.structure.points]
-    solved = layout.METHODS[trial.parameters.method].anchored
+    solved = METHODS[trial.parameters.method].anchored
     doubt = max(POSITION_TOLERANCE * diagonal(V), FINER * trial.measured.doubt)
     return AttributeSettings(
         bits_uv=options.bits_uv,

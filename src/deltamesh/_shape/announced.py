@@ -7,7 +7,7 @@ from deltamesh._shape.split_vertices import read_point_count
 from deltamesh._shape.stitches import read_manifold_counts
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.layout import SPLIT_VERTICES, STITCHES
-from deltamesh_formats.container.reader import payload_of
+from deltamesh_formats.container.sections import payload_of
 
 
 def announced(container: Container) -> Counts:

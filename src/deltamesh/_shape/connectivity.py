@@ -30,9 +30,8 @@ from deltamesh._shape.topology import Topology, build_topology
 from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.array_types import Bools, Ints
 from deltamesh_formats.container.container import Container
+from deltamesh_formats.container.fields import read_varint, write_varint
 from deltamesh_formats.container.layout import ATTRIBUTES, POLYGONS, SPLIT_VERTICES, STITCHES
-from deltamesh_formats.container.reader import read_varint
-from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
 
 # The sections whose decoders walk from half-edge to half-edge.

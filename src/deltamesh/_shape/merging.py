@@ -23,8 +23,7 @@ from deltamesh._shape.structure import Structure
 from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh_formats.array_types import Ints
 from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.reader import read_varint
-from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.container.fields import read_varint, write_varint
 from deltamesh_formats.errors import FormatError
 
 

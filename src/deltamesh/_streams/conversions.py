@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 
 from deltamesh_formats.array_types import Floats, Ints
-from deltamesh_formats.container.layout import OPERATORS
+from deltamesh_formats.container.payload_layout import OPERATORS
 
 ADD, MULTIPLY, DIVIDE = (OPERATORS[name] for name in ("add", "multiply", "divide"))
 

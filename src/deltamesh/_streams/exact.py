@@ -21,16 +21,28 @@ from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh._streams.number_formats import ColumnFormats, NumberFormat, fault_of
 from deltamesh._streams.vectors import decode_vectors, encode_vectors
 from deltamesh_formats.array_types import Floats, Ints
-from deltamesh_formats.container import layout
+from deltamesh_formats.container.fields import STRUCT_CODES, struct_of
+from deltamesh_formats.container.payload_layout import (
+    COLUMN_DEVIATIONS,
+    COLUMN_DOUBLE,
+    COLUMN_FIELDS,
+    COLUMN_FORMATS,
+    COLUMN_OPERATIONS,
+    COLUMN_RAW,
+    COLUMN_ZEROS,
+    FORMAT_FIELDS,
+    OPERATION_FIELDS,
+    RAW_WIDTHS,
+)
 from deltamesh_formats.errors import FormatError
 
-SINGLE, DOUBLE = layout.RAW_WIDTHS["binary32"], layout.RAW_WIDTHS["binary64"]
-_WIDTH: Final = layout.STRUCT_CODES["u8"]
-_COLUMN: Final = layout.struct_of(layout.COLUMN_FIELDS)
-_FORMAT: Final = layout.struct_of(layout.FORMAT_FIELDS)
-_OPERATION: Final = layout.struct_of(layout.OPERATION_FIELDS)
-_SIZE: Final = layout.STRUCT_CODES["u32"]
-_OPERATIONS_AT: Final = (layout.COLUMN_OPERATIONS & -layout.COLUMN_OPERATIONS).bit_length() - 1
+SINGLE, DOUBLE = RAW_WIDTHS["binary32"], RAW_WIDTHS["binary64"]
+_WIDTH: Final = STRUCT_CODES["u8"]
+_COLUMN: Final = struct_of(COLUMN_FIELDS)
+_FORMAT: Final = struct_of(FORMAT_FIELDS)
+_OPERATION: Final = struct_of(OPERATION_FIELDS)
+_SIZE: Final = STRUCT_CODES["u32"]
+_OPERATIONS_AT: Final = (COLUMN_OPERATIONS & -COLUMN_OPERATIONS).bit_length() - 1
 # An element of three numbers of up to 64 + 64 bits takes fewer bytes than two elements of others.
 _ELEMENTS: Final = 2
 
@@ -136,9 +148,9 @@ def pack_formats(width: int, columns: Sequence[ColumnFormats]) -> bytes:
     for column in columns:
         conversion = column.conversion
         flags = len(column.formats) | len(conversion.operations) << _OPERATIONS_AT
-        flags |= layout.COLUMN_RAW * column.raw | layout.COLUMN_ZEROS * column.zeros
-        flags |= layout.COLUMN_DOUBLE * conversion.double
-        flags |= layout.COLUMN_DEVIATIONS * conversion.deviations
+        flags |= COLUMN_RAW * column.raw | COLUMN_ZEROS * column.zeros
+        flags |= COLUMN_DOUBLE * conversion.double
+        flags |= COLUMN_DEVIATIONS * conversion.deviations
         parts.append(_COLUMN.pack(flags, column.grid))
         parts += [_OPERATION.pack(one.operator, one.operand) for one in conversion.operations]
         pairs = zip(column.formats, column.usual, strict=True)
@@ -173,20 +185,20 @@ def _unpack_column(payload: memoryview, at: int) -> tuple[ColumnFormats, int]:
     operations: list[Operation] = []
     formats: list[NumberFormat] = []
     usual: list[int] = []
-    for _ in range((flags & layout.COLUMN_OPERATIONS) >> _OPERATIONS_AT):
+    for _ in range((flags & COLUMN_OPERATIONS) >> _OPERATIONS_AT):
         (operator, operand), at = _take(payload, at, _OPERATION)
         operations.append(Operation(operator, operand))
-    for _ in range(flags & layout.COLUMN_FORMATS):
+    for _ in range(flags & COLUMN_FORMATS):
         (*fields, length), at = _take(payload, at, _FORMAT)
         formats.append(NumberFormat(*fields))
         usual.append(length)
     raw, zeros, double, deviations = (
         bool(flags & bit)
         for bit in (
-            layout.COLUMN_RAW,
-            layout.COLUMN_ZEROS,
-            layout.COLUMN_DOUBLE,
-            layout.COLUMN_DEVIATIONS,
+            COLUMN_RAW,
+            COLUMN_ZEROS,
+            COLUMN_DOUBLE,
+            COLUMN_DEVIATIONS,
         )
     )
     conversion = Conversion(tuple(operations), double, deviations)

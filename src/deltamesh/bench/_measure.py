@@ -18,12 +18,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from deltamesh._codec import decode
+from deltamesh._codec.decoding import decode
 from deltamesh._measures.metrics import compare
 from deltamesh._measures.table import METRICS
 from deltamesh._mesh import TriangleMesh, triangulated
 from deltamesh._options import CHOICES, Options
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh.bench._peers import PEERS, Coded, settings_of
 from deltamesh_formats.arguments import require_type
 from deltamesh_formats.container.reader import read_container

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from deltamesh._codec import decode, encode
+from deltamesh._codec.decoding import decode
+from deltamesh._codec.encoding import encode
 from deltamesh._page.filling import PageFile
 from deltamesh.bench._peers import Coded
 from deltamesh_formats.array_types import Floats, Ints

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from deltamesh._geometry import anchors as choice
+from deltamesh._geometry.greedy_anchors import greedy
 from deltamesh._graph.adjacency import components
 from deltamesh._options import MAX_SEED
 from deltamesh.differential._graphs import graph_of, rows_of
@@ -90,4 +91,4 @@ def greedy_anchors(L: Sparse, vertices: ArrayLike, k: int, delta: ArrayLike | No
     require_whole("k", k, 0)
     V = rows_of(vertices, len(graph[0]) - 1, "vertices", 3)
     rows = np.zeros_like(V) if delta is None else rows_of(delta, len(V), "deltas", 3)
-    return choice.greedy(graph, V, rows, k)
+    return greedy(graph, V, rows, k)

@@ -20,7 +20,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from deltamesh._codec import encode
+from deltamesh._codec.encoding import encode
 from deltamesh._files import load
 from deltamesh.plugins._fields import (
     KINDS,

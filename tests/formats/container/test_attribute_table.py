@@ -10,9 +10,15 @@ from containers import CARTESIAN, PAYLOADS
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deltamesh_formats.container import layout
-from deltamesh_formats.container.attribute_table import Entry, entries_of, read_table, write_table
+from deltamesh_formats.container.attribute_entry import Entry
+from deltamesh_formats.container.attribute_table import entries_of, read_table, write_table
 from deltamesh_formats.container.building import build_container
+from deltamesh_formats.container.payload_layout import (
+    MAX_LIMB_BITS,
+    MAX_NORMAL_BITS,
+    POLYGON_OWNERS,
+    WEDGES_OF,
+)
 from deltamesh_formats.errors import FormatError
 
 INTEGER = Entry(
@@ -72,7 +78,7 @@ def test_streams_are_those_of_owners_and_of_columns() -> None:
     assert replace(INTEGER, width=4, limbs=2).streams == 3  # eight columns
     assert replace(INTEGER, partly=True, palette=3).streams == 3
     assert GRID.streams == 2  # its wedges
-    assert replace(GRID, wedges=layout.POLYGON_OWNERS).streams == 1
+    assert replace(GRID, wedges=POLYGON_OWNERS).streams == 1
     assert (EXACT.columns, EXACT.number_size) == (2, 8)
     assert NORMAL.columns == 3
 
@@ -84,20 +90,23 @@ def test_streams_are_those_of_owners_and_of_columns() -> None:
         (replace(EXACT, dtype=np.dtype("u1")), "type uint8 with coding exact"),
         (replace(NORMAL, dtype=np.dtype("c8")), "type complex64 with coding octahedral"),
         (replace(INTEGER, bits=0), "1 limbs of 0 bits"),
-        (replace(INTEGER, bits=layout.MAX_LIMB_BITS + 1), "limbs of"),
+        (replace(INTEGER, bits=MAX_LIMB_BITS + 1), "limbs of"),
         (replace(INTEGER, limbs=5), "5 limbs of 16 bits"),
         (replace(INTEGER, mixed=True), "mixed columns"),
         (replace(EXACT, width=3, mixed=True), "mixed columns with coding exact"),
         (replace(NORMAL, width=2), "octahedral coding with width 2"),
         (replace(NORMAL, palette=2), "octahedral coding with a palette"),
-        (replace(NORMAL, bits=layout.MAX_NORMAL_BITS + 1), "normals of"),
+        (replace(NORMAL, bits=MAX_NORMAL_BITS + 1), "normals of"),
         (replace(NORMAL, error=-1.0), "error -1"),
         (replace(GRID, density=0.0), "density 0"),
         (replace(GRID, density=float("inf")), "density inf"),
         (replace(GRID, origin=(0.0, float("nan"))), "origin nan"),
         (replace(INTEGER, palette=0), "empty palette"),
         (replace(INTEGER, first_none=True), "first_none without partly"),
-        (replace(GRID, wedges=layout.WEDGES_OF), "wedges of attribute 0, which does not come"),
+        (
+            replace(GRID, wedges=WEDGES_OF),
+            "wedges of attribute 0, which does not come",
+        ),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
@@ -108,9 +117,9 @@ def test_entries_against_the_rules_are_refused(entry: Entry, message: str) -> No
 
 
 def test_wedges_are_those_of_an_attribute_before_that_has_some() -> None:
-    shared = replace(GRID, wedges=layout.WEDGES_OF)
-    assert read_table(payload_of(GRID, shared))[0][1].wedges == layout.WEDGES_OF
-    for first in (INTEGER, replace(GRID, wedges=layout.POLYGON_OWNERS)):
+    shared = replace(GRID, wedges=WEDGES_OF)
+    assert read_table(payload_of(GRID, shared))[0][1].wedges == WEDGES_OF
+    for first in (INTEGER, replace(GRID, wedges=POLYGON_OWNERS)):
         with pytest.raises(FormatError, match="attribute 1: wedges of attribute 0, which has none"):
             read_table(payload_of(first, shared))
 

@@ -7,9 +7,10 @@ from containers import CARTESIAN, DIGEST, HIGHPASS, META, PAYLOADS, written
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from deltamesh_formats.container import layout
+from deltamesh_formats.container import layout, method_layouts
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Meta, Parameters
+from deltamesh_formats.container.fields import VARINT_MAX
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.container.writer import write_container
 
@@ -48,12 +49,12 @@ names = st.text(max_size=60).filter(lambda s: s.isprintable() and len(s.encode()
 halvings = st.integers(0, 255)
 errors = (not_negative, not_negative, single, single, not_negative, halvings, names, names)
 several = {
-    "parts": st.integers(2, layout.VARINT_MAX),
+    "parts": st.integers(2, VARINT_MAX),
     "part": names,
     "part_normal": single,
     "part_rms": not_negative,
 }
-faces = {name: st.integers(0, layout.VARINT_MAX) for name in ("lost", "turned")}
+faces = {name: st.integers(0, VARINT_MAX) for name in ("lost", "turned")}
 metas = st.builds(Meta, *errors, **faces) | st.builds(Meta, *errors, **faces, **several)
 origins = st.tuples(finite, finite, finite)
 seeds = st.integers(0, 2**64 - 1)
@@ -62,7 +63,7 @@ seeds = st.integers(0, 2**64 - 1)
 @st.composite
 def containers(draw):
     vertices, triangles = draw(st.integers(0, 2**40)), draw(st.integers(0, 2**40))
-    method, counts = draw(st.sampled_from(list(layout.METHODS))), st.integers(0, vertices)
+    method, counts = draw(st.sampled_from(list(method_layouts.METHODS))), st.integers(0, vertices)
     bits = draw(st.none() | st.integers(0, layout.MAX_BITS))
     anchored, lossless = method in ("highpass", "refined"), method == "lossless"
     bits = None if lossless else bits
@@ -84,9 +85,9 @@ def containers(draw):
         draw(hundredths),
         draw(st.booleans()),
     )
-    further = layout.METHODS[method].further
+    further = method_layouts.METHODS[method].further
     needed = draw(st.sets(st.sampled_from((*layout.AFTER_CONNECTIVITY, *further))))
-    required = layout.required(method, needed)[1:]
+    required = method_layouts.required(method, needed)[1:]
     payloads = {name: draw(st.binary(max_size=300)) for name in required}
     ids = st.from_regex(r"[a-z][A-Za-z]{3}", fullmatch=True).filter(lambda i: i != "meta")
     payloads |= draw(st.dictionaries(ids, st.binary(max_size=20), max_size=3))

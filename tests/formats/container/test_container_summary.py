@@ -9,20 +9,18 @@ from containers import CARTESIAN, DIGEST, HIGHPASS, META, PAYLOADS, written
 
 from deltamesh_formats.container.building import build_container
 from deltamesh_formats.container.container import Container, Parameters
-from deltamesh_formats.container.reader import read_container
-from deltamesh_formats.container.summary import (
-    achieved,
+from deltamesh_formats.container.fields import write_varint
+from deltamesh_formats.container.figures import (
     attributes_of,
     bits_per_vertex,
-    container_html,
-    container_text,
-    counts,
     finest_step,
     header_bytes,
     polygons,
     relative,
 )
-from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.container.lines import achieved, counts
+from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.container.summary import container_html, container_text
 from deltamesh_formats.errors import FormatError
 
 

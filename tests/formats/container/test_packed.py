@@ -10,15 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh_formats import zstd_frames
-from deltamesh_formats.container import layout, packed
-from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.container import packed
+from deltamesh_formats.container.fields import write_varint
+from deltamesh_formats.container.payload_layout import BLOCK_DEFLATED, BLOCK_PLAIN, BLOCK_ZSTD
 from deltamesh_formats.errors import FormatError
 
 NAMES = [f"Object_{i:04}_LOD0" for i in range(3000)]
 
 
 def zstd_block(frame: bytes, size: int) -> bytes:
-    return bytes([layout.BLOCK_ZSTD]) + write_varint(size) + write_varint(len(frame)) + frame
+    return bytes([BLOCK_ZSTD]) + write_varint(size) + write_varint(len(frame)) + frame
 
 
 @given(st.binary(max_size=40).map(lambda data: data * 9) | st.binary())
@@ -32,9 +33,9 @@ def test_blocks_round_trip(data: bytes) -> None:
 @pytest.mark.parametrize(
     ("data", "form"),
     [
-        (b"a name", layout.BLOCK_PLAIN),
-        (b"a name again, " * 9, layout.BLOCK_DEFLATED),
-        ("".join(NAMES).encode(), layout.BLOCK_ZSTD),
+        (b"a name", BLOCK_PLAIN),
+        (b"a name again, " * 9, BLOCK_DEFLATED),
+        ("".join(NAMES).encode(), BLOCK_ZSTD),
     ],
 )
 def test_the_smallest_form_is_chosen(data: bytes, form: int) -> None:

@@ -11,9 +11,10 @@ from forging import section
 
 from deltamesh_formats.container.container import Container, Parameters
 from deltamesh_formats.container.layout import DELTAS, ID_SIZE
+from deltamesh_formats.container.lines import prefix_text
 from deltamesh_formats.container.reader import progress_of, read_container, read_prefix
 from deltamesh_formats.container.stages import awaited, stage_of, stages_of
-from deltamesh_formats.container.summary import container_text, prefix_text
+from deltamesh_formats.container.summary import container_text
 from deltamesh_formats.errors import FormatError
 
 MORE = {"CELL": b"c", "FIXS": b"f", "ATTR": b"a", "ORDR": b"o"}

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 from containers import CARTESIAN, HIGHPASS, META, PINNED, with_parameters, written
 
-from deltamesh_formats.container.reader import read_container, read_varint
-from deltamesh_formats.container.writer import write_container, write_varint
+from deltamesh_formats.container.reader import read_container
+from deltamesh_formats.container.writer import write_container
 from deltamesh_formats.errors import MeshError
 
 
@@ -22,30 +22,6 @@ def test_a_file_that_is_read_is_written_as_it_was():
     """Unused bits, too, which no field of a container has."""
     for data in (with_parameters(flags=0xFB), written(abcd=b"x"), PINNED):
         assert write_container(read_container(data)) == data
-
-
-# One list for both directions.
-VARINTS = [
-    (0, b"\x00"),
-    (1, b"\x01"),
-    (127, b"\x7f"),
-    (128, b"\x80\x01"),
-    (300, b"\xac\x02"),
-    (2**40, b"\x80\x80\x80\x80\x80\x20"),
-    (2**63 - 1, b"\xff" * 8 + b"\x7f"),
-]
-
-
-@pytest.mark.parametrize(("value", "data"), VARINTS)
-def test_varint(value, data):
-    assert write_varint(value) == data
-    assert read_varint(b"?" + data + b"?", 1) == (value, 1 + len(data))
-
-
-@pytest.mark.parametrize("value", [-1, 2**63])
-def test_varint_out_of_range(value):
-    with pytest.raises(ValueError, match="range of a varint"):
-        write_varint(value)
 
 
 @pytest.mark.parametrize(

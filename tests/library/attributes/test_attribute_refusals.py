@@ -17,10 +17,11 @@ from hypothesis import strategies as st
 
 from deltamesh import decode, verify
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh
-from deltamesh_formats.container.attribute_table import Entry, read_table, write_table
+from deltamesh._pipeline.encoder import encode_mesh
+from deltamesh_formats.container.attribute_entry import Entry
+from deltamesh_formats.container.attribute_table import read_table, write_table
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.container.reader import read_container
-from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError, LimitError
 
 FILES = {

@@ -19,15 +19,16 @@ from deltamesh._attributes import owners
 from deltamesh._attributes.candidates import AttributeSettings, candidate_codings
 from deltamesh._attributes.wedges import encode_wedges
 from deltamesh._options import Options
-from deltamesh._pipeline import Encoded, encode_mesh
-from deltamesh_formats.container import layout
-from deltamesh_formats.container.attribute_table import Entry, read_table
+from deltamesh._pipeline.encoder import Encoded, encode_mesh
+from deltamesh_formats.container import payload_layout
+from deltamesh_formats.container.attribute_entry import Entry
+from deltamesh_formats.container.attribute_table import read_table
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import FormatError, MeshError, OptionError
 from deltamesh_formats.polymesh.mesh import Attribute, PolyMesh, from_triangles
 
 WIDTHS = (0, 1, 2, 3, 4, 16)
-TYPES = tuple(map(np.dtype, layout.TYPES))
+TYPES = tuple(map(np.dtype, payload_layout.TYPES))
 DOMAINS = ("vertex", "corner", "face")
 SETTINGS = AttributeSettings(12, 10, lossless=False, positions=np.zeros((0, 3)), tolerance=0.0)
 
@@ -224,7 +225,7 @@ def test_wedges_are_coded_once_for_all_codings_of_an_attribute(
     assert len(list(candidate_codings(colours, colours.values, SETTINGS))) == 3
     data = encode(replace(mesh, attributes=(colours,)), method="cartesian")
     assert len(coded) == 1
-    assert entries_of(data)[0].wedges == layout.OWN_WEDGES
+    assert entries_of(data)[0].wedges == payload_layout.OWN_WEDGES
     # A grid that makes rows equal has other wedges.
     near = np.array([[0, 0], [1, 1], [1 + 1e-6, 1]], dtype=np.float64)
     uv = Attribute("uv", "corner", near[(mesh.corners + jump[:, 0]) % 3], "uv")

@@ -45,7 +45,7 @@ from deltamesh._attributes.normals.surface import (
     surface_normals,
 )
 from deltamesh._graph.elements import of_vertices
-from deltamesh_formats.container.layout import MAX_NORMAL_BITS, MIN_NORMAL_BITS
+from deltamesh_formats.container.payload_layout import MAX_NORMAL_BITS, MIN_NORMAL_BITS
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.meshfiles.files import read_mesh
 

@@ -16,7 +16,7 @@ from deltamesh._attributes.owners import Owners
 from deltamesh._attributes.rows import Rows, decode_rows, encode_rows
 from deltamesh._graph.elements import of_vertices
 from deltamesh_formats.array_types import Ints
-from deltamesh_formats.container.attribute_table import Entry
+from deltamesh_formats.container.attribute_entry import Entry
 from deltamesh_formats.errors import FormatError
 
 FACES = meshes.icosphere(2)[1]

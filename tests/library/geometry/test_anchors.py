@@ -8,7 +8,7 @@ import oracle
 import pytest
 from graphs import components_of, graph_of, laplacian_of
 
-from deltamesh._geometry import anchors
+from deltamesh._geometry import anchors, greedy_anchors
 from deltamesh._geometry.solve import factorization
 from deltamesh._graph.adjacency import adjacency
 from deltamesh._options import Settings
@@ -33,7 +33,7 @@ def test_every_vertex_can_be_an_anchor() -> None:
         assert sorted(anchors.farthest(*adjacency(F, len(V)), labels, k)) == list(range(len(V)))
         assert sorted(anchors.random(labels, k, 3)) == list(range(len(V)))
         L = laplacian_of(F, len(V))
-        assert sorted(anchors.greedy(graph_of(L), V, L @ V, k)) == list(range(len(V)))
+        assert sorted(greedy_anchors.greedy(graph_of(L), V, L @ V, k)) == list(range(len(V)))
 
 
 @pytest.mark.parametrize("seed", [0, 1, 0x123456789ABCDEF, 2**64 - 1])
@@ -60,7 +60,7 @@ def test_one_anchor_for_each_component_at_least(k: int) -> None:
     for chosen in (
         anchors.farthest(*adjacency(F, len(V)), labels, k),
         anchors.random(labels, k, 99),
-        anchors.greedy(graph_of(L), V, L @ V, k),
+        greedy_anchors.greedy(graph_of(L), V, L @ V, k),
     ):
         assert set(labels[chosen]) == set(labels)
         assert len(set(chosen.tolist())) == len(chosen) == max(k, 5)
@@ -73,20 +73,20 @@ def test_greedy_takes_vertices_of_nearly_the_largest_error(name: str, step: floa
     L = laplacian_of(F, len(V))
     delta = np.round(L @ V / step) * step if step else np.zeros_like(V)
     positions = np.round(V, 1)
-    chosen = anchors.greedy(graph_of(L), V, delta, 30, positions).tolist()
+    chosen = greedy_anchors.greedy(graph_of(L), V, delta, 30, positions).tolist()
     components = components_of(F, len(V)).max() + 1
     for count in range(components, 30):
         errors = oracle.greedy_errors(L.toarray(), V, delta, chosen[:count], positions)
-        share = 1 if count == components else anchors.SHARE
+        share = 1 if count == components else greedy_anchors.SHARE
         assert errors[chosen[count]] >= (share - 1e-9) * errors.max()
 
 
 def test_greedy_across_refactoring(monkeypatch: pytest.MonkeyPatch) -> None:
     V, F = meshes.torus(12, 10)
     L = laplacian_of(F, len(V))
-    once = anchors.greedy(graph_of(L), V, 0 * V, 30)
-    monkeypatch.setattr(anchors, "MAX_UPDATES", 7)
-    often = anchors.greedy(graph_of(L), V, 0 * V, 30)
+    once = greedy_anchors.greedy(graph_of(L), V, 0 * V, 30)
+    monkeypatch.setattr(greedy_anchors, "MAX_UPDATES", 7)
+    often = greedy_anchors.greedy(graph_of(L), V, 0 * V, 30)
     largest = [oracle.greedy_errors(L.toarray(), V, 0 * V, a, V).max() for a in (once, often)]
     assert largest[1] == pytest.approx(largest[0], rel=0.2)
     np.testing.assert_array_equal(once[:7], often[:7])
@@ -96,7 +96,7 @@ def test_greedy_is_the_same_for_any_number_of_threads() -> None:
     V, F = meshes.icosphere(4)
     graph = adjacency(F, len(V))
     factors = [factorization(graph, threads=threads) for threads in (1, 2)]
-    one, two = (anchors.greedy(graph, V, 0 * V, 200, factor=factor) for factor in factors)
+    one, two = (greedy_anchors.greedy(graph, V, 0 * V, 200, factor=factor) for factor in factors)
     np.testing.assert_array_equal(one, two)
 
 

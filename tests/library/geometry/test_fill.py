@@ -10,10 +10,12 @@ import meshes
 import numpy as np
 import pytest
 from commandline import cli
-from graphs import FREE_SOLVERS
+from graphs import FREE_SOLVERS, laplacian_of
 
 import deltamesh
 from deltamesh import _limits
+from deltamesh._geometry import fill
+from deltamesh._kernels.mesh import elimination
 from deltamesh._limits import memory_needed
 from deltamesh._methods import LEAST_SQUARES
 from deltamesh_formats.container.reader import read_container
@@ -73,6 +75,32 @@ TAME = {
         np.arange(9000).reshape(-1, 3),
     ),
 }
+
+
+def of_neighbours(F):
+    """Where the normal equations of a Laplacian have entries."""
+    L = laplacian_of(F, F.max() + 1)
+    return fill.pattern(L.T @ L)
+
+
+def test_the_memory_of_a_factor_is_that_of_its_entries() -> None:
+    places = of_neighbours(meshes.torus(30, 20)[1])
+    order = elimination.minimum_degree(*places)
+    entries = elimination.factor_entries(*places, order, fill.MOST)
+    fill.check_fill(*places, order, fill.FACTOR_ENTRY, fill.FACTOR_ENTRY * entries)
+    with pytest.raises(LimitError, match="more than the limit"):
+        fill.check_fill(*places, order, fill.FACTOR_ENTRY, fill.FACTOR_ENTRY * (entries - 1))
+    assert fill.entries_within(80.0) == 10
+    assert (fill.entries_within(-1.0), fill.entries_within(np.inf)) == (0, fill.MOST)
+
+
+def test_only_what_is_broad_is_refused_before_an_order_is_looked_for() -> None:
+    """A random graph is; a surface of as many vertices is not, whatever the memory."""
+    fill.check_breadth(*of_neighbours(meshes.icosphere(4)[1]), fill.FACTOR_ENTRY, 1.0)
+    wild = of_neighbours(triples(2000, 2)[1])
+    fill.check_breadth(*wild, fill.FACTOR_ENTRY, np.inf)
+    with pytest.raises(LimitError, match="not those of a surface"):
+        fill.check_breadth(*wild, fill.FACTOR_ENTRY, 1.0)
 
 
 @pytest.fixture

@@ -11,6 +11,9 @@ import children
 import forking
 import pytest
 
+from deltamesh._geometry import rslab_loading, solvers
+from deltamesh_formats.errors import SolveError
+
 pytestmark = [
     pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork"),
     pytest.mark.skipif(not importlib.util.find_spec("rslab"), reason="rslab is not installed"),
@@ -29,3 +32,12 @@ def test_every_process_decodes(name: str) -> None:
     program = Path(forking.__file__)
     done = children.run([sys.executable, program, name], text=True, seconds=120)
     assert done.returncode == 0, done.stderr
+
+
+def test_rslab_of_a_parent_is_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert not rslab_loading.is_inherited()
+    assert solvers.solver_name("auto") == solvers.solver_name("rslab") == "rslab"
+    monkeypatch.setattr(rslab_loading, "_inherited", True)
+    assert solvers.solver_name("auto") == "scipy"
+    with pytest.raises(SolveError, match="forked from one that has loaded it"):
+        solvers.solver_name("rslab")

@@ -1,111 +1,103 @@
-"""Payloads of the high-pass method, those that no encoder has written among them."""
+"""High-pass method: what is quantized, with which steps, and what comes back."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import meshes
 import numpy as np
+import oracle
 import pytest
-from coders import integers_of
-from hypothesis import given
-from hypothesis import strategies as st
-from payloads import SURFACE, read_or_refused, section_of
 
 from deltamesh._geometry import highpass
-from deltamesh._geometry.integers import NO_POINTS, Integers
-from deltamesh_formats.container.container import Parameters
-from deltamesh_formats.errors import FormatError
+from deltamesh._geometry.anchoring import ANCHOR_GRID_BITS, ANCHOR_REFINEMENT, anchored
+from deltamesh._geometry.deltas import coarse_steps, deltas, step_of
+from deltamesh._geometry.integers import Integers
+from deltamesh._geometry.quantize import from_grid
+from deltamesh._geometry.systems import Systems
+from deltamesh._options import Settings
+from deltamesh._shape.surface import surface_of
+from deltamesh_formats.errors import MeshError, OptionError
+
+V, F = meshes.torus(12, 9)
+SURFACE = surface_of(F, len(V), 2)
+ISOLATED = np.array([[0.0, 0.0, 9.0], [1.0, 2.0, 3.0]])
+L = oracle.laplacian(F, len(V))
+SYSTEMS = Systems(SURFACE)
+NOTHING = Integers(np.zeros((len(V), 3), dtype=np.int64))
 
 
-def highpass_parameters(**changes):
-    fields = {
-        "method": "highpass",
-        "diffusion": True,
-        "anchor_method": "greedy",
-        "bits": None,
-        "step": 0.01,
-        "origin": (0.0, 0.0, 0.0),
-        "anchor_step": 0.001,
-        "seed": 0,
-        "anchor_count": 5,
-        "isolated": 3,
-    }
-    return Parameters(**(fields | changes))
+def quantized(**settings):
+    return highpass.quantize(SURFACE, V, ISOLATED, Settings("highpass", **settings), SYSTEMS)
 
 
-@given(st.binary(max_size=200), st.sampled_from(["greedy", "farthest", "random"]))
-def test_random_anchors(payload: bytes, method: str) -> None:
-    parameters = highpass_parameters(anchor_method=method, bits=0, step=0.0)
-    integers = read_or_refused(highpass.decode, parameters, ANCH=payload, DELT=b"")
-    if integers is not None:
-        assert integers.anchors.shape == (5,)
-        assert ((integers.anchors >= 0) & (integers.anchors < 42)).all()
-        assert ((integers.positions >= 0) & (integers.positions < 2**30)).all()
-        assert integers.isolated.shape == (3, 3)
-        assert ((integers.isolated >= 0) & (integers.isolated < 2**30)).all()
-        assert (np.diff(integers.isolated[:, 0]) >= 0).all()
+@pytest.mark.parametrize("diffusion", [False, True])
+def test_positions_are_those_of_the_dense_problem(diffusion: bool) -> None:
+    parameters, integers, W = quantized(step=0.02, anchors=6, diffusion=diffusion)
+    error = np.abs(integers.values * 0.02 - L @ V).max()
+    assert error <= 0.01 * (1 + 1e-9) if not diffusion else 0.01 < error < 0.1
+    origin = np.array(parameters.origin)
+    anchors = from_grid(integers.positions, origin, parameters.anchor_step)
+    expected = oracle.least_squares(L, integers.anchors, integers.values * 0.02, anchors)
+    np.testing.assert_allclose(W[: len(V)], expected, atol=1e-9)
+    np.testing.assert_allclose(W[len(V) :], ISOLATED, atol=parameters.anchor_step)
+    again = highpass.reconstruct(SURFACE, parameters, integers, SYSTEMS)
+    np.testing.assert_allclose(again, W, rtol=0, atol=1e-9)
 
 
-@given(st.binary(max_size=300))
-def test_random_deltas(payload: bytes) -> None:
-    anchors = _written_anchors()
-    integers = read_or_refused(highpass.decode, highpass_parameters(), ANCH=anchors, DELT=payload)
-    if integers is not None:
-        assert integers.values.shape == (42, 3)
-        assert np.abs(integers.values).max() < 2**31
+def test_the_step_is_that_of_the_settings() -> None:
+    delta = L @ V
+    assert step_of(V, delta, Settings("highpass", step=0.3)) == 0.3
+    assert step_of(V, delta, Settings("highpass", bits=0)) == 0.0
+    assert step_of(V, delta, Settings("highpass", bits=5)) == np.ptp(delta, axis=0).max() / 32
 
 
-@given(st.binary(max_size=300))
-def test_random_corrections(payload: bytes) -> None:
-    payloads = {"ANCH": _written_anchors(), "DELT": b"", "FIXS": payload}
-    integers = read_or_refused(highpass.decode, highpass_parameters(), **payloads)
-    if integers is not None:
-        assert integers.corrections.shape == (42, 3)
-        assert np.abs(integers.corrections).max() < 2**31
+def test_deltas_are_numbers_of_coarse_steps() -> None:
+    parameters, integers, _ = quantized(step=0.02, anchors=6)
+    parameters = replace(parameters, coarse=5.0)
+    integers = replace(integers, exponents=np.arange(len(V)) % 9)
+    each = 5 * 0.02 * 2.0 ** (-(np.arange(len(V)) % 9) / 4)
+    np.testing.assert_allclose(coarse_steps(parameters, integers)[:, 0], each, rtol=1e-12)
+    np.testing.assert_allclose(deltas(parameters, integers), integers.values * each[:, None])
 
 
-def _written_anchors():
-    grid = np.arange(15).reshape(5, 3)
-    integers = Integers(NO_POINTS, np.arange(5) * 8, grid, grid[:3])
-    return highpass.encode(SURFACE, highpass_parameters(bits=0, step=0.0), integers)["ANCH"]
+@pytest.mark.parametrize("anchor_method", ["farthest", "greedy", "random"])
+def test_anchors_are_on_a_grid_finer_than_the_step(anchor_method: str) -> None:
+    for step in (1.0, 1e-3):
+        settings = Settings("highpass", step=step, anchors=7, anchor_method=anchor_method, seed=3)
+        parameters, integers = anchored(SURFACE, V, ISOLATED, NOTHING, step, settings, SYSTEMS)
+        extent = np.ptp(np.concatenate([V, ISOLATED]), axis=0).max()
+        grid = min(step / ANCHOR_REFINEMENT, extent / 2**ANCHOR_GRID_BITS)
+        assert parameters.anchor_step == grid
+        assert parameters.seed == (3 if anchor_method == "random" else 0)
+        assert parameters.anchor_count == len(set(integers.anchors.tolist())) == 7
+        placed = from_grid(integers.positions, np.array(parameters.origin), grid)
+        assert np.abs(placed - V[integers.anchors]).max() <= grid / 2 * (1 + 1e-9)
+    if anchor_method == "greedy":
+        assert (np.diff(integers.anchors) > 0).all()
 
 
-def test_a_grid_of_too_many_bits_is_refused() -> None:
-    parameters = highpass_parameters(bits=0, step=0.0)
-    for at in range(3):
-        bits = bytes(31 if i == at else 5 for i in range(3))
-        payloads = {"ANCH": section_of("ANCH", bits), "DELT": section_of("DELT", b"")}
-        with pytest.raises(FormatError, match="bits") as caught:
-            highpass.decode(SURFACE, parameters, payloads)
-        assert caught.value.offset == 50 + 5 + at
+def test_a_number_of_anchors_that_means_nothing_is_refused() -> None:
+    settings = Settings("highpass", step=0.1, anchors=1.5)
+    with pytest.raises(OptionError, match="fraction"):
+        anchored(SURFACE, V, ISOLATED, NOTHING, 0.1, settings, SYSTEMS)
 
 
-@pytest.mark.parametrize("size", [0, 1, 2])
-def test_anchors_without_their_grid_are_refused(size: int) -> None:
-    parameters = highpass_parameters(bits=0, step=0.0)
-    assert read_or_refused(highpass.decode, parameters, ANCH=bytes(size), DELT=b"") is None
+def test_vertices_that_are_too_far_away_are_corrected() -> None:
+    parameters, integers, _ = quantized(step=0.02, anchors=6)
+    near, is_far = V + 0.05, np.arange(len(V)) % 7 == 0
+    near[is_far] += [0.3, 0.0, -0.4]
+    settings = Settings("highpass", step=0.02, largest=0.2)
+    _, found, moved = highpass.corrected(near, V, parameters, integers, settings)
+    np.testing.assert_array_equal(found.corrections[~is_far], 0)
+    np.testing.assert_array_equal(found.corrections[is_far], np.rint((V - near)[is_far] / 0.02))
+    np.testing.assert_allclose(moved[: len(V)], near + 0.02 * found.corrections, atol=1e-12)
+    kept = highpass.corrected(near, V, parameters, integers, replace(settings, largest=1.0))[1]
+    assert not len(kept.corrections)
 
 
-def test_deltas_of_zero_bits_are_refused() -> None:
-    parameters = highpass_parameters(bits=0, step=0.0)
-    assert (
-        read_or_refused(highpass.decode, parameters, ANCH=_written_anchors(), DELT=b"") is not None
-    )
-    assert read_or_refused(highpass.decode, parameters, ANCH=_written_anchors(), DELT=b"\1") is None
-
-
-def test_corrections_round_trip() -> None:
-    values, fixes = integers_of(42, 1), integers_of(42, 2)
-    fixes[np.random.default_rng(3).random(42) < 0.8] = 0
-    grid = np.arange(15).reshape(5, 3)
-    integers = Integers(values, np.arange(5) * 8, grid, grid[:3], corrections=fixes)
-    payloads = highpass.encode(SURFACE, highpass_parameters(), integers)
-    assert list(payloads) == ["ANCH", "DELT", "FIXS"]
-    read = read_or_refused(highpass.decode, highpass_parameters(), **payloads)
-    assert read is not None
-    np.testing.assert_array_equal(read.corrections, fixes)
-    np.testing.assert_array_equal(read.values, values)
-
-
-def test_corrections_of_zero_bits_are_refused() -> None:
-    parameters = highpass_parameters(bits=0, step=0.0)
-    payloads = {"ANCH": _written_anchors(), "DELT": b"", "FIXS": b""}
-    assert read_or_refused(highpass.decode, parameters, **payloads) is None
+def test_corrections_of_too_many_steps_are_refused() -> None:
+    parameters, integers, W = quantized(step=0.02, anchors=6)
+    settings = Settings("highpass", step=0.02, largest=1.0)
+    with pytest.raises(MeshError, match="too small"):
+        highpass.corrected(W[: len(V)] + 1e9, V, parameters, integers, settings)

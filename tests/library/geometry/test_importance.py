@@ -21,7 +21,8 @@ from deltamesh._geometry.importance import (
 from deltamesh._geometry.steps import chosen
 from deltamesh._measures.measure import errors_by_importance
 from deltamesh._options import Options, Settings
-from deltamesh._pipeline import Encoded, encode_mesh, read_content
+from deltamesh._pipeline.decoder import read_content
+from deltamesh._pipeline.encoder import Encoded, encode_mesh
 from deltamesh._shape.surface import surface_of
 from deltamesh_formats.container.container import Container
 from deltamesh_formats.container.regions import regions_of

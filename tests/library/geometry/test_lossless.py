@@ -20,7 +20,7 @@ from deltamesh._geometry import lossless
 from deltamesh._geometry.systems import Systems
 from deltamesh._mesh import LARGEST
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh._shape.surface import surface_of
 from deltamesh._streams import exact as exact_streams
 from deltamesh._streams.number_formats import RAW_ONLY

@@ -16,7 +16,7 @@ from deltamesh._geometry.methods import (
 )
 from deltamesh._methods import METHODS
 from deltamesh._options import Options
-from deltamesh_formats.container import layout
+from deltamesh_formats.container import method_layouts
 
 
 def functions(protocol: type) -> dict[str, Callable[..., object]]:
@@ -51,10 +51,10 @@ def test_a_module_has_the_functions_of_the_protocol(method: str, name: str) -> N
 
 
 def test_the_codec_knows_the_methods_of_the_container() -> None:
-    assert {*METHODS} == {*layout.METHODS}
+    assert {*METHODS} == {*method_layouts.METHODS}
     for name, method in METHODS.items():
         assert method.name == name
-        assert method.layout is layout.METHODS[name]
+        assert method.layout is method_layouts.METHODS[name]
         assert {*method.options} <= {field.name for field in dataclasses.fields(Options)}
         assert ("anchors" in method.options) == method.layout.anchored
         assert ("coarse" in method.options) == method.layout.coarse
@@ -63,6 +63,6 @@ def test_the_codec_knows_the_methods_of_the_container() -> None:
 
 
 def test_ids_are_bytes_and_nobody_shares_one() -> None:
-    ids = [method.id for method in layout.METHODS.values()]
+    ids = [method.id for method in method_layouts.METHODS.values()]
     assert len({*ids}) == len(ids)
     assert all(0 <= each < 256 for each in ids)

@@ -21,7 +21,7 @@ from deltamesh._measures.measure import Measure, Measured
 from deltamesh._measures.metrics import VertexErrors
 from deltamesh._measures.parts import PartErrors, parts_of
 from deltamesh._options import Options, Settings
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh_formats.container.container import Parameters
 from deltamesh_formats.errors import MeshError
 from deltamesh_formats.polymesh.mesh import from_triangles

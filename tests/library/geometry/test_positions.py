@@ -18,7 +18,8 @@ from deltamesh._geometry.integers import NO_CELLS, NONE
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.systems import Systems
 from deltamesh._options import Options, Settings
-from deltamesh._pipeline import Encoded, encode_mesh, read_content
+from deltamesh._pipeline.decoder import read_content
+from deltamesh._pipeline.encoder import Encoded, encode_mesh
 from deltamesh._shape.surface import surface_of
 from deltamesh_formats.container.container import Parameters, Section
 from deltamesh_formats.errors import MeshError

@@ -28,7 +28,8 @@ from deltamesh._kernels.coding import delta as kernels
 from deltamesh._kernels.coding import residual
 from deltamesh._measures.metrics import diagonal
 from deltamesh._options import Options, Settings
-from deltamesh._pipeline import encode_mesh, read_content
+from deltamesh._pipeline.decoder import read_content
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh._shape.surface import surface_of
 from deltamesh._streams import entropy
 from deltamesh_formats.container.container import Parameters, Section

@@ -11,7 +11,7 @@ import oracle
 import pytest
 from graphs import components_of, graph_of, laplacian_of, least_squares
 
-from deltamesh._geometry import solve, solvers
+from deltamesh._geometry import normal_equations, solve, solvers
 from deltamesh._graph.adjacency import adjacency
 from deltamesh_formats.errors import SolveError
 
@@ -140,7 +140,7 @@ def test_long_rows_do_not_fill_the_matrix() -> None:
     n = 20_000
     L = laplacian_of(cone_pair(n), n + 2)
     A = L.tocsr()
-    assert solve._quasidefinite(A, A.T.tocsr()).nnz < 30 * n
+    assert normal_equations._quasidefinite(A, A.T.tocsr()).nnz < 30 * n
 
 
 def test_the_number_of_threads_leaves_every_bit_alone() -> None:

@@ -13,7 +13,7 @@ from deltamesh._geometry.bounds import Bounds, bounds_of
 from deltamesh._measures.measure import Measured
 from deltamesh._measures.metrics import VertexErrors, diagonal
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh_formats.polymesh.mesh import from_triangles
 
 METHODS = ("auto", "highpass", "refined", "cartesian")

@@ -18,7 +18,7 @@ from places import GOLDEN, REFUSED, ROOT
 
 from deltamesh._kernels import core
 from deltamesh._kernels.coding import coder, front
-from deltamesh._pipeline import read_content
+from deltamesh._pipeline.decoder import read_content
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.errors import DeltameshError
 

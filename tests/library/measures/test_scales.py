@@ -11,7 +11,7 @@ import pytest
 from deltamesh import MeshError, TargetError, decode, encode, from_arrays, info
 from deltamesh._measures import metrics
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh_formats.polymesh.mesh import PolyMesh
 
 METHODS = ["auto", "refined", "highpass", "cartesian", "lossless"]

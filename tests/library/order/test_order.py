@@ -17,7 +17,7 @@ from deltamesh import decode, encode, info
 from deltamesh._options import Options
 from deltamesh._order.coding import decode_order, encode_order
 from deltamesh._order.reordering import Order, order_of, reordered
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh._shape.polygons import plain
 from deltamesh._shape.provenance import Provenance
 from deltamesh_formats.errors import FormatError

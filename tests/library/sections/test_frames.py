@@ -14,7 +14,6 @@ from deltamesh import (
     MeshError,
     OptionError,
     TargetError,
-    _pipeline,
     decode,
     encode,
     frames,
@@ -24,7 +23,8 @@ from deltamesh import (
 from deltamesh._content import frame_digest
 from deltamesh._measures.metrics import diagonal, vertex_errors
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline import encoder
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh._sections import frames as section
 from deltamesh._sections.draft import Sequence
 from deltamesh._sections.trials import Trials
@@ -136,7 +136,7 @@ def test_an_importance_is_for_one_mesh() -> None:
 
 
 def test_auto_is_cartesian_where_refined_cannot_keep_the_bounds(monkeypatch) -> None:
-    whole, tried = _pipeline._encoded, []
+    whole, tried = encoder._encoded, []
 
     def encoded(mesh, options, progress, sequence):
         tried.append((options.method, options.quality))
@@ -145,7 +145,7 @@ def test_auto_is_cartesian_where_refined_cannot_keep_the_bounds(monkeypatch) -> 
         return whole(mesh, options, progress, sequence)
 
     assert info(encode(MOVING)).parameters.method == "refined"
-    monkeypatch.setattr(_pipeline, "_encoded", encoded)
+    monkeypatch.setattr(encoder, "_encoded", encoded)
     assert info(encode(MOVING)).parameters.method == "cartesian"
     assert tried == [("refined", 5), ("cartesian", 5)]
     with pytest.raises(TargetError):
@@ -211,7 +211,7 @@ def test_maps_that_are_all_the_identity_are_refused() -> None:
     streams = {**frame.sections, "MAPS": replace(frame.sections["MAPS"], payload=b"")}
     from deltamesh._geometry.frames import decode_frame, encode_frame
     from deltamesh._geometry.motion import Motion
-    from deltamesh._pipeline import proven_content
+    from deltamesh._pipeline.decoder import proven_content
 
     content = proven_content(container, 2**40, 2**50)
     surface = content.structure.surface

@@ -14,7 +14,7 @@ from deltamesh._content import NOTHING
 from deltamesh._geometry.integers import Integers
 from deltamesh._geometry.interpolation import Interpolation
 from deltamesh._mesh import LARGEST
-from deltamesh._pipeline import read_content
+from deltamesh._pipeline.decoder import read_content
 from deltamesh._sections import geometry
 from deltamesh._sections.trials import has_scale
 from deltamesh_formats.errors import MeshError, SolveError

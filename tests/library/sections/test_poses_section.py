@@ -10,7 +10,7 @@ import pytest
 
 from deltamesh import encode
 from deltamesh._geometry.poses import Pose
-from deltamesh._pipeline import read_content
+from deltamesh._pipeline.decoder import read_content
 from deltamesh._sections import poses
 from deltamesh_formats.container.pose_table import PoseEntry, write_poses
 from deltamesh_formats.container.reader import read_container

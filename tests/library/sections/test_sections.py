@@ -7,11 +7,12 @@ import meshes
 import numpy as np
 import pytest
 
-from deltamesh import _pipeline, decode
+from deltamesh import decode
 from deltamesh._content import NOTHING
 from deltamesh._graph import parallelograms
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline import encoder
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh._progress import silent
 from deltamesh._sections.draft import begin
 from deltamesh._sections.table import SECTIONS
@@ -72,7 +73,7 @@ def test_half_edges_are_paired_once_in_a_decoder_and_once_in_an_encoder(
     pair_halfedges = manifold.pair_halfedges
     for module in (manifold, parallelograms):
         monkeypatch.setattr(module, "pair_halfedges", counted)
-    monkeypatch.setattr(_pipeline, "proven", lambda *_: None)  # which decodes
+    monkeypatch.setattr(encoder, "proven", lambda *_: None)  # which decodes
     data = encode_mesh(MADE[name], Options(method="cartesian")).data
     assert len(paired) == 1
     decode(data)

@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 from deltamesh import decode, encode
 from deltamesh._graph.halfedges import pair_halfedges, weld
 from deltamesh._options import Options
-from deltamesh._pipeline import encode_mesh
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh._shape.complexes import cut, distinct_faces
 from deltamesh._shape.manifold import REVERSED
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.container.reader import read_container
-from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import from_triangles
 

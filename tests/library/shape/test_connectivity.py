@@ -17,7 +17,7 @@ from deltamesh._graph.halfedges import pair_halfedges
 from deltamesh._shape.connectivity import decode_connectivity, encode_connectivity
 from deltamesh._shape.topology import build_topology
 from deltamesh._streams import entropy
-from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.errors import FormatError
 
 MANIFOLDS = {name: mesh for name, mesh in meshes.every().items() if name != "three_pages"}

@@ -18,8 +18,8 @@ from polygon_meshes import MADE, soups
 from deltamesh import decode, encode
 from deltamesh._kernels.coding import hidden_edges as kernels
 from deltamesh._shape.merging import decode_merged, encode_merged
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.container.reader import read_container
-from deltamesh_formats.container.writer import write_varint
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import PolyMesh
 

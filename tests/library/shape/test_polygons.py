@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from polygon_meshes import MADE, canonical, lists_of, mesh_of, quads, soups
 
 from deltamesh import decode, encode
-from deltamesh._codec import encode_mesh
 from deltamesh._options import Options
 from deltamesh._order.reordering import permuted_corners
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh._shape.polygons import merged_polygons
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.meshfiles.files import read_mesh

@@ -19,7 +19,7 @@ from deltamesh._shape.split_vertices import read_point_count, split_vertices
 from deltamesh._shape.stitches import read_manifold_counts
 from deltamesh._shape.structure import EMPTY
 from deltamesh._shape.wedges import corners_of
-from deltamesh_formats.container.writer import write_varint
+from deltamesh_formats.container.fields import write_varint
 from deltamesh_formats.errors import FormatError
 from deltamesh_formats.polymesh.mesh import PolyMesh, from_triangles
 

@@ -8,10 +8,10 @@ from hypothesis import given
 from polygon_meshes import MADE, lists_of, soups
 
 from deltamesh import decode, encode
-from deltamesh._codec import encode_mesh
 from deltamesh._graph.laplacian import laplacian
 from deltamesh._options import Options
-from deltamesh._pipeline import read_content
+from deltamesh._pipeline.decoder import read_content
+from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh._shape.surface import surface_of
 from deltamesh_formats.container.reader import read_container
 from deltamesh_formats.polymesh.mesh import PolyMesh

@@ -31,8 +31,8 @@ from deltamesh._streams.columns import code_three
 from deltamesh._streams.entropy import decode_with, encode_with
 from deltamesh._vectors import angles
 from deltamesh_formats.array_types import Bools, Floats, Ints
-from deltamesh_formats.container.attribute_table import Entry
-from deltamesh_formats.container.layout import (
+from deltamesh_formats.container.attribute_entry import Entry
+from deltamesh_formats.container.payload_layout import (
     MAX_NORMAL_BITS,
     MIN_NORMAL_BITS,
     NORMAL_CODING_AT,

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deltamesh_formats.array_types import Floats, Ints
-from deltamesh_formats.container.layout import NORMAL_STATES
+from deltamesh_formats.container.payload_layout import NORMAL_STATES
 
 # States of a normal: relative to the prediction; by itself; the vector (0, 0, 0).
 RELATIVE: Final = NORMAL_STATES["relative"]

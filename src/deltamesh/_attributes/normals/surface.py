@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from deltamesh_formats.array_types import Floats, Ints
-from deltamesh_formats.container.layout import NORMAL_WEIGHTS
+from deltamesh_formats.container.payload_layout import NORMAL_WEIGHTS
 
 # Weights of a polygon: its area, its angle at the element, or one for all.
 AREA: Final = NORMAL_WEIGHTS["area"]

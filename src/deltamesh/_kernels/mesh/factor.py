@@ -1,7 +1,7 @@
 """Sparse factorization of a symmetric quasidefinite matrix.
 
 A matrix is given by its rows, both triangles: indptr (n + 1,), indices and values, in any order.
-See `src/core/supernodes.c` and `src/core/factor.c`.
+See `src/core/supernodes.c`, `src/core/factor.c` and `src/core/substitution.c`.
 """
 
 from __future__ import annotations

@@ -1,16 +1,13 @@
-"""Codec as two functions, `encode` and `decode`, between meshes and bytes."""
+"""Encoder as callers see it: `encode`, from meshes and arrays to bytes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
-from typing import Literal, TypeAlias, Unpack, cast, overload
+from collections.abc import Iterable, Mapping
+from typing import Unpack, overload
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from deltamesh._limits import DEFAULT_MAX_VERTICES, DEFAULT_MEMORY
-from deltamesh._mesh import LARGEST
+from deltamesh._codec.inputs import Faces, encode_checked, encode_sequence, frames_of, mesh_of
 from deltamesh._options import (
     DEFAULT_BITS_NORMAL,
     DEFAULT_BITS_UV,
@@ -18,27 +15,10 @@ from deltamesh._options import (
     DEFAULT_KEY_EVERY,
     EncodeOptions,
     Options,
-    check_decoding,
     names_of,
 )
-from deltamesh._pipeline import Encoded, decode_mesh, encode_mesh
-from deltamesh._player import decode_frames
-from deltamesh._prefixes import Partial, decode_prefix
 from deltamesh._progress import Progress, heard
-from deltamesh._sections import draft
-from deltamesh._sources import Bytes, bytes_of
-from deltamesh_formats.arguments import is_whole, require, require_flag
-from deltamesh_formats.container.container import Container
-from deltamesh_formats.container.reader import read_container, read_prefix
-from deltamesh_formats.errors import MeshError, OptionError
-from deltamesh_formats.polymesh.arrays import unchecked
-from deltamesh_formats.polymesh.dropping import without
 from deltamesh_formats.polymesh.mesh import PolyMesh
-from deltamesh_formats.polymesh.sequences import joined
-from deltamesh_formats.polymesh.validation import checked
-
-# Triangles, quads, or polygons of any sizes.
-Faces: TypeAlias = ArrayLike | Sequence[ArrayLike]
 
 
 @overload
@@ -275,196 +255,7 @@ def encode(
         importance=importance,
         source_format=source_format,
     )
-    frames = _frames_of(mesh, faces)
+    frames = frames_of(mesh, faces)
     if frames is not None:
         return encode_sequence(frames, options, heard(progress)).data
-    return encode_checked(_mesh_of(mesh, faces), options, heard(progress)).data
-
-
-def encode_checked(mesh: PolyMesh, options: Options, progress: Progress) -> Encoded:
-    """Return the result of `encode` for a mesh that may be at fault, with its container."""
-    if options.fps is not None:
-        raise OptionError("fps means nothing for one mesh: give the frames of a sequence")
-    return encode_mesh(checked(mesh, LARGEST), options, progress)
-
-
-def encode_sequence(frames: Iterable[PolyMesh], options: Options, progress: Progress) -> Encoded:
-    """Return the result of `encode` for frames that may be at fault, with the container."""
-    first, positions = joined(frames, lambda mesh: checked(without(mesh, options.drop), LARGEST))
-    sequence = draft.Sequence(positions, options.fps or 0.0, options.key_every)
-    return encode_mesh(first, options, progress, sequence)
-
-
-def _frames_of(
-    mesh: PolyMesh | Iterable[PolyMesh] | ArrayLike, faces: Faces | None
-) -> Iterable[PolyMesh] | None:
-    """Return the frames of the arguments of `encode`, not checked yet, None if it is one mesh."""
-    if isinstance(mesh, (PolyMesh, str, bytes)):
-        return None
-    if faces is None:
-        if isinstance(mesh, (list, tuple)) and not any(isinstance(one, PolyMesh) for one in mesh):
-            return None
-        is_sequence = isinstance(mesh, Iterable) and not hasattr(mesh, "__array__")
-        return cast(Iterable[PolyMesh], mesh) if is_sequence else None
-    try:
-        positions = np.asarray(mesh)
-    except ValueError:  # rows of several lengths, which are refused as such
-        return None
-    if positions.ndim != 3:
-        return None
-    return (replace(unchecked(one, faces), precision="float64") for one in positions)
-
-
-def _mesh_of(mesh: PolyMesh | Iterable[PolyMesh] | ArrayLike, faces: Faces | None) -> PolyMesh:
-    """Return the mesh of the arguments of `encode`, not checked yet."""
-    if isinstance(mesh, PolyMesh):
-        if faces is not None:
-            raise MeshError("faces must not be given with a PolyMesh, which has its own")
-        return mesh
-    if faces is None:
-        raise MeshError(
-            f"{type(mesh).__name__} without faces: give vertices and faces, or a PolyMesh, "
-            "which from_arrays and deltamesh.plugins make"
-        )
-    # The bytes are those of the numbers, whatever type they come in.
-    return replace(unchecked(cast(ArrayLike, mesh), faces), precision="float64")
-
-
-@overload
-def decode(
-    data: Bytes | Container,
-    *,
-    frame: int = 0,
-    pose: str | None = None,
-    partial: Literal[False] = False,
-    solver: str = "auto",
-    threads: int | None = None,
-    max_vertices: int = DEFAULT_MAX_VERTICES,
-    memory: int = DEFAULT_MEMORY,
-    progress: Progress | None = None,
-) -> PolyMesh: ...
-
-
-@overload
-def decode(
-    data: Bytes | Container,
-    *,
-    frame: int = 0,
-    partial: Literal[True],
-    solver: str = "auto",
-    threads: int | None = None,
-    max_vertices: int = DEFAULT_MAX_VERTICES,
-    memory: int = DEFAULT_MEMORY,
-    progress: Progress | None = None,
-) -> Partial: ...
-
-
-def decode(
-    data: Bytes | Container,
-    *,
-    frame: int = 0,
-    pose: str | None = None,
-    partial: bool = False,
-    solver: str = "auto",
-    threads: int | None = None,
-    max_vertices: int = DEFAULT_MAX_VERTICES,
-    memory: int = DEFAULT_MEMORY,
-    progress: Progress | None = None,
-) -> PolyMesh | Partial:
-    """Decompress the bytes of a `.dmesh` file; `load` reads one from a path or a file.
-
-    Parameters
-    ----------
-    data : bytes-like, or what `deltamesh.info` returned
-        The whole file; a bytearray, mmap or array of bytes is not copied.
-    frame : int
-        Of a sequence, the frame, from 0. It is decoded from the first one, the key frame before it,
-        and those in between; `deltamesh.frames` decodes one after the other.
-    pose : str, optional
-        The name of a pose, of those that `deltamesh.edit` has added. Default: the mesh at rest.
-    partial : bool
-        Whether the file may be cut: its beginning is decoded, as far as it reaches. The checksums
-        of whole sections are verified, that of the content only of a whole file.
-    solver : {"auto", "core", "rslab", "pardiso", "scipy"}
-        Default: the compiled core for small meshes, else rslab or, where it is missing, scipy.
-    threads : int, optional
-        Of the solvers, where a mesh has many vertices. Default: one for each core. The positions do
-        not depend on it.
-    max_vertices, memory : int
-        Refuse files with more vertices, or that would take more bytes of memory.
-    progress : callable, optional
-        Called with the name of each stage as it begins.
-
-    Returns
-    -------
-    PolyMesh
-        Polygons, attributes (as exactly as they were encoded), parts, metadata, and the words for
-        what of the source is not kept; in the order of the source only with `keep_order`. Faces and
-        stored integers are exact. Positions are those of any machine and solver to within a
-        thousandth of a step, where anchors are interpolated; where they are weighed in least
-        squares, 1e-9 of the diagonal of the bounding box; of a lossless file, bit for bit.
-    Partial
-        The same in its `mesh`, if `partial`, with the stage that is reached.
-
-    Raises
-    ------
-    FormatError
-        If the bytes are damaged or no encoder has written them; it has an offset. If `partial`,
-        also where no vertex has a position yet.
-    LimitError
-        Before anything above the limits is allocated: by the counts of the file or, for methods
-        that solve, by the entries of the factorization.
-    SolveError
-    OptionError
-        If there is no such pose or frame, or the file may be cut; for an argument of a wrong type,
-        or out of range.
-    TypeError
-        For anything but bytes.
-
-    Notes
-    -----
-    D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 2006.
-    """
-    check_decoding(solver, threads, max_vertices, memory)
-    require_flag("partial", partial)
-    require(is_whole(frame), "frame must be a whole number", frame)
-    if partial:
-        if pose is not None:
-            raise OptionError("a pose of a file that may be cut: poses need the whole file")
-        if frame:
-            raise OptionError("a file that may be cut is decoded as far as its first frame")
-        prefix = data if isinstance(data, Container) else read_prefix(bytes_of(data))
-        return decode_prefix(
-            prefix,
-            solver=solver,
-            threads=threads,
-            max_vertices=max_vertices,
-            memory=memory,
-            progress=heard(progress),
-        )
-    container = data if isinstance(data, Container) else read_container(bytes_of(data))
-    if not 0 <= frame < container.frame_count:
-        count = container.frame_count
-        raise OptionError(f"there is no frame {frame}: the file has {count}, from 0 on")
-    if pose is not None:
-        if frame:
-            raise OptionError("a pose is one of frame 0")
-        return decode_mesh(
-            container,
-            pose=pose,
-            solver=solver,
-            threads=threads,
-            max_vertices=max_vertices,
-            memory=memory,
-            progress=heard(progress),
-        )
-    frames = decode_frames(
-        container,
-        [frame],
-        solver=solver,
-        threads=threads,
-        max_vertices=max_vertices,
-        memory=memory,
-        progress=heard(progress),
-    )
-    return next(frames)
+    return encode_checked(mesh_of(mesh, faces), options, heard(progress)).data

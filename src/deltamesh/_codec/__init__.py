@@ -1,0 +1,1 @@
+"""Codec as two functions, `encode` and `decode`, between meshes and bytes."""
