@@ -29,18 +29,30 @@ from deltamesh._measures.measure import Measured
 from deltamesh._methods import AUTO, CARTESIAN, HIGHPASS, METHODS, REFINED
 from deltamesh._options import DEFAULT_COARSE, DEFAULT_EFFORT, Options, Settings, settings_of
 from deltamesh_formats.array_types import Floats
-from deltamesh_formats.container.layout import DELTAS, NORMALS
-from deltamesh_formats.errors import MeshError, TargetError
+from deltamesh_formats.container.layout import CELLS, DELTAS, NORMALS
+from deltamesh_formats.errors import LimitError, MeshError, TargetError
 
 # How coarse the deltas may be, by effort, the likeliest first.
 COARSE: Final = {1: (4.5,), 2: (4.5, 3.0, 7.0), 3: (4.5, 3.0, 7.0, 2.0)}
-# Of effort 2, one other: finer deltas pay where they take few bytes beside the refinements, and
+# Of effort 2, another one: finer deltas pay where they take few bytes beside the refinements, and
 # coarser ones, rarely, where they take many or next to none, or where a file has a few bits a
 # vertex, as of exact spheres, whose anchors weigh as much: that is tried where a trial takes no
-# second.
-FEW, MANY, NONE = 1.2, 2.9, 0.5
+# second. Bytes of deltas over those of refinements; of small meshes, whose trials take 0.1 s, more
+# may be tried, finer ones also where a distance bounds the step.
+LIMITS: Final = (1.2, 2.9, 0.5)
+SMALL_LIMITS: Final = (2.0, 2.0, 1.0)
 FEW_BYTES: Final = 0.4
 CHEAP: Final = 60_000
+SMALL: Final = 25_000
+# Small meshes are tried without the vectors of cells, with the anchors weighed in least squares,
+# which takes the time of two trials, if those are more than that share of a file.
+CELLS_WEIGH: Final = 0.01
+# ... and as often as that, errors are brought as near as this to their bounds, if they are further.
+LAST_TRIES: Final = 2
+NEAREST, NEAR = 0.995, 1.01
+# Other numbers of anchors are tried where a coarse factor is no more than that many times as large
+# as the best.
+NEARLY: Final = 1.02
 # Where a distance, not an angle, would bound the step, twice the anchors divide distances by that,
 # for 0.08 bits a vertex and more; but not more of them than that share of the vertices. The search
 # begins there and goes on from file to file: corrections of a few vertices are often cheaper.
@@ -93,7 +105,7 @@ def smallest(
     steps: Steps | None = None
     missed: list[Trial] = []
     for settings in _candidates(options, bounds):
-        if best is not None and not _may_pay(settings, best, options.effort):
+        if best is not None and not _may_pay(settings, best, bounds, options.effort):
             continue
         start = _start(settings, bounds, components, best, steps)
         if best is not None and best.settings.method == settings.method:
@@ -105,7 +117,8 @@ def smallest(
             settings = replace(settings, largest=bounds.max)
         try:
             found = _fit(settings, bounds, start, components, options, attempt, best, missed)
-            if found is not None and options.anchors is None:
+            is_near = found is not None and (best is None or found[0].size < NEARLY * best.size)
+            if found is not None and is_near and options.anchors is None:
                 found = _with_other_anchors(found, bounds, components, options, attempt)
         except ScaleError:
             if options.method != AUTO:
@@ -113,7 +126,9 @@ def smallest(
             found = None
         if found is not None and (best is None or found[0].size < best.size):
             best, steps = found
-    if best is not None:
+    if best is not None and steps is not None:
+        best = _with_least_squares(best, steps, bounds, components, options, attempt)
+        best = _nearer(best, bounds, options, attempt)
         return _with_corrections(best, bounds, attempt)
     if not missed:
         raise TargetError("no quantization step that fits the mesh is small enough")
@@ -215,48 +230,103 @@ def _with_other_anchors(
 ) -> tuple[Trial, Steps]:
     """Return a smaller trial, if there is one, with fewer or more anchors.
 
-    Fewer are tried where a guess has asked for more than the default; else, or if that does not
-    pay, more are tried where a distance bounds the trial.
+    More are tried where a distance bounds the trial; else, fewer where a guess has asked for more
+    than the default.
     """
-
-    def walk(
-        found: tuple[Trial, Steps], next_count: Callable[[Trial], int], share: float
-    ) -> tuple[Trial, Steps]:
-        while count := next_count(found[0]):
-            trial, steps = found
-            settings = replace(trial.settings, anchors=count)
-            other = _fit(settings, bounds, steps, components, options, attempt, trial, [])
-            if other is None or other[0].size >= share * trial.size:
-                break
-            found = other
-        return found
-
-    def fewer(trial: Trial) -> int:
-        guessed = trial.settings.anchors is not None
-        return trial.parameters.anchor_count // MORE_ANCHORS if guessed else 0
-
-    def more(trial: Trial) -> int:
-        distance, angle = (float(each.max()) for each in bounds.part_excess(trial.measured))
-        count = MORE_ANCHORS * trial.parameters.anchor_count
-        fits = count <= MOST_ANCHORS * len(trial.vertices)
-        return count if fits and distance >= BINDING * angle else 0
-
-    least = walk(found, fewer, FEWER_PAY)
-    return walk(found, more, 1.0) if least is found else least
+    has_more = _is_far(found[0], bounds)
+    while _is_far(found[0], bounds) == has_more:
+        trial, steps = found
+        count, share = trial.parameters.anchor_count // MORE_ANCHORS, FEWER_PAY
+        if has_more:
+            count, share = MORE_ANCHORS * trial.parameters.anchor_count, 1.0
+            # The errors become smaller: angles may take the place of distances at a larger step.
+            steps = steps.times(min(_distance_over_angle(trial, bounds), LESS_DISTANCE))
+        is_guessed = has_more or trial.settings.anchors is not None
+        if not (is_guessed and 0 < count <= MOST_ANCHORS * len(trial.vertices)):
+            break
+        settings = replace(trial.settings, anchors=count)
+        other = _fit(settings, bounds, steps, components, options, attempt, trial, [])
+        if other is None or other[0].size >= share * trial.size:
+            break
+        found = other
+    return found
 
 
-def _may_pay(settings: Settings, best: Trial, effort: int) -> bool:
+def _is_far(trial: Trial, bounds: Bounds) -> bool:
+    """Return whether a distance, not an angle, bounds a trial."""
+    return _distance_over_angle(trial, bounds) >= BINDING
+
+
+def _distance_over_angle(trial: Trial, bounds: Bounds) -> float:
+    """Return how many times nearer to its bound the distance of a trial is than its angle."""
+    distance, angle = (float(each.max()) for each in bounds.part_excess(trial.measured))
+    return distance / angle if angle else math.inf
+
+
+def _with_least_squares(
+    best: Trial,
+    steps: Steps,
+    bounds: Bounds,
+    components: Components,
+    options: Options,
+    attempt: Attempt,
+) -> Trial:
+    """Return a smaller trial, if there is one, whose anchors are weighed in least squares.
+
+    They have no vectors of cells, which weigh where vertices have few bits.
+    """
+    cells = len(best.payloads.get(CELLS, b""))
+    is_direct = len(best.vertices) <= SMALL and options.effort >= DEFAULT_EFFORT
+    if not is_direct or options.solution is not None or cells <= CELLS_WEIGH * best.size:
+        return best
+    settings = replace(best.settings, interpolated=False)
+    try:
+        attempt(components.settings(settings, steps))  # which the search goes on with
+    except (LimitError, MeshError):
+        return best
+    found = _fit(settings, bounds, steps, components, options, attempt, best, [])
+    if found is None or found[0].size >= best.size:
+        return best
+    if options.anchors is None:
+        found = _with_other_anchors(found, bounds, components, options, attempt)
+    return found[0]
+
+
+def _nearer(best: Trial, bounds: Bounds, options: Options, attempt: Attempt) -> Trial:
+    """Return a smaller trial, if there is one, whose errors are nearer to their bounds."""
+    if len(best.vertices) > SMALL or options.effort < DEFAULT_EFFORT or best.is_bare:
+        return best
+    reach = NEAREST / bounds.excess(best.measured)
+    for _ in range(LAST_TRIES):
+        if not NEAR <= reach < math.inf:
+            break
+        try:
+            trial = attempt(replace(best.settings, step=reach * best.step))
+        except MeshError:
+            break
+        excess = bounds.excess(trial.measured)
+        if excess <= 1 and trial.size < best.size:
+            best, reach = trial, NEAREST / excess
+        else:
+            reach = math.sqrt(reach)
+    return best
+
+
+def _may_pay(settings: Settings, best: Trial, bounds: Bounds, effort: int) -> bool:
     """Return whether another coarse factor is worth a trial, from the bytes of the best one."""
     if settings.method != REFINED.name or effort > DEFAULT_EFFORT:
         return True
     if best.settings.method != REFINED.name:
         return False
     deltas, normals = (len(best.payloads.get(name, b"")) for name in (DELTAS, NORMALS))
+    is_small = len(best.vertices) <= SMALL
+    is_far = is_small and _is_far(best, bounds)
+    few, many, none = SMALL_LIMITS if is_small else LIMITS
     if settings.coarse < best.settings.coarse:
-        return deltas < FEW * normals
-    is_extreme = deltas > MANY * normals or deltas < NONE * normals
+        return is_far or deltas < few * normals
+    is_extreme = deltas > many * normals or deltas < none * normals
     is_extreme |= best.size < FEW_BYTES * len(best.vertices)
-    return is_extreme and len(best.vertices) <= CHEAP
+    return is_extreme and not is_far and len(best.vertices) <= CHEAP
 
 
 def _anchored(

@@ -66,7 +66,7 @@ def fit_step(
             good = trial
         if effort == DEFAULT_EFFORT and len(trial.vertices) >= LARGE:
             close = CLOSE[1]
-        if close <= x <= 1 or (good is not None and tries >= _tries(excess)):
+        if close <= x <= 1 or (x <= 1 and trial.is_bare) or (good is not None and tries >= _tries(excess)):
             break
         if rival is not None and floor_of(trial, x) >= rival.size:
             return None

@@ -48,6 +48,11 @@ class Trial:
         return self.encode()
 
     @property
+    def is_bare(self) -> bool:
+        """Whether all numbers are 0, which a larger step does not change."""
+        return not (self.integers.values.any() or self.integers.refinements.any())
+
+    @property
     def step(self) -> float:
         """The coarsest step of what is most important; that of the parameters at a rate."""
         return self.parameters.step if self.settings.step is None else self.settings.step
