@@ -58,6 +58,8 @@ NEARLY: Final = 1.02
 # begins there and goes on from file to file: corrections of a few vertices are often cheaper.
 MORE_ANCHORS, LESS_DISTANCE = 2, 1.35
 MOST_ANCHORS: Final = 0.016
+# ... with steps larger by that power of what they allow.
+CAREFUL: Final = 0.75
 # Fewer anchors err more, by as much as bounds allow: they have to save more than half a percent.
 FEWER_PAY: Final = 0.995
 # ... and no component asks for more than so many times two.
@@ -240,7 +242,8 @@ def _with_other_anchors(
         if has_more:
             count, share = MORE_ANCHORS * trial.parameters.anchor_count, 1.0
             # The errors become smaller: angles may take the place of distances at a larger step.
-            steps = steps.times(min(_distance_over_angle(trial, bounds), LESS_DISTANCE))
+            larger = min(_distance_over_angle(trial, bounds), LESS_DISTANCE)
+            steps = steps.times(larger**CAREFUL)
         is_guessed = has_more or trial.settings.anchors is not None
         if not (is_guessed and 0 < count <= MOST_ANCHORS * len(trial.vertices)):
             break

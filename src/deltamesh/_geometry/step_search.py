@@ -69,7 +69,7 @@ def fit_step(
         if close <= x <= 1 or (x <= 1 and trial.is_bare) or (good is not None and tries >= _tries(excess)):
             break
         if rival is not None and floor_of(trial, x) >= rival.size:
-            return None
+            return None if good is None or good.size >= rival.size else good
         step = _next(excess, (1 + close) / 2)
     return good
 
