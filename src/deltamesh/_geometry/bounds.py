@@ -68,6 +68,11 @@ class Bounds:
         )
         return np.max(distances, axis=0), np.max(angles, axis=0)
 
+    def distance_over_angle(self, measured: Measured) -> float:
+        """Return how many times nearer to its bound the largest distance is than the angle."""
+        distance, angle = (float(each.max()) for each in self.part_excess(measured))
+        return distance / angle if angle else math.inf
+
     def binding(self, measured: Measured) -> Binding:
         """Return the bound that is the nearest to its error, or the furthest exceeded."""
         whole = self._of_whole(measured)
@@ -80,6 +85,11 @@ class Bounds:
     def within(self, other: Bounds) -> Bounds:
         """Return the tighter bound of each kind of two."""
         return Bounds(*map(min, vars(self).values(), vars(other).values()))
+
+    @property
+    def of_angles(self) -> Bounds:
+        """The bounds on angles alone, of the whole."""
+        return Bounds(normal_deviation=self.normal_deviation, dihedral=self.dihedral)
 
     @property
     def has_angle(self) -> bool:

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from deltamesh._geometry.bounds import Bounds
-from deltamesh._geometry.step_search import MOST_TRIES, PER_OCTAVE, fit_step
+from deltamesh._geometry.step_search import MOST_TRIES, PER_OCTAVE, close_enough, fit_step
 from deltamesh._geometry.trial import Attempt, ScaleError, Trial
 from deltamesh._measures.metrics import mean_edges
 from deltamesh._measures.parts import Parts
@@ -243,7 +243,8 @@ def with_fewer_levels(
     with suppress(MeshError):
         attempt(components.settings(settings, one))
         least = _smaller(rival, found[0])
-        trial = fit_step(settings, bounds, one.base, effort, attempt, least, [])
+        close = close_enough(effort, len(components.of_vertex))
+        trial = fit_step(settings, bounds, one.base, close, attempt, least, [])
         if trial is not None and trial is _smaller(found[0], trial):
             found = trial, replace(one, base=trial.step)
     return found

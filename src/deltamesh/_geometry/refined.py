@@ -42,9 +42,9 @@ from deltamesh_formats.container.reader import payload_of
 # the normal costs bits in the fine one, and bends what that goes along: weights of 1, 1.8, 2.5 and
 # 8 cost 4, 1.5, 0.5 and 3 % more than 3.2. Pulls of 0.15 and 0.5 in the coarse stage cost 1 %, and
 # so does one of 0.1 in the fine stage.
-# The coarse stage hands on a part of what the fine one corrects: where deltas across the surface are
-# a fraction of a step, handing on none costs 10 to 30 %, since the surface would bend until normals
-# mislead; where they are steps long it is the best, and 0.65 costs 1 to 4 %. So the share is
+# The coarse stage hands on a part of what the fine one corrects: where deltas are a fraction of a
+# step long across the surface, handing on none costs 10 to 30 %, since the surface would bend until
+# normals mislead; where they are steps long it is the best, and 0.65 costs 1 to 4 %. So the share is
 # `normal` over (1 + m)^2, where m is their mean length in steps. The fine stage hands on what it
 # cannot correct, for a neighbour whose normal points elsewhere; all of it would pile up where none
 # does, and costs 3 %.

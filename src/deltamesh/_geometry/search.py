@@ -8,7 +8,7 @@ given up.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from typing import Final
@@ -16,6 +16,9 @@ from typing import Final
 import numpy as np
 
 from deltamesh._geometry.bounds import NO_BOUNDS, Bounds
+from deltamesh._geometry.candidates import BINDING, SMALL, candidates, may_pay
+from deltamesh._geometry.foresight import Foresight, foresight
+from deltamesh._geometry.last_trials import nearer, with_corrections
 from deltamesh._geometry.part_search import (
     Components,
     Steps,
@@ -23,51 +26,31 @@ from deltamesh._geometry.part_search import (
     steps_near,
     with_fewer_levels,
 )
-from deltamesh._geometry.step_search import fit_step
+from deltamesh._geometry.step_search import close_enough, first_step, fit_step, step_ratio
 from deltamesh._geometry.trial import Attempt, ScaleError, Trial
 from deltamesh._measures.measure import Measured
-from deltamesh._methods import AUTO, CARTESIAN, HIGHPASS, METHODS, REFINED
-from deltamesh._options import DEFAULT_COARSE, DEFAULT_EFFORT, Options, Settings, settings_of
+from deltamesh._methods import AUTO, CARTESIAN, HIGHPASS, REFINED
+from deltamesh._options import DEFAULT_EFFORT, Options, Settings, settings_of
 from deltamesh_formats.array_types import Floats
-from deltamesh_formats.container.layout import CELLS, DELTAS, NORMALS
+from deltamesh_formats.container.layout import CELLS
 from deltamesh_formats.errors import LimitError, MeshError, TargetError
 
-# How coarse the deltas may be, by effort, the likeliest first.
-COARSE: Final = {1: (4.5,), 2: (4.5, 3.0, 7.0), 3: (4.5, 3.0, 7.0, 2.0)}
-# Of effort 2, another one: finer deltas pay where they take few bytes beside the refinements, and
-# coarser ones, rarely, where they take many or next to none, or where a file has a few bits a
-# vertex, as of exact spheres, whose anchors weigh as much: that is tried where a trial takes no
-# second. Bytes of deltas over those of refinements; of small meshes, whose trials take 0.1 s, more
-# may be tried, finer ones also where a distance bounds the step.
-LIMITS: Final = (1.2, 2.9, 0.5)
-SMALL_LIMITS: Final = (2.0, 2.0, 1.0)
-FEW_BYTES: Final = 0.4
-CHEAP: Final = 60_000
-SMALL: Final = 25_000
-# Small meshes are tried without the vectors of cells, with the anchors weighed in least squares,
-# which takes the time of two trials, if those are more than that share of a file.
-CELLS_WEIGH: Final = 0.01
-# ... and as often as that, errors are brought as near as this to their bounds, if they are further.
-LAST_TRIES: Final = 2
-NEAREST, NEAR = 0.995, 1.01
-# Other numbers of anchors are tried where a coarse factor is no more than that many times as large
-# as the best.
-NEARLY: Final = 1.02
 # Where a distance, not an angle, would bound the step, twice the anchors divide distances by that,
 # for 0.08 bits a vertex and more; but not more of them than that share of the vertices. The search
 # begins there and goes on from file to file: corrections of a few vertices are often cheaper.
 MORE_ANCHORS, LESS_DISTANCE = 2, 1.35
 MOST_ANCHORS: Final = 0.016
-# ... with steps larger by that power of what they allow.
-CAREFUL: Final = 0.75
 # Fewer anchors err more, by as much as bounds allow: they have to save more than half a percent.
 FEWER_PAY: Final = 0.995
 # ... and no component asks for more than so many times two.
 MOST_TIMES: Final = 10
-# A distance bounds the step if it is so many times nearer to its bound than an angle.
-BINDING: Final = 1.04
-# With corrections, steps change by this as long as the files shrink.
-GROWTH: Final = 1.6
+# With more anchors, steps are larger by that power of what they allow, to begin with.
+CAREFUL: Final = 0.75
+# Other anchors are tried of settings that take at most so many times the bytes of the best ones.
+NEARLY: Final = 1.02
+# Small meshes are tried with anchors weighed in least squares, which takes the time of two trials,
+# if the vectors of cells, which those do without, are more than that share of a file.
+CELLS_WEIGH: Final = 0.01
 
 
 def smallest(
@@ -77,6 +60,7 @@ def smallest(
     attempt: Attempt,
     name_of: Callable[[int], str] = str,
     furthest: Bounds = NO_BOUNDS,
+    sample: Attempt | None = None,
 ) -> Trial:
     """Return the smallest trial within the bounds; without bounds, the trial of the options.
 
@@ -94,6 +78,8 @@ def smallest(
         The name of a part, for messages.
     furthest : Bounds
         Distances beyond which "auto" at a rate is not refined.
+    sample : callable, optional
+        Makes trials on a sample of a mesh of one part; see `foresight`.
 
     Raises
     ------
@@ -102,14 +88,22 @@ def smallest(
     """
     if bounds is None:
         return _at_rate(options, components, attempt, furthest)
+    foreseen = None
+    if sample is not None and components.alone and bounds.has_angle:
+        foreseen = foresight(
+            options, bounds, len(components.of_vertex), float(components.edge[0]), sample, attempt
+        )
     attempt = lru_cache(maxsize=1)(attempt)
     best: Trial | None = None
     steps: Steps | None = None
     missed: list[Trial] = []
-    for settings in _candidates(options, bounds):
-        if best is not None and not _may_pay(settings, best, bounds, options.effort):
+    last: Settings | None = None
+    guessed: Foresight = [(one, None) for one in candidates(options, bounds)]
+    for settings, step in foreseen or guessed:
+        if not foreseen and not may_pay(settings, last, best, bounds, options.effort):
             continue
-        start = _start(settings, bounds, components, best, steps)
+        last = settings
+        start = _start(settings, bounds, components, best, steps, step)
         if best is not None and best.settings.method == settings.method:
             settings = replace(settings, anchors=best.settings.anchors)
         elif options.anchors is None and settings.layout.anchored:
@@ -130,8 +124,8 @@ def smallest(
             best, steps = found
     if best is not None and steps is not None:
         best = _with_least_squares(best, steps, bounds, components, options, attempt)
-        best = _nearer(best, bounds, options, attempt)
-        return _with_corrections(best, bounds, attempt)
+        best = nearer(best, bounds, options.effort, attempt)
+        return with_corrections(best, bounds, attempt)
     if not missed:
         raise TargetError("no quantization step that fits the mesh is small enough")
     if options.method != AUTO and not options.is_bounded:
@@ -159,10 +153,13 @@ def _fit(
 ) -> tuple[Trial, Steps] | None:
     """Return a trial within the bounds whose steps are about the largest; None if it cannot win."""
     if components.alone:
-        trial = fit_step(settings, bounds, start.base, options.effort, attempt, best, missed)
+        close = close_enough(options.effort, len(components.of_vertex))
+        trial = fit_step(settings, bounds, start.base, close, attempt, best, missed)
         return None if trial is None else (trial, replace(start, base=trial.step))
     effort = options.effort
     tried = fit_steps(settings, bounds, start, components, effort, attempt, best, missed)
+    if tried[0] is None:
+        return None
     trial, steps = with_fewer_levels(settings, bounds, tried, components, effort, attempt, best)
     return None if trial is None else (trial, steps)
 
@@ -185,7 +182,8 @@ def _at_rate(options: Options, components: Components, attempt: Attempt, furthes
     settings = replace(settings_of(options, CARTESIAN.name), bits=None, step=None)
     start = _start(settings, bounds, components, None, None)
     rival = None if drifts else best
-    rival = fit_step(settings, bounds, start.base, options.effort, attempt, rival, [])
+    close = close_enough(options.effort, len(best.vertices))
+    rival = fit_step(settings, bounds, start.base, close, attempt, rival, [])
     if rival is None or (best.size <= rival.size and not drifts):
         return best
     return rival
@@ -205,24 +203,6 @@ def _errors_of(measured: Measured) -> Bounds:
     )
 
 
-def _candidates(options: Options, bounds: Bounds) -> Iterator[Settings]:
-    """Yield the settings to try, the likeliest first, and the fast ones before the others."""
-    if options.method not in (AUTO, REFINED.name):
-        yield settings_of(options, options.method)
-        return
-    refined, cartesian = (settings_of(options, each.name) for each in (REFINED, CARTESIAN))
-    coarse = COARSE[options.effort] if options.coarse is None else (options.coarse,)
-    if options.method == AUTO and not bounds.has_angle:
-        # The error of Cartesian coordinates is white, which keeps distances the smallest.
-        yield cartesian
-        return
-    yield replace(refined, coarse=coarse[0])
-    if options.method == AUTO:
-        yield cartesian
-    for c in coarse[1:]:
-        yield replace(refined, coarse=c)
-
-
 def _with_other_anchors(
     found: tuple[Trial, Steps],
     bounds: Bounds,
@@ -235,17 +215,20 @@ def _with_other_anchors(
     More are tried where a distance bounds the trial; else, fewer where a guess has asked for more
     than the default.
     """
-    has_more = _is_far(found[0], bounds)
-    while _is_far(found[0], bounds) == has_more:
+
+    def is_far(trial: Trial) -> bool:
+        return bounds.distance_over_angle(trial.measured) >= BINDING
+
+    has_more = is_far(found[0])
+    while is_far(found[0]) == has_more:
         trial, steps = found
         count, share = trial.parameters.anchor_count // MORE_ANCHORS, FEWER_PAY
         if has_more:
             count, share = MORE_ANCHORS * trial.parameters.anchor_count, 1.0
-            # The errors become smaller: angles may take the place of distances at a larger step.
-            larger = min(_distance_over_angle(trial, bounds), LESS_DISTANCE)
+            larger = min(bounds.distance_over_angle(trial.measured), LESS_DISTANCE)
             steps = steps.times(larger**CAREFUL)
-        is_guessed = has_more or trial.settings.anchors is not None
-        if not (is_guessed and 0 < count <= MOST_ANCHORS * len(trial.vertices)):
+        is_guess = has_more or trial.settings.anchors is not None
+        if not (is_guess and 0 < count <= MOST_ANCHORS * len(trial.vertices)):
             break
         settings = replace(trial.settings, anchors=count)
         other = _fit(settings, bounds, steps, components, options, attempt, trial, [])
@@ -253,17 +236,6 @@ def _with_other_anchors(
             break
         found = other
     return found
-
-
-def _is_far(trial: Trial, bounds: Bounds) -> bool:
-    """Return whether a distance, not an angle, bounds a trial."""
-    return _distance_over_angle(trial, bounds) >= BINDING
-
-
-def _distance_over_angle(trial: Trial, bounds: Bounds) -> float:
-    """Return how many times nearer to its bound the distance of a trial is than its angle."""
-    distance, angle = (float(each.max()) for each in bounds.part_excess(trial.measured))
-    return distance / angle if angle else math.inf
 
 
 def _with_least_squares(
@@ -293,43 +265,6 @@ def _with_least_squares(
     if options.anchors is None:
         found = _with_other_anchors(found, bounds, components, options, attempt)
     return found[0]
-
-
-def _nearer(best: Trial, bounds: Bounds, options: Options, attempt: Attempt) -> Trial:
-    """Return a smaller trial, if there is one, whose errors are nearer to their bounds."""
-    if len(best.vertices) > SMALL or options.effort < DEFAULT_EFFORT or best.is_bare:
-        return best
-    reach = NEAREST / bounds.excess(best.measured)
-    for _ in range(LAST_TRIES):
-        if not NEAR <= reach < math.inf:
-            break
-        try:
-            trial = attempt(replace(best.settings, step=reach * best.step))
-        except MeshError:
-            break
-        excess = bounds.excess(trial.measured)
-        if excess <= 1 and trial.size < best.size:
-            best, reach = trial, NEAREST / excess
-        else:
-            reach = math.sqrt(reach)
-    return best
-
-
-def _may_pay(settings: Settings, best: Trial, bounds: Bounds, effort: int) -> bool:
-    """Return whether another coarse factor is worth a trial, from the bytes of the best one."""
-    if settings.method != REFINED.name or effort > DEFAULT_EFFORT:
-        return True
-    if best.settings.method != REFINED.name:
-        return False
-    deltas, normals = (len(best.payloads.get(name, b"")) for name in (DELTAS, NORMALS))
-    is_small = len(best.vertices) <= SMALL
-    is_far = is_small and _is_far(best, bounds)
-    few, many, none = SMALL_LIMITS if is_small else LIMITS
-    if settings.coarse < best.settings.coarse:
-        return is_far or deltas < few * normals
-    is_extreme = deltas > many * normals or deltas < none * normals
-    is_extreme |= best.size < FEW_BYTES * len(best.vertices)
-    return is_extreme and not is_far and len(best.vertices) <= CHEAP
 
 
 def _anchored(
@@ -367,37 +302,16 @@ def _start(
     components: Components,
     best: Trial | None,
     steps: Steps | None,
+    foreseen: float | None = None,
 ) -> Steps:
-    """Return the steps to begin with."""
+    """Return the steps to begin with; that for the bounds on angles is `foreseen`, or guessed."""
     if steps is not None and best is not None and best.settings.method == settings.method:
-        return steps.times(math.sqrt(best.settings.coarse / settings.coarse))
-    # Twice as coarse deltas leave angles alone at steps 1.4 times as small, or nearly.
-    finer = math.sqrt(settings.coarse / DEFAULT_COARSE) if settings.layout.coarse else 1.0
-    angle = min(bounds.normal_deviation, bounds.dihedral)
+        return steps.times(step_ratio(best.settings, settings))
     edge = components.edge
     with np.errstate(invalid="ignore"):
-        step = METHODS[settings.method].first_step * edge * angle / finer
+        step = first_step(settings, bounds, edge)
+    if foreseen is not None:
+        step = np.full(len(edge), foreseen)
     limits = (bounds.rms, bounds.max, components.largest_rms(bounds), edge)
     wanted: Floats = np.minimum.reduce([step, *np.broadcast_arrays(*limits)])
     return steps_near(np.where(wanted > 0, wanted, 1.0))
-
-
-def _with_corrections(best: Trial, bounds: Bounds, attempt: Attempt) -> Trial:
-    """Return a smaller trial, if there is one, with more or with fewer corrections.
-
-    Where an angle is bounded, the search has corrected from the beginning and found the largest
-    step that the angle allows; a smaller one may need fewer corrections. Where none is, the search
-    has found the largest step that needs none.
-    """
-    if not best.settings.layout.corrected or bounds.max == math.inf:
-        return best
-    change = 1 / GROWTH if bounds.has_angle else GROWTH
-    while True:
-        step = change * best.step
-        try:
-            trial = attempt(replace(best.settings, step=step, largest=bounds.max))
-        except MeshError:  # too small a step for the mesh
-            return best
-        if bounds.excess(trial.measured) > 1 or trial.size >= best.size:
-            return best
-        best = trial

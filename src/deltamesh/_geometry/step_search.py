@@ -11,14 +11,17 @@ from typing import Final
 
 from deltamesh._geometry.bounds import Bounds
 from deltamesh._geometry.trial import Attempt, ScaleError, Trial
-from deltamesh._options import DEFAULT_EFFORT, Settings
+from deltamesh._methods import METHODS
+from deltamesh._options import DEFAULT_COARSE, DEFAULT_EFFORT, Settings
+from deltamesh_formats.array_types import Floats
 from deltamesh_formats.errors import MeshError
 
 # An error within that share of its bound is good enough, by effort.
 CLOSE: Final = {1: 0.85, 2: 0.93, 3: 0.97}
-# Vertices from which a trial takes a minute or more: the default effort is content with effort 1's
-# share there.
+# Vertices from which a trial takes a quarter of a minute or more: there, the default effort is
+# content with that share.
 LARGE: Final = 2_000_000
+CLOSE_IF_LARGE: Final = 0.88
 # Trials of one method: as long as no step is good, or what is good leaves much to be had, or more
 # than that effort calls near enough.
 MOST_TRIES, LOOSE_TRIES, TRIES = 16, 8, 4
@@ -31,22 +34,50 @@ FLATTEST: Final = 0.25
 PER_OCTAVE: Final = 0.5
 
 
+def first_step(settings: Settings, bounds: Bounds, edge: Floats) -> Floats:
+    """Return the steps with which angles are about at their bounds, from mean edges, (c,)."""
+    angle = min(bounds.normal_deviation, bounds.dihedral)
+    return METHODS[settings.method].first_step * edge * angle * step_ratio(None, settings)
+
+
+def step_ratio(known: Settings | None, settings: Settings) -> float:
+    """Return the step of settings over that of others of the same method, or of the defaults.
+
+    Twice as coarse deltas leave angles alone at steps 1.4 times as small, or nearly.
+    """
+    if not settings.layout.coarse:
+        return 1.0
+    return math.sqrt((known.coarse if known else DEFAULT_COARSE) / settings.coarse)
+
+
+def close_enough(effort: int, n: int) -> float:
+    """Return the share of a bound at which the search for a step of n vertices ends."""
+    if effort == DEFAULT_EFFORT and n >= LARGE:
+        return CLOSE_IF_LARGE
+    return CLOSE[effort]
+
+
+def aim_of(close: float) -> float:
+    """Return the share of a bound that the next step aims at, where `close` is enough."""
+    return (1 + close) / 2
+
+
 def fit_step(
     settings: Settings,
     bounds: Bounds,
     step: float,
-    effort: int,
+    close: float,
     attempt: Attempt,
     rival: Trial | None,
     missed: list[Trial],
 ) -> Trial | None:
     """Return a trial within the bounds whose step is about the largest; None if it cannot win.
 
-    The last trial that was not good goes to `missed`.
+    It is good enough at a share of the bounds that is `close`. The last trial that was not good
+    goes to `missed`.
     """
     good: Trial | None = None
     excess: dict[float, float] = {}
-    close = CLOSE[effort]
     for tries in range(1, MOST_TRIES + 1):
         try:
             trial = attempt(replace(settings, step=step))
@@ -64,13 +95,15 @@ def fit_step(
             missed[:] = [trial]
         elif good is None or step > good.step:
             good = trial
-        if effort == DEFAULT_EFFORT and len(trial.vertices) >= LARGE:
-            close = CLOSE[1]
-        if close <= x <= 1 or (x <= 1 and trial.is_bare) or (good is not None and tries >= _tries(excess)):
+        if (
+            close <= x <= 1
+            or (x <= 1 and trial.is_bare)
+            or (good is not None and tries >= _tries(excess))
+        ):
             break
         if rival is not None and floor_of(trial, x) >= rival.size:
             return None if good is None or good.size >= rival.size else good
-        step = _next(excess, (1 + close) / 2)
+        step = _next(excess, aim_of(close))
     return good
 
 

@@ -19,7 +19,7 @@ from deltamesh._geometry.frames import decode_frame, relative
 from deltamesh._geometry.integers import NO_POINTS, Integers
 from deltamesh._geometry.motion import Motion, fitted_motion
 from deltamesh._geometry.prediction import Prediction, Reference, at_step, finer, predicted
-from deltamesh._geometry.step_search import fit_step
+from deltamesh._geometry.step_search import close_enough, fit_step
 from deltamesh._geometry.trial import Attempt, Trial
 from deltamesh._measures.margins import MOST_HALVINGS
 from deltamesh._measures.metrics import diagonal, single_above
@@ -176,8 +176,8 @@ class _Plan:
         missed: list[Trial] = []
         if settings.layout.anchored:
             assert settings.step is not None
-            effort = self._options.effort
-            found = fit_step(settings, bounds, settings.step, effort, attempt, None, missed)
+            close = close_enough(self._options.effort, surface.vertex_count)
+            found = fit_step(settings, bounds, settings.step, close, attempt, None, missed)
         else:
             found = _on_coarsest_grid(settings, self.first.parameters.step, bounds, attempt, missed)
         if found is None and self._options.method != AUTO and not self._options.is_bounded:

@@ -10,6 +10,7 @@ from deltamesh._content import Content
 from deltamesh._geometry.bounds import furthest_at_rate
 from deltamesh._geometry.methods import geometry_codec
 from deltamesh._geometry.part_search import components_of
+from deltamesh._geometry.sample import sample_of
 from deltamesh._geometry.search import smallest
 from deltamesh._geometry.systems import Systems
 from deltamesh._limits import memory_to_encode
@@ -53,7 +54,19 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
     diagonals = trials.measure.diagonals
     components = components_of(V[: trials.used], surface.faces, named.parts, diagonals)
     furthest = furthest_at_rate(trials.scale)
-    search = partial(smallest, options, bounds, components, name_of=named.name, furthest=furthest)
+    sample = None
+    if trials.importance is None and bounds is not None and components.alone:
+        balls = sample_of(surface)
+        sample = None if balls is None else balls.attempt(V[: trials.used])
+    search = partial(
+        smallest,
+        options,
+        bounds,
+        components,
+        name_of=named.name,
+        furthest=furthest,
+        sample=sample,
+    )
     trial = search(trials.attempt)
     decoded = trials.as_decoded(trial)
     if bounds is not None and bounds.excess(decoded.measured) > 1 >= bounds.excess(trial.measured):
