@@ -22,7 +22,7 @@ GROWTH: Final = 1.6
 
 def nearer(best: Trial, bounds: Bounds, effort: int, attempt: Attempt) -> Trial:
     """Return a smaller trial, if there is one, whose errors are nearer to their bounds."""
-    if len(best.vertices) > SMALL or effort < DEFAULT_EFFORT or best.is_bare:
+    if len(best.vertices) > SMALL or effort < DEFAULT_EFFORT:
         return best
     excess = bounds.excess(best.measured)
     reach = NEAREST / excess if excess else math.inf

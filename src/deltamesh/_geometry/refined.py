@@ -44,7 +44,7 @@ from deltamesh_formats.container.reader import payload_of
 # so does one of 0.1 in the fine stage.
 # The coarse stage hands on a part of what the fine one corrects: where deltas are a fraction of a
 # step long across the surface, handing on none costs 10 to 30 %, since the surface would bend until
-# normals mislead; where they are steps long it is the best, and 0.65 costs 1 to 4 %. So the share is
+# normals mislead; where they are steps long that is the best, and 0.65 costs 1 to 4 %. The share is
 # `normal` over (1 + m)^2, where m is their mean length in steps. The fine stage hands on what it
 # cannot correct, for a neighbour whose normal points elsewhere; all of it would pile up where none
 # does, and costs 3 %.

@@ -47,7 +47,7 @@ MOST_TIMES: Final = 10
 # With more anchors, steps are larger by that power of what they allow, to begin with.
 CAREFUL: Final = 0.75
 # Other anchors are tried of settings that take at most so many times the bytes of the best ones.
-NEARLY: Final = 1.02
+NEARLY: Final = 1.06
 # Small meshes are tried with anchors weighed in least squares, which takes the time of two trials,
 # if the vectors of cells, which those do without, are more than that share of a file.
 CELLS_WEIGH: Final = 0.01
@@ -220,21 +220,28 @@ def _with_other_anchors(
         return bounds.distance_over_angle(trial.measured) >= BINDING
 
     has_more = is_far(found[0])
-    while is_far(found[0]) == has_more:
-        trial, steps = found
-        count, share = trial.parameters.anchor_count // MORE_ANCHORS, FEWER_PAY
+    last, failed = found, False
+    while is_far(last[0]) == has_more:
+        trial, steps = last
+        count = trial.parameters.anchor_count // MORE_ANCHORS
         if has_more:
-            count, share = MORE_ANCHORS * trial.parameters.anchor_count, 1.0
+            count = MORE_ANCHORS * trial.parameters.anchor_count
             larger = min(bounds.distance_over_angle(trial.measured), LESS_DISTANCE)
             steps = steps.times(larger**CAREFUL)
         is_guess = has_more or trial.settings.anchors is not None
         if not (is_guess and 0 < count <= MOST_ANCHORS * len(trial.vertices)):
             break
         settings = replace(trial.settings, anchors=count)
-        other = _fit(settings, bounds, steps, components, options, attempt, trial, [])
-        if other is None or other[0].size >= share * trial.size:
+        other = _fit(settings, bounds, steps, components, options, attempt, found[0], [])
+        if other is None:
             break
-        found = other
+        share = 1.0 if has_more else FEWER_PAY
+        last, failed_before = other, failed
+        failed = other[0].size >= share * found[0].size
+        if not failed:
+            found = other
+        elif failed_before or not has_more or len(trial.vertices) > SMALL:
+            break
     return found
 
 
@@ -250,9 +257,12 @@ def _with_least_squares(
 
     They have no vectors of cells, which weigh where vertices have few bits.
     """
-    cells = len(best.payloads.get(CELLS, b""))
     is_direct = len(best.vertices) <= SMALL and options.effort >= DEFAULT_EFFORT
-    if not is_direct or options.solution is not None or cells <= CELLS_WEIGH * best.size:
+    if not is_direct or options.solution is not None or not best.parameters.interpolated:
+        return best
+    cells = len(best.payloads.get(CELLS, b""))
+    is_far = bounds.distance_over_angle(best.measured) >= BINDING
+    if not is_far and cells <= CELLS_WEIGH * best.size:
         return best
     settings = replace(best.settings, interpolated=False)
     try:

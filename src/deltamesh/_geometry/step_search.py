@@ -90,7 +90,9 @@ def fit_step(
                 break
             step *= FURTHEST  # so that an error can name the least bound that can be met
             continue
-        x = excess[step] = bounds.excess(trial.measured)
+        x = bounds.excess(trial.measured)
+        is_same = x in excess.values()  # all numbers are 0, whatever the step
+        excess[step] = x
         if x > 1:
             missed[:] = [trial]
         elif good is None or step > good.step:
