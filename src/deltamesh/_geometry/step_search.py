@@ -97,11 +97,7 @@ def fit_step(
             missed[:] = [trial]
         elif good is None or step > good.step:
             good = trial
-        if (
-            close <= x <= 1
-            or (x <= 1 and trial.is_bare)
-            or (good is not None and tries >= _tries(excess))
-        ):
+        if close <= x <= 1 or (good is not None and (is_same or tries >= _tries(excess))):
             break
         if rival is not None and floor_of(trial, x) >= rival.size:
             return None if good is None or good.size >= rival.size else good

@@ -14,7 +14,6 @@ from deltamesh_formats.caching import cached_property
 from deltamesh_formats.container.container import Parameters
 from deltamesh_formats.errors import MeshError
 
-
 # Bytes of a section beside its payload: an id, a length, a checksum.
 SECTION: Final = 10
 
