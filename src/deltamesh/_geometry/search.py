@@ -46,6 +46,8 @@ FEWER_PAY: Final = 0.995
 MOST_TIMES: Final = 10
 # With more anchors, steps are larger by that power of what they allow, to begin with.
 CAREFUL: Final = 0.75
+# Small meshes go on after a number of anchors that did not pay, up to so many.
+SMALL_TRIES: Final = 2
 # Other anchors are tried of settings that take at most so many times the bytes of the best ones.
 NEARLY: Final = 1.06
 # Small meshes are tried with anchors weighed in least squares, which takes the time of two trials,
@@ -212,37 +214,47 @@ def _with_other_anchors(
 ) -> tuple[Trial, Steps]:
     """Return a smaller trial, if there is one, with fewer or more anchors.
 
-    More are tried where a distance bounds the trial; else, fewer where a guess has asked for more
-    than the default.
+    More are tried where a distance bounds the trial. Fewer are tried where a guess has asked for
+    more than the default, and an angle or corrections keep the bounds.
     """
 
     def is_far(trial: Trial) -> bool:
         return bounds.distance_over_angle(trial.measured) >= BINDING
 
-    has_more = is_far(found[0])
-    last, failed = found, False
-    while is_far(last[0]) == has_more:
-        trial, steps = last
-        count = trial.parameters.anchor_count // MORE_ANCHORS
-        if has_more:
-            count = MORE_ANCHORS * trial.parameters.anchor_count
-            larger = min(bounds.distance_over_angle(trial.measured), LESS_DISTANCE)
-            steps = steps.times(larger**CAREFUL)
-        is_guess = has_more or trial.settings.anchors is not None
-        if not (is_guess and 0 < count <= MOST_ANCHORS * len(trial.vertices)):
-            break
-        settings = replace(trial.settings, anchors=count)
-        other = _fit(settings, bounds, steps, components, options, attempt, found[0], [])
-        if other is None:
-            break
-        share = 1.0 if has_more else FEWER_PAY
-        last, failed_before = other, failed
-        failed = other[0].size >= share * found[0].size
-        if not failed:
+    def with_fewer(found: tuple[Trial, Steps]) -> tuple[Trial, Steps]:
+        while found[0].settings.anchors is not None:
+            trial, steps = found
+            count = trial.parameters.anchor_count // MORE_ANCHORS
+            if not count or (is_far(trial) and bounds.max == math.inf):
+                break
+            settings = replace(trial.settings, anchors=count)
+            other = _fit(settings, bounds, steps, components, options, attempt, trial, [])
+            if other is None or other[0].size >= FEWER_PAY * trial.size:
+                break
             found = other
-        elif failed_before or not has_more or len(trial.vertices) > SMALL:
-            break
-    return found
+        return found
+
+    def with_more(found: tuple[Trial, Steps]) -> tuple[Trial, Steps]:
+        last, tries = found, SMALL_TRIES if len(found[0].vertices) <= SMALL else 1
+        while tries and is_far(last[0]):
+            trial, steps = last
+            count = MORE_ANCHORS * trial.parameters.anchor_count
+            if count > MOST_ANCHORS * len(trial.vertices):
+                break
+            larger = min(bounds.distance_over_angle(trial.measured), LESS_DISTANCE)
+            settings, steps = replace(trial.settings, anchors=count), steps.times(larger**CAREFUL)
+            other = _fit(settings, bounds, steps, components, options, attempt, found[0], [])
+            if other is None:
+                break
+            last = other
+            if other[0].size < found[0].size:
+                found = other
+            else:
+                tries -= 1
+        return found
+
+    least = with_fewer(found)
+    return with_more(found) if least is found else least
 
 
 def _with_least_squares(

@@ -91,7 +91,7 @@ def fit_step(
             step *= FURTHEST  # so that an error can name the least bound that can be met
             continue
         x = bounds.excess(trial.measured)
-        is_same = x in excess.values()  # all numbers are 0, whatever the step
+        is_same = x > 0 and x in excess.values()  # all numbers are 0, whatever the step
         excess[step] = x
         if x > 1:
             missed[:] = [trial]

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import TargetError, encode, info
-from deltamesh._geometry import step_search
+from deltamesh._geometry import last_trials, step_search
 from deltamesh._geometry.bounds import Bounds
 from deltamesh._geometry.part_search import Components
 from deltamesh._geometry.search import smallest
@@ -110,6 +110,7 @@ def test_drift_is_held_by_anchors():
 @pytest.mark.parametrize(("effort", "large", "trials"), [(2, N, 1), (2, N + 1, 2), (3, N, 2)])
 def test_large_meshes_are_content_with_less(monkeypatch, effort, large, trials):
     monkeypatch.setattr(step_search, "LARGE", large)
+    monkeypatch.setattr(last_trials, "SMALL", 0)
     first = METHODS["refined"].first_step
 
     def law(settings):
