@@ -16,6 +16,10 @@ from deltamesh_formats.errors import MeshError
 # further: a percent of the step is up to half a percent of the bytes.
 TRIES: Final = 2
 NEAREST, NEAR = 0.995, 1.01
+# Of meshes of so few vertices, errors and bytes go up and down with the step: so many steps are
+# tried, up to twice as large.
+TINY: Final = 100
+RUNGS: Final = 16
 # With corrections, steps change by this as long as the files shrink.
 GROWTH: Final = 1.6
 
@@ -24,6 +28,8 @@ def nearer(best: Trial, bounds: Bounds, effort: int, attempt: Attempt) -> Trial:
     """Return a smaller trial, if there is one, whose errors are nearer to their bounds."""
     if len(best.vertices) > SMALL or effort < DEFAULT_EFFORT:
         return best
+    if len(best.vertices) <= TINY:
+        return _of_ladder(best, bounds, attempt)
     excess = bounds.excess(best.measured)
     reach = NEAREST / excess if excess else math.inf
     for _ in range(TRIES):
@@ -38,6 +44,19 @@ def nearer(best: Trial, bounds: Bounds, effort: int, attempt: Attempt) -> Trial:
             best, reach = trial, NEAREST / excess
         else:
             reach = math.sqrt(reach)
+    return best
+
+
+def _of_ladder(best: Trial, bounds: Bounds, attempt: Attempt) -> Trial:
+    """Return the smallest trial within the bounds, and of some steps above that of the best."""
+    step = best.step
+    for rung in range(1, RUNGS + 1):
+        try:
+            trial = attempt(replace(best.settings, step=step * 2 ** (rung / RUNGS)))
+        except MeshError:
+            break
+        if bounds.excess(trial.measured) <= 1 and trial.size < best.size:
+            best = trial
     return best
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from deltamesh._geometry.bounds import NO_BOUNDS, Bounds
 from deltamesh._geometry.candidates import BINDING, SMALL, candidates, may_pay
 from deltamesh._geometry.foresight import Foresight, foresight
-from deltamesh._geometry.last_trials import nearer, with_corrections
+from deltamesh._geometry.last_trials import TINY, nearer, with_corrections
 from deltamesh._geometry.part_search import (
     Components,
     Steps,
@@ -114,7 +114,8 @@ def smallest(
         if bounds.has_angle:
             settings = replace(settings, largest=bounds.max)
         try:
-            found = _fit(settings, bounds, start, components, options, attempt, best, missed)
+            rival = None if len(components.of_vertex) <= TINY else best
+            found = _fit(settings, bounds, start, components, options, attempt, rival, missed)
             is_near = found is not None and (best is None or found[0].size < NEARLY * best.size)
             if found is not None and is_near and options.anchors is None:
                 found = _with_other_anchors(found, bounds, components, options, attempt)
