@@ -61,7 +61,9 @@ class Fit:
             b = self._inverse(p[cells.of], FURTHER)
             image = cells.sums(b)
             a = product / np.maximum((p * image).sum(axis=0), TINY)
-            y, e, r = y + a * p, e - a * b, r - a * image
+            b *= a
+            e -= b
+            y, r = y + a * p, r - a * image
             z, before = self._fluxes(r), product
             product = (r * z).sum(axis=0)
             p = z + product / np.maximum(before, TINY) * p

@@ -153,7 +153,7 @@ def fitted(
     Parameters
     ----------
     left : float64 (n, 3)
-        What quantization has left of the deltas.
+        What quantization has left of the deltas; it is used up.
     vertices, isolated : float64 (n, 3), (i, 3)
     origin : float64 (3,), optional
         See `placed`.
@@ -172,7 +172,7 @@ def fitted(
     # Components are apart, and each is fitted in units of its own; of 0 bits, it has none.
     each = parameters.step * steps.ratios(integers)
     scale = cells.least(each) if parameters.step else np.ones_like(each)
-    left = left / scale
+    left /= scale
     if parameters.interpolated:
         y, e = systems.fit(anchors).exact(kept(left, none))
         if none is not None:

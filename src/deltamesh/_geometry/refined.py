@@ -87,23 +87,23 @@ def quantize(
         surface, vertices, isolated, integers, step, settings, systems, predicted
     )
     parameters = replace(parameters, dead_zone=COARSE.zone, normal_dead_zone=FINE.zone)
-    coarse = highpass.deltas(parameters, integers)
-    left = np.subtract(delta, coarse, out=delta)
+    delta -= highpass.deltas(parameters, integers)
+    left = delta
     if parameters.interpolated:
         integers = smoothed(left, parameters, integers, systems, none)
     W, N = _bent(surface, systems, parameters, integers, predicted, vertices.copy(), ROUGHLY)
     fine = quantize_delta(left, graph, each, roundings[1], normals=N, along=True, none=none)
     integers = replace(integers, refinements=fine)
-    left -= (each * fine) * N
+    left -= np.multiply(each * fine, N, out=N)
+    del N  # what the fit does not need makes room for it
     parameters, integers, near = fitted(
         left, vertices, isolated, parameters, integers, systems, origin, none
     )
     # The anchors have moved a little, and the normals with them.
     _, N = _bent(surface, systems, parameters, integers, predicted, W)
     W = near
-    coarse += (each * fine) * N
-    if predicted is not None:
-        coarse += predicted.deltas
+    coarse = _coarse(parameters, integers, predicted)
+    coarse += np.multiply(each * fine, N, out=N)
     W = solved(coarse, parameters, integers, systems, start=W)
     return highpass.corrected(W, vertices, parameters, integers, settings)
 
