@@ -240,7 +240,7 @@ def _with_other_anchors(
         while tries and is_far(last[0]):
             trial, steps = last
             count = MORE_ANCHORS * trial.parameters.anchor_count
-            if count > MOST_ANCHORS * len(trial.vertices):
+            if not 0 < count <= MOST_ANCHORS * len(trial.vertices):
                 break
             larger = min(bounds.distance_over_angle(trial.measured), LESS_DISTANCE)
             settings, steps = replace(trial.settings, anchors=count), steps.times(larger**CAREFUL)
