@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Final
 
 from deltamesh._geometry.bounds import Bounds
-from deltamesh._geometry.candidates import SMALL
+from deltamesh._geometry.candidates import FEW_BYTES, SMALL
 from deltamesh._geometry.trial import Attempt, Trial
 from deltamesh._options import DEFAULT_EFFORT
 from deltamesh_formats.errors import MeshError
@@ -16,20 +16,18 @@ from deltamesh_formats.errors import MeshError
 # further: a percent of the step is up to half a percent of the bytes.
 TRIES: Final = 2
 NEAREST, NEAR = 0.995, 1.01
-# Of meshes of so few vertices, errors and bytes go up and down with the step: so many steps are
-# tried, up to twice as large.
+# Meshes of so few vertices are tried with steps of so many sixteenths of an octave above the best
+# one, those of few bits with some below.
 TINY: Final = 100
-RUNGS: Final = 16
+LARGER, SMALLER = range(1, 17), range(-8, 0)
 # With corrections, steps change by this as long as the files shrink.
 GROWTH: Final = 1.6
 
 
 def nearer(best: Trial, bounds: Bounds, effort: int, attempt: Attempt) -> Trial:
     """Return a smaller trial, if there is one, whose errors are nearer to their bounds."""
-    if len(best.vertices) > SMALL or effort < DEFAULT_EFFORT:
+    if not TINY < len(best.vertices) <= SMALL or effort < DEFAULT_EFFORT:
         return best
-    if len(best.vertices) <= TINY:
-        return _of_ladder(best, bounds, attempt)
     excess = bounds.excess(best.measured)
     reach = NEAREST / excess if excess else math.inf
     for _ in range(TRIES):
@@ -47,12 +45,19 @@ def nearer(best: Trial, bounds: Bounds, effort: int, attempt: Attempt) -> Trial:
     return best
 
 
-def _of_ladder(best: Trial, bounds: Bounds, attempt: Attempt) -> Trial:
-    """Return the smallest trial within the bounds, and of some steps above that of the best."""
+def luckier(best: Trial, bounds: Bounds, effort: int, attempt: Attempt) -> Trial:
+    """Return a smaller trial, if there is one, where bytes go up and down with the step.
+
+    They do so where vertices are few, or have a few bits, as on regular grids.
+    """
+    n = len(best.vertices)
+    is_flat = n <= SMALL and best.size < FEW_BYTES * n
+    if effort < DEFAULT_EFFORT or not (n <= TINY or is_flat):
+        return best
     step = best.step
-    for rung in range(1, RUNGS + 1):
+    for rung in LARGER if n <= TINY else SMALLER:
         try:
-            trial = attempt(replace(best.settings, step=step * 2 ** (rung / RUNGS)))
+            trial = attempt(replace(best.settings, step=step * 2 ** (rung / 16)))
         except MeshError:
             break
         if bounds.excess(trial.measured) <= 1 and trial.size < best.size:

@@ -18,7 +18,7 @@ import numpy as np
 from deltamesh._geometry.bounds import NO_BOUNDS, Bounds
 from deltamesh._geometry.candidates import BINDING, SMALL, candidates, may_pay
 from deltamesh._geometry.foresight import Foresight, foresight
-from deltamesh._geometry.last_trials import TINY, nearer, with_corrections
+from deltamesh._geometry.last_trials import TINY, luckier, nearer, with_corrections
 from deltamesh._geometry.part_search import (
     Components,
     Steps,
@@ -53,6 +53,8 @@ NEARLY: Final = 1.06
 # Small meshes are tried with anchors weighed in least squares, which takes the time of two trials,
 # if the vectors of cells, which those do without, are more than that share of a file.
 CELLS_WEIGH: Final = 0.01
+# Up to so many vertices, systems of other numbers of anchors are factored as well.
+FACTORED: Final = 5000
 
 
 def smallest(
@@ -126,6 +128,7 @@ def smallest(
         if found is not None and (best is None or found[0].size < best.size):
             best, steps = found
     if best is not None and steps is not None:
+        best = luckier(best, bounds, options.effort, attempt)
         best = _with_least_squares(best, steps, bounds, components, options, attempt)
         best = nearer(best, bounds, options.effort, attempt)
         return with_corrections(best, bounds, attempt)
@@ -154,7 +157,7 @@ def _fit(
     best: Trial | None,
     missed: list[Trial],
 ) -> tuple[Trial, Steps] | None:
-    """Return a trial within the bounds whose steps are about the largest; None if it cannot win."""
+    """Return the smallest of trials up to about the largest steps; None if it cannot win."""
     if components.alone:
         close = close_enough(options.effort, len(components.of_vertex))
         trial = fit_step(settings, bounds, start.base, close, attempt, best, missed)
@@ -278,6 +281,7 @@ def _with_least_squares(
     if not is_far and cells <= CELLS_WEIGH * best.size:
         return best
     settings = replace(best.settings, interpolated=False)
+    steps = steps.times(best.step / steps.coarsest)
     try:
         attempt(components.settings(settings, steps))  # which the search goes on with
     except (LimitError, MeshError):
@@ -285,7 +289,7 @@ def _with_least_squares(
     found = _fit(settings, bounds, steps, components, options, attempt, best, [])
     if found is None or found[0].size >= best.size:
         return best
-    if options.anchors is None:
+    if options.anchors is None and len(best.vertices) <= FACTORED:
         found = _with_other_anchors(found, bounds, components, options, attempt)
     return found[0]
 

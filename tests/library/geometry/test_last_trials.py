@@ -12,7 +12,16 @@ from deltamesh import encode, info
 from deltamesh._geometry import last_trials
 from deltamesh._geometry.bounds import Bounds
 from deltamesh._geometry.candidates import SMALL
-from deltamesh._geometry.last_trials import NEAR, NEAREST, RUNGS, TINY, TRIES, nearer
+from deltamesh._geometry.last_trials import (
+    LARGER,
+    NEAR,
+    NEAREST,
+    SMALLER,
+    TINY,
+    TRIES,
+    luckier,
+    nearer,
+)
 from deltamesh._geometry.trial import SECTION, Trial
 from deltamesh._measures.measure import Measured
 from deltamesh._measures.metrics import VertexErrors
@@ -22,7 +31,7 @@ from deltamesh_formats.errors import MeshError
 BOUNDS = Bounds(normal_deviation=1.0)
 
 
-def searched(error, size, n=TINY + 1, step=1.0, effort=2):
+def searched(error, size, n=TINY + 1, step=1.0, effort=2, function=nearer):
     """Return the last trial of laws of the step, and the steps that were asked for."""
     asked = []
 
@@ -36,11 +45,11 @@ def searched(error, size, n=TINY + 1, step=1.0, effort=2):
 
     best = attempt(settings_of(Options(method="refined", step=step), "refined"))
     asked.clear()
-    return nearer(best, BOUNDS, effort, attempt), asked
+    return function(best, BOUNDS, effort, attempt), asked
 
 
 def falling(step):
-    return round(1000 / step)
+    return round(10_000 / step)
 
 
 def test_a_step_is_larger_where_errors_are_below_their_bounds():
@@ -61,18 +70,19 @@ def test_a_step_that_is_too_large_is_halved_in_octaves():
 
 
 def test_larger_files_are_left():
-    assert searched(lambda step: 0.9 * step, lambda _: 1000)[0].step == 1.0
+    assert searched(lambda step: 0.9 * step, lambda _: 10_000)[0].step == 1.0
 
 
 def test_large_meshes_and_little_effort_have_no_last_trials():
     for n, effort in [(SMALL + 1, 2), (SMALL + 1, 3), (SMALL, 1), (TINY, 1)]:
-        assert searched(lambda step: 0.5 * step, falling, n, effort=effort)[1] == []
+        for function in (nearer, luckier):
+            assert searched(lambda step: 0.5 * step, falling, n, 1.0, effort, function)[1] == []
     assert searched(lambda step: 0.9 * step, falling, SMALL)[1]
 
 
 def test_few_vertices_take_the_smallest_of_a_ladder_of_steps():
     """Its errors exceed the bounds in between."""
-    best_step = 2 ** (11 / RUNGS)
+    best_step = 2 ** (11 / 16)
 
     def error(step):
         return 2.0 if 1.1 < step < 1.4 or step > 1.9 else 0.9
@@ -80,9 +90,21 @@ def test_few_vertices_take_the_smallest_of_a_ladder_of_steps():
     def size(step):
         return 40 if math.isclose(step, best_step) else 50
 
-    found, asked = searched(error, size, n=TINY)
-    assert len(asked) == RUNGS
+    found, asked = searched(error, size, TINY, function=luckier)
+    assert len(asked) == len(LARGER)
     assert found.step == pytest.approx(best_step)
+
+
+def test_files_of_few_bits_take_the_smallest_of_finer_steps():
+    luck = 2 ** (-5 / 16)
+    found, asked = searched(
+        lambda step: 0.99,
+        lambda step: 40 if math.isclose(step, luck) else 50,
+        SMALL,
+        function=luckier,
+    )
+    assert len(asked) == len(SMALLER)
+    assert found.step == pytest.approx(luck)
 
 
 def test_a_step_that_is_no_step_of_a_mesh_ends_the_trials():
@@ -91,13 +113,13 @@ def test_a_step_that_is_no_step_of_a_mesh_ends_the_trials():
             raise MeshError("too small")
         return 0.5
 
-    for n in (TINY, SMALL):
-        assert searched(error, falling, n)[0].step == 1.0
+    for n, function in [(TINY, luckier), (SMALL, nearer)]:
+        assert searched(error, falling, n, function=function)[0].step == 1.0
 
 
 def test_sections_count_beside_their_payloads():
     found, _ = searched(lambda step: step, falling)
-    assert found.size == 1000 + SECTION
+    assert found.size == 10_000 + SECTION
 
 
 def test_files_become_smaller_within_the_same_bounds(monkeypatch):
