@@ -19,7 +19,7 @@ NEAREST, NEAR = 0.995, 1.01
 # Meshes of so few vertices are tried with steps of so many sixteenths of an octave above the best
 # one, those of few bits with some below.
 TINY: Final = 100
-LARGER, SMALLER = range(1, 17), range(-8, 0)
+LARGER, SMALLER = range(1, 17), range(-3, 0)
 # With corrections, steps change by this as long as the files shrink.
 GROWTH: Final = 1.6
 

@@ -53,7 +53,7 @@ NEARLY: Final = 1.06
 # Small meshes are tried with anchors weighed in least squares, which takes the time of two trials,
 # if the vectors of cells, which those do without, are more than that share of a file.
 CELLS_WEIGH: Final = 0.01
-# Up to so many vertices, systems of other numbers of anchors are factored as well.
+# Up to so many vertices, other steps and systems of other numbers of anchors are tried as well.
 FACTORED: Final = 5000
 
 
@@ -219,7 +219,7 @@ def _with_other_anchors(
     """Return a smaller trial, if there is one, with fewer or more anchors.
 
     More are tried where a distance bounds the trial. Fewer are tried where a guess has asked for
-    more than the default, and an angle or corrections keep the bounds.
+    more than the default, and an angle would still bound the trial, or corrections keep a distance.
     """
 
     def is_far(trial: Trial) -> bool:
@@ -229,7 +229,8 @@ def _with_other_anchors(
         while found[0].settings.anchors is not None:
             trial, steps = found
             count = trial.parameters.anchor_count // MORE_ANCHORS
-            if not count or (is_far(trial) and bounds.max == math.inf):
+            is_near = bounds.distance_over_angle(trial.measured) * LESS_DISTANCE <= 1
+            if not count or not (is_near or bounds.max < math.inf):
                 break
             settings = replace(trial.settings, anchors=count)
             other = _fit(settings, bounds, steps, components, options, attempt, trial, [])
@@ -283,11 +284,13 @@ def _with_least_squares(
     settings = replace(best.settings, interpolated=False)
     steps = steps.times(best.step / steps.coarsest)
     try:
-        attempt(components.settings(settings, steps))  # which the search goes on with
+        first = attempt(components.settings(settings, steps))
     except (LimitError, MeshError):
         return best
-    found = _fit(settings, bounds, steps, components, options, attempt, best, [])
-    if found is None or found[0].size >= best.size:
+    found: tuple[Trial, Steps] | None = first, steps
+    if len(best.vertices) <= FACTORED:  # the search begins with the first trial
+        found = _fit(settings, bounds, steps, components, options, attempt, best, [])
+    if found is None or bounds.excess(found[0].measured) > 1 or found[0].size >= best.size:
         return best
     if options.anchors is None and len(best.vertices) <= FACTORED:
         found = _with_other_anchors(found, bounds, components, options, attempt)

@@ -96,7 +96,7 @@ def test_few_vertices_take_the_smallest_of_a_ladder_of_steps():
 
 
 def test_files_of_few_bits_take_the_smallest_of_finer_steps():
-    luck = 2 ** (-5 / 16)
+    luck = 2 ** (-2 / 16)
     found, asked = searched(
         lambda step: 0.99,
         lambda step: 40 if math.isclose(step, luck) else 50,
