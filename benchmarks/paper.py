@@ -5,7 +5,6 @@ D. Cohen-Or, O. Sorkine, "Encoding Meshes in Differential Coordinates", SCCG 200
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -18,6 +17,7 @@ import paper_edits
 import paper_graphs
 import paper_shapes
 import paper_spectra
+from pages import replaced
 from paper_models import is_there
 from paper_tables import Table, markdown
 
@@ -33,7 +33,6 @@ _MODULES = (
 TABLES: Mapping[str, Table] = {one.name: one for module in _MODULES for one in module.TABLES}
 
 PAGE = Path(__file__).parents[1] / "docs" / "paper.md"
-_PLACE = r"^<!-- table: {} -->\n\n((?:\|.*\n)*)"
 
 _EXAMPLES = """\
 python benchmarks/paper.py
@@ -65,19 +64,6 @@ def command(names: tuple[str, ...], quick: bool, write: bool) -> None:
             )
         else:
             click.echo(f"{name}\n\n{text}\n")
-
-
-def shown(page: str, name: str) -> str:
-    """Return the table of a name that a page shows, as Markdown, "" where it has none yet."""
-    (found,) = re.findall(_PLACE.format(name), page, re.MULTILINE)
-    return str(found).strip()
-
-
-def replaced(page: str, name: str, text: str) -> str:
-    """Return a page with another table of that name."""
-    return re.sub(
-        _PLACE.format(name), f"<!-- table: {name} -->\n\n{text}\n", page, flags=re.MULTILINE
-    )
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
+from pages import lines
 from paper_models import Model, is_there, model
 
 Row = tuple[str, ...]
@@ -38,8 +39,7 @@ class Table:
 
 def markdown(table: Table, rows: Iterable[Row]) -> str:
     """Return a table as a page has it."""
-    lines = [table.heading, ("---",) * len(table.heading), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    return "\n".join(lines([table.heading, *rows]))
 
 
 def small(x: float) -> str:

@@ -141,7 +141,7 @@ threads: Final = click.option(
     "--threads",
     type=whole(1),
     metavar="N",
-    help="Number of threads of the solver, which does not change the output."
+    help="Number of threads that solve for positions, which does not change the output."
     "  [default: one per core]",
 )
 

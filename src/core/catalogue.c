@@ -112,6 +112,7 @@ static const dm_constant CONSTANTS[] = {
     CONSTANT(DM_LANES),
     CONSTANT(DM_MAX_LEVELS),
     CONSTANT(DM_MAX_DENSE),
+    CONSTANT(DM_BLOCK),
 };
 
 const dm_model *dm_find_model(const char *name)

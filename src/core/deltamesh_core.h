@@ -343,22 +343,28 @@ DM_API int dm_normal_matrix(const int32_t *indptr, int64_t n, const int32_t *ind
                             double *values, int64_t filled, int64_t *place);
 
 /* multigrid.c */
+DM_API int dm_choose_block(const int32_t *indptr, int64_t n, const int32_t *indices,
+                           int64_t entries, int64_t *block);
 DM_API int dm_aggregate(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
-                        const float *inverse, int32_t *aggregate, int64_t *count);
+                        const float *inverse, int64_t block, int32_t *aggregate, int64_t *count);
 DM_API int dm_coarsen(const int32_t *indptr, int64_t n, const int32_t *indices, int64_t entries,
                       const float *weights, const float *diagonal, const int32_t *aggregate,
                       int64_t m, int32_t *coarse_indptr, int32_t *coarse_indices,
                       float *coarse_weights, float *coarse_diagonal, int64_t *coarse_entries,
                       int32_t *members, int32_t *starts, int32_t *place);
 DM_API int dm_factor_dense(double *factor, int64_t n);
+
+/* poisson.c */
+DM_API int dm_solve_block(const void *of, int64_t index);
 DM_API int dm_solve_poisson(const int64_t *sizes, const int64_t *entries, int64_t levels,
                             const int32_t *near, const int32_t *neighbours,
                             const int32_t *indptr, const int32_t *indices, const float *weights,
                             const float *diagonal, const float *inverse, const int32_t *aggregate,
                             const double *factor, int64_t dense, const double *b, double *x,
                             double tolerance, int64_t most, double *barrier, double *bound,
-                            int64_t *iterations, double *w, double *r, double *p, double *q,
-                            float *cycle_b, float *cycle_x);
+                            int64_t *iterations, int64_t block, int (*each)(void *, int64_t),
+                            double *sums, double *w, double *r, double *p, double *q,
+                            float *cycle_b, float *cycle_x, uint8_t *border);
 
 /* supernodes.c */
 DM_API int dm_plan(const int64_t *indptr, int64_t n, const int64_t *indices, int64_t entries,

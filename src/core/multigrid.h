@@ -8,4 +8,8 @@ enum { DM_COORDINATES = 3, DM_LANES = DM_COORDINATES + 1 };
 /* Levels, each at most half as large as the one before, and the nodes of a dense one. */
 enum { DM_MAX_LEVELS = 40, DM_MAX_DENSE = 128 };
 
+/* Rows of the finest level that are swept in turn; blocks of them may be swept at once. Smaller ones
+   would take more iterations, larger ones leave threads idle. */
+enum { DM_BLOCK = 1 << 15 };
+
 #endif

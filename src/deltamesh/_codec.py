@@ -167,7 +167,8 @@ def encode(
     solver : {"auto", "core", "rslab", "pardiso", "scipy"}
         Default: the compiled core for small meshes, else rslab or, where it is missing, scipy.
     threads : int, optional
-        For the solver. Default: all cores. The bytes do not depend on it.
+        Of the solvers, where a mesh has many vertices. Default: one for each core. The bytes do not
+        depend on it.
     drop_isolated : bool
         Leave out the vertices that belong to no face.
     keep_order : bool
@@ -384,7 +385,8 @@ def decode(
     solver : {"auto", "core", "rslab", "pardiso", "scipy"}
         Default: the compiled core for small meshes, else rslab or, where it is missing, scipy.
     threads : int, optional
-        For the solver. Default: all cores.
+        Of the solvers, where a mesh has many vertices. Default: one for each core. The positions do
+        not depend on it.
     max_vertices, memory : int
         Refuse files with more vertices, or that would take more bytes of memory.
     progress : callable, optional

@@ -30,6 +30,7 @@ corpus, curves, equal, headline, large, processes, run, shapes = map(
 SCRIPTS = (
     "run",
     "anchors",
+    "spikes",
     "headline",
     "curves",
     "speed",

@@ -98,6 +98,7 @@ TWINS: Mapping[str, tuple[str, ...] | str] = {
     "mesh.multigrid": (
         "poisson_oracle.aggregates",
         "poisson_oracle.coarsened",
+        "poisson_oracle.descended",
         "poisson_oracle.factor",
     ),
     "mesh.neighbours": ("oracle.neighbours", "oracle.component_labels"),

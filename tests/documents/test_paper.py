@@ -18,8 +18,8 @@ from places import BENCHMARKS, ROOT
 from deltamesh_cli.program import cli
 
 sys.path.append(str(BENCHMARKS))
-paper, paper_models, renderings = map(
-    importlib.import_module, ("paper", "paper_models", "renderings")
+pages, paper, paper_models, renderings = map(
+    importlib.import_module, ("pages", "paper", "paper_models", "renderings")
 )
 
 PAGE = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
@@ -33,7 +33,7 @@ SLOW = [(name, mesh) for name, table in paper.TABLES.items() for mesh in table.s
 
 
 def rows(name: str) -> list[list[str]]:
-    lines = paper.shown(PAGE, name).splitlines()
+    lines = pages.shown(PAGE, name).splitlines()
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
 
 
@@ -148,10 +148,10 @@ def test_a_command_prints_what_the_page_shows(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_a_table_is_replaced_alone() -> None:
-    other = paper.replaced(PAGE, "modes", "| a |\n| --- |")
-    assert paper.shown(other, "modes") == "| a |\n| --- |"
-    assert paper.shown(other, "rows") == paper.shown(PAGE, "rows")
-    assert paper.replaced(other, "modes", paper.shown(PAGE, "modes")) == PAGE
+    other = pages.replaced(PAGE, "modes", "| a |\n| --- |")
+    assert pages.shown(other, "modes") == "| a |\n| --- |"
+    assert pages.shown(other, "rows") == pages.shown(PAGE, "rows")
+    assert pages.replaced(other, "modes", pages.shown(PAGE, "modes")) == PAGE
 
 
 @pytest.mark.parametrize(

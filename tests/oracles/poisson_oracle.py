@@ -35,6 +35,41 @@ def smoothed(matrix, x, rounds):
     return x
 
 
+def within_blocks(rows, block):
+    """The neighbours of each node that are in the same block of so many."""
+    return [[w for w in around if w // block == v // block] for v, around in enumerate(rows)]
+
+
+def cycled(matrix, of, count, b, block, correction=1.7):
+    """The cycle of two levels, for a dense matrix of free nodes and any b.
+
+    Gauss and Seidel within blocks, from zero; what the coarse level makes of the residual, times
+    the correction; and the same sweep, backward.
+    """
+    n = len(matrix)
+    same = np.arange(n)[:, None] // block == np.arange(n) // block
+    lower, upper = np.tril(matrix) * same, np.triu(matrix) * same
+    x = np.linalg.solve(lower, b)
+    if count:
+        coarse = coarsened(matrix, of, count)
+        spread = indicators(of, count)
+        x = x + correction * spread @ np.linalg.solve(coarse, spread.T @ (b - matrix @ x))
+    return x + np.linalg.solve(upper, b - matrix @ x)
+
+
+def descended(matrix, of, count, b, x, block, most):
+    """Conjugate gradients from x, preconditioned by `cycled`, each column for itself."""
+    r, p, before = b - matrix @ x, np.zeros_like(x), None
+    for _ in range(most):
+        z = cycled(matrix, of, count, r, block)
+        now = (r * z).sum(axis=0)
+        p = z if before is None else z + now / before * p
+        q = matrix @ p
+        a = now / (p * q).sum(axis=0)
+        x, r, before = x + a * p, r - a * q, now
+    return x
+
+
 def aggregates(rows, free):
     """Which aggregate each node is in, and how many there are.
 
@@ -57,11 +92,17 @@ def aggregates(rows, free):
 
 def coarsened(matrix, of, count):
     """P^T A P, with a column of P for each aggregate."""
-    indicators = np.zeros((len(matrix), count))
+    spread = indicators(of, count)
+    return spread.T @ matrix @ spread
+
+
+def indicators(of, count):
+    """P: which nodes are in each aggregate."""
+    found = np.zeros((len(of), count))
     for v, k in enumerate(of):
         if k >= 0:
-            indicators[v, k] = 1
-    return indicators.T @ matrix @ indicators
+            found[v, k] = 1
+    return found
 
 
 def factor(matrix):

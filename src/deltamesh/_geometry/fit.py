@@ -15,11 +15,13 @@ solved to the end: what they leave is smooth, and y is rounded in any case.
 
 from __future__ import annotations
 
+from itertools import islice
 from typing import Final
 
 import numpy as np
 
 from deltamesh._geometry.cells import Cells
+from deltamesh._geometry.directions import directions, quotient
 from deltamesh._geometry.poisson import Poisson
 from deltamesh._graph.adjacency import lowest
 from deltamesh._kernels.mesh import laplacian
@@ -31,16 +33,14 @@ ROUNDS: Final = 10
 STEPS: Final = 2
 FIRST: Final = 5
 FURTHER: Final = 3
-# Below this, a product of the gradients is rounding.
-TINY: Final = 1e-300
 
 
 class Fit:
     """The Poisson problems of a fit: with one fixed vertex a component, since e is free to move."""
 
-    def __init__(self, cells: Cells) -> None:
+    def __init__(self, cells: Cells, threads: int | None = None) -> None:
         self._cells = cells
-        self._poisson = Poisson(cells.graph, lowest(cells.labels))
+        self._poisson = Poisson(cells.graph, lowest(cells.labels), threads)
 
     def smooth(self, q: Floats) -> Floats:
         """Return a y, float64 (k, 3), that needs no solve: the means of the smoothed q (n, 3)."""
@@ -55,18 +55,15 @@ class Fit:
         y = self.smooth(q)
         e = self._inverse(cells.completed(q, -y), FIRST)
         r = cells.sums(e)
-        z = p = self._fluxes(r)
-        product = (r * z).sum(axis=0)
-        for _ in range(STEPS if len(cells.shared) else 0):
+        steps = STEPS if len(cells.shared) else 0
+        for p, product in islice(directions(r, self._fluxes), steps):
             b = self._inverse(p[cells.of], FURTHER)
             image = cells.sums(b)
-            a = product / np.maximum((p * image).sum(axis=0), TINY)
+            a = quotient(product, (p * image).sum(axis=0))
             b *= a
             e -= b
-            y, r = y + a * p, r - a * image
-            z, before = self._fluxes(r), product
-            product = (r * z).sum(axis=0)
-            p = z + product / np.maximum(before, TINY) * p
+            y += a * p
+            r -= a * image
         return y, e
 
     def _fluxes(self, r: Floats) -> Floats:

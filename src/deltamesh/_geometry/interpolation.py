@@ -36,11 +36,13 @@ class Interpolation:
     ----------
     cells : Cells
         Of the anchors; every component has one.
+    threads : int, optional
+        See `Poisson`.
     """
 
-    def __init__(self, cells: Cells) -> None:
+    def __init__(self, cells: Cells, threads: int | None = None) -> None:
         self.cells = cells
-        self._poisson = Poisson(cells.graph, cells.anchors)
+        self._poisson = Poisson(cells.graph, cells.anchors, threads)
 
     def solve(
         self,

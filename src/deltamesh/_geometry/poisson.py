@@ -19,8 +19,10 @@ from deltamesh._kernels.mesh.multigrid import (
     Level,
     Singles,
     aggregate,
+    choose_block,
     coarsen,
 )
+from deltamesh._machine import available_cores
 from deltamesh_formats.array_types import Floats, Ints, Shorts
 
 # Iterations that no surface needs.
@@ -39,14 +41,18 @@ class Poisson:
         Neighbour lists, from `adjacency.adjacency`.
     fixed : int64 (k,)
         Vertices that keep their positions; every component needs one.
+    threads : int, optional
+        Those that solve for positions, where there are many. Default: one for each core.
     """
 
-    def __init__(self, graph: Graph, fixed: Ints) -> None:
+    def __init__(self, graph: Graph, fixed: Ints, threads: int | None = None) -> None:
         diagonal = np.diff(graph[0]).astype(np.float32)
         free = diagonal > 0
         free[fixed] = False
         inverse = np.divide(1, diagonal, out=np.zeros_like(diagonal), where=free)
-        self._hierarchy = Hierarchy(_levels(*graph, diagonal, inverse))
+        block = choose_block(*graph)
+        self._hierarchy = Hierarchy(_levels(*graph, diagonal, inverse, block), block)
+        self._threads = threads or available_cores()
 
     def solve(
         self, b: Floats, x: Floats, tolerance: float = 0.0, most: int = MOST_ITERATIONS
@@ -67,7 +73,7 @@ class Poisson:
         float
             The bound on the error: more than the tolerance after `most` iterations.
         """
-        bound, _ = self._hierarchy.solve(b, x, float(tolerance), most)
+        bound, _ = self._hierarchy.solve(b, x, float(tolerance), most, self._threads)
         return bound
 
     def rounding(self, b: Floats, x: Floats) -> float:
@@ -77,14 +83,20 @@ class Poisson:
         return self._hierarchy.barrier * ROUNDINGS * EPSILON * float(terms.max(initial=0.0))
 
 
-def _levels(indptr: Shorts, indices: Shorts, diagonal: Singles, inverse: Singles) -> list[Level]:
-    """Return the levels, the finest first, each at most half as large as the one before."""
+def _levels(
+    indptr: Shorts, indices: Shorts, diagonal: Singles, inverse: Singles, block: int
+) -> list[Level]:
+    """Return the levels, the finest first, each at most half as large as the one before.
+
+    The finest is in blocks of so many rows.
+    """
     none = np.full(len(diagonal), -1, dtype=np.int32)
     weights = np.zeros(0, dtype=np.float32)
     levels = [Level(indptr, indices, weights, diagonal, inverse, none)]
     while len(levels) < MAX_LEVELS and (len(levels) == 1 or levels[-1].nodes > MAX_DENSE):
         level = levels[-1]
-        found, count = aggregate(level.indptr, level.indices, level.inverse)
+        within = block if len(levels) == 1 else None
+        found, count = aggregate(level.indptr, level.indices, level.inverse, within)
         if not count:
             break
         level.aggregate[:] = found

@@ -164,8 +164,8 @@ def _fit(
         return None if trial is None else (trial, replace(start, base=trial.step))
     effort = options.effort
     tried = fit_steps(settings, bounds, start, components, effort, attempt, best, missed)
-    if tried[0] is None:
-        return None
+    if tried[0] is None and best is not None and best.settings.method != settings.method:
+        return None  # fewer levels are finer steps: another method that lost will not win by them
     trial, steps = with_fewer_levels(settings, bounds, tried, components, effort, attempt, best)
     return None if trial is None else (trial, steps)
 

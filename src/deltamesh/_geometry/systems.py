@@ -23,8 +23,10 @@ class Systems:
     Parameters
     ----------
     surface : Surface
-    solver, threads, memory
+    solver, memory
         Of the least-squares problems, see `LeastSquares`.
+    threads : int, optional
+        Of all problems. Default: one for each core.
 
     Attributes
     ----------
@@ -46,8 +48,8 @@ class Systems:
         self._of_choice = factorization(graph, solver, threads, memory)
         # Not of `self`: a cycle would keep all of it in memory until it is looked for.
         cells = self._cells = remembered(lambda anchors: Cells(graph, labels, anchors))
-        self._interpolation = remembered(lambda anchors: Interpolation(cells(anchors)))
-        self._fit = remembered(lambda anchors: Fit(cells(anchors)))
+        self._interpolation = remembered(lambda anchors: Interpolation(cells(anchors), threads))
+        self._fit = remembered(lambda anchors: Fit(cells(anchors), threads))
         self._farthest = lru_cache(maxsize=1)(lambda k: choice.farthest(*graph, labels, k))
         self._cells_apart = lru_cache(maxsize=2)(
             lambda count: Cells(graph, labels, choice.farthest(*graph, labels, count))

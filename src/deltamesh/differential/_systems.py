@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import islice
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from deltamesh._geometry import solve
 from deltamesh._geometry.cells import Cells
+from deltamesh._geometry.directions import directions, quotient
 from deltamesh._geometry.interpolation import Interpolation
 from deltamesh._vectors import largest, sides
 from deltamesh.differential._graphs import graph_of, rows_of, vertices_of
@@ -230,16 +232,14 @@ def fitted_positions(
 
     c = V[system.anchors]
     r = transposed(V - system.solve(delta, c))
-    p, product = r, (r * r).sum(axis=0)
-    least = tolerance**2 * product
-    for _ in range(most):
+    least = tolerance**2 * (r * r).sum(axis=0)
+    for p, product in islice(directions(r, np.copy), most):
         if (product <= least).all():
             break
-        q = transposed(applied(p))
-        a = product / np.maximum((p * q).sum(axis=0), np.finfo(np.float64).tiny)
-        c, r, before = c + a * p, r - a * q, product
-        product = (r * r).sum(axis=0)
-        p = r + product / np.maximum(before, np.finfo(np.float64).tiny) * p
+        image = transposed(applied(p))
+        a = quotient(product, (p * image).sum(axis=0))
+        c += a * p
+        r -= a * image
     return c
 
 

@@ -1,5 +1,5 @@
 // Poisson problem: positions whose graph Laplacian is given, with some vertices held fixed, by
-// multigrid and conjugate gradients (src/core/multigrid.c).
+// multigrid and conjugate gradients (src/core/poisson.c).
 import { at, out, place, real, room, shorts, shortsOut } from "./core.mjs";
 import { given } from "./graph.mjs";
 
@@ -21,10 +21,11 @@ export function hierarchyOf(core, graph, fixed) {
   const weights = new Float32Array(0);
   const levels = [{ indptr, indices, weights, diagonal, inverse, aggregate: none(n) }];
   const [most, dense] = ["DM_MAX_LEVELS", "DM_MAX_DENSE"].map((name) => core.constant(name));
+  const block = blockOf(core, graph);
   const isLarge = () => levels.length === 1 || levels.at(-1).diagonal.length > dense;
   while (levels.length < most && isLarge()) {
     const level = levels.at(-1);
-    const count = aggregate(core, level);
+    const count = aggregate(core, level, levels.length === 1 ? block : level.diagonal.length);
     if (!count) break;
     levels.push(coarsened(core, level, count));
   }
@@ -41,7 +42,7 @@ export function hierarchyOf(core, graph, fixed) {
   };
   const sizes = Int32Array.from(levels, (level) => level.diagonal.length);
   const entries = Int32Array.from(levels, (level) => level.indices.length);
-  return { n, finest, sizes, entries, ...arrays, factor, dense: isDense ? last : 0, barrier: 0 };
+  return { n, finest, sizes, entries, ...arrays, factor, dense: isDense ? last : 0, block, barrier: 0 };
 }
 
 const none = (count) => new Int32Array(count).fill(-1);
@@ -57,10 +58,18 @@ function concatenated(arrays) {
 
 const rowsOf = (level) => given({ count: level.diagonal.length, ...level });
 
-/** Fill in the aggregate of each node; return how many there are. */
-function aggregate(core, level) {
+/** Return the rows of a block of the finest level. */
+function blockOf(core, graph) {
+  const block = place();
+  core.call("dm_choose_block", ...given(graph), block);
+  return Number(block.value);
+}
+
+/** Fill in the aggregate of each node, within blocks of nodes; return how many there are. */
+function aggregate(core, level, within) {
   const count = place();
-  core.call("dm_aggregate", ...rowsOf(level), level.inverse, shortsOut(level.aggregate), count);
+  const own = [level.inverse, within, shortsOut(level.aggregate)];
+  core.call("dm_aggregate", ...rowsOf(level), ...own, count);
   return Number(count.value);
 }
 
@@ -114,13 +123,15 @@ export function solvePoisson(core, hierarchy, b, x, tolerance) {
   const numbers = [hierarchy.diagonal, hierarchy.inverse, shorts(hierarchy.aggregate)];
   const wanted = [b, out(solution), real(tolerance), MOST_ITERATIONS];
   const found = [out(barrier), out(bound), place()];
-  const memory = [n, lanes * n, lanes * n, lanes * n].map((count) => room(count));
+  const blocks = Math.ceil(n / hierarchy.block);
+  const memory = [lanes * blocks, n, lanes * n, lanes * n, lanes * n].map((count) => room(count));
   const coarse = Math.ceil((lanes * (nodes - n)) / 2); // floats of 32 bits
   const dense = [hierarchy.factor, hierarchy.dense];
   core.call(
     "dm_solve_poisson",
-    ...[...levels, ...numbers, ...dense, ...wanted, ...found, ...memory],
-    ...[room(coarse), room(coarse)],
+    ...[...levels, ...numbers, ...dense, ...wanted, ...found],
+    ...[hierarchy.block, at(0), ...memory],
+    ...[room(coarse), room(coarse), room(Math.ceil(n / 8))],
   );
   [hierarchy.barrier] = barrier;
   return { solution, bound: bound[0] };

@@ -11,9 +11,10 @@ import poisson_oracle
 import pytest
 from sparse_matrices import GRAPHS
 
-from deltamesh._graph.adjacency import adjacency
+from deltamesh._geometry.poisson import Poisson
+from deltamesh._graph.adjacency import adjacency, adjacency_between
 from deltamesh._kernels.mesh import multigrid
-from deltamesh._kernels.mesh.multigrid import COORDINATES, MAX_DENSE, Hierarchy, Level
+from deltamesh._kernels.mesh.multigrid import BLOCK, COORDINATES, MAX_DENSE, Hierarchy, Level
 from deltamesh_formats.array_types import Ints
 
 MESHES = meshes.every()
@@ -78,6 +79,27 @@ def test_levels_are_those_of_dense_matrices(name: str, share: float) -> None:
         assert (level.aggregate == -1).all()
 
 
+@pytest.mark.parametrize("name", LAPLACIANS)
+@pytest.mark.parametrize("block", [1, 2, 7, 40])
+def test_aggregates_stay_within_blocks(name: str, block: int) -> None:
+    level = finest(LAPLACIANS[name], some_fixed(len(LAPLACIANS[name]), 3))
+    rows = [row.tolist() for row in np.split(level.indices, level.indptr[1:-1])]
+    of, count = multigrid.aggregate(level.indptr, level.indices, level.inverse, block)
+    within = poisson_oracle.within_blocks(rows, block)
+    assert (of.tolist(), count) == poisson_oracle.aggregates(within, level.inverse != 0)
+
+
+def test_blocks_are_of_many_rows_unless_these_are_not_apart() -> None:
+    n = BLOCK + 100
+    chain = np.stack((np.arange(n - 1), np.arange(1, n)))
+    assert multigrid.choose_block(*adjacency_between(*chain, n)) == BLOCK
+    star = np.stack((np.full(n - 1, BLOCK), np.delete(np.arange(n), BLOCK)))
+    assert multigrid.choose_block(*adjacency_between(*star, n)) == n
+    few = np.concatenate([chain, star[:, : n // 10]], axis=1)
+    assert multigrid.choose_block(*adjacency_between(*few, n)) == BLOCK
+    assert multigrid.choose_block(*adjacency_between(*star[:, :0], 0)) == BLOCK
+
+
 @pytest.mark.parametrize("n", [0, 1, 2, 30, MAX_DENSE])
 def test_dense_factors(n: int) -> None:
     root = RNG.normal(size=(n, n))
@@ -102,12 +124,53 @@ def test_matrices_that_are_not_positive_are_refused(wrong: float) -> None:
         multigrid.factor_dense(np.diag([1.0, wrong, 1.0]))
 
 
-def hierarchy_of(L, fixed) -> Hierarchy:
+def hierarchy_of(L, fixed, block=None) -> Hierarchy:
     """Two levels: the coarse one is solved by a dense factor."""
     level = finest(L, fixed)
-    of, count = multigrid.aggregate(level.indptr, level.indices, level.inverse)
+    of, count = multigrid.aggregate(level.indptr, level.indices, level.inverse, block)
     level.aggregate[:] = of
-    return Hierarchy([level, multigrid.coarsen(level, count)] if count else [level])
+    levels = [level, multigrid.coarsen(level, count)] if count else [level]
+    return Hierarchy(levels, block or len(L))
+
+
+TWO_LEVELS = [name for name, L in LAPLACIANS.items() if len(poisson_oracle.parts(L)) == 1]
+
+
+@pytest.mark.parametrize("name", TWO_LEVELS)
+@pytest.mark.parametrize("block", [1, 9, 64, 1000])
+@pytest.mark.parametrize("threads", [1, 3])
+def test_a_few_iterations_are_those_of_dense_matrices(name: str, block: int, threads: int) -> None:
+    L, fixed = LAPLACIANS[name], np.array([len(LAPLACIANS[name]) // 2])
+    n, level = len(L), finest(L, fixed)
+    free = np.setdiff1d(np.arange(n), fixed)
+    of, count = multigrid.aggregate(level.indptr, level.indices, level.inverse, block)
+    if not len(free) or count > MAX_DENSE:
+        return
+    # The dense twin has all nodes, so that blocks are the same: the fixed one is alone, at 0.
+    matrix = np.diag(np.diag(L))
+    matrix[np.ix_(free, free)] = L[np.ix_(free, free)]
+    b, none = L @ RNG.normal(size=(n, COORDINATES)), np.zeros((n, COORDINATES))
+    b[fixed] = 0
+    for most in (1, 3):
+        x = none.copy()
+        hierarchy_of(L, fixed, block).solve(b, x, 0.0, most, threads)
+        expected = poisson_oracle.descended(matrix, of, count, b, none, block, most)
+        np.testing.assert_allclose(x, expected, atol=2e-4 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("threads", [2, 3, 9])
+def test_the_result_does_not_depend_on_threads(threads: int) -> None:
+    n = 3 * BLOCK + 7
+    faces = np.array([(i, i + 1, i + 2) for i in range(n - 2)])
+    graph = adjacency(faces, n)
+    fixed = np.arange(0, n, 200)
+    b, start = RNG.normal(size=(n, COORDINATES)), np.zeros((n, COORDINATES))
+    results = []
+    for each in (1, threads):
+        x = start.copy()
+        found = Poisson(graph, fixed, each).solve(b, x, 1e-6)
+        results.append((found, x.tobytes()))
+    assert results[0] == results[1]
 
 
 @pytest.mark.parametrize("name", LAPLACIANS)

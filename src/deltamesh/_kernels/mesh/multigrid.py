@@ -26,12 +26,13 @@ from deltamesh._kernels.core import (
     singles,
     singles_out,
 )
+from deltamesh._kernels.sharing import shared
 from deltamesh_formats.array_types import Floats, Shorts
 
 Singles = NDArray[np.float32]
 
 COORDINATES, LANES = map(constant, ("DM_COORDINATES", "DM_LANES"))
-MAX_LEVELS, MAX_DENSE = map(constant, ("DM_MAX_LEVELS", "DM_MAX_DENSE"))
+MAX_LEVELS, MAX_DENSE, BLOCK = map(constant, ("DM_MAX_LEVELS", "DM_MAX_DENSE", "DM_BLOCK"))
 
 
 @dataclass(frozen=True)
@@ -68,15 +69,28 @@ class Level:
         return dense
 
 
-def aggregate(indptr: Shorts, indices: Shorts, inverse: Singles) -> tuple[Shorts, int]:
+def choose_block(indptr: Shorts, indices: Shorts) -> int:
+    """Return the rows of a block of the finest level: `BLOCK`, or all where blocks would not do."""
+    n, entries, found = len(indptr) - 1, len(indices), number()
+    call(
+        "dm_choose_block", shorts(indptr, n + 1), n, shorts(indices, entries), entries, byref(found)
+    )
+    return found.value
+
+
+def aggregate(
+    indptr: Shorts, indices: Shorts, inverse: Singles, block: int | None = None
+) -> tuple[Shorts, int]:
     """Return the aggregate of each node, int32 (n,), or -1 where it needs none; and their number.
 
-    Fixed nodes, whose `inverse` is 0, and those without free neighbours need none.
+    Fixed nodes, whose `inverse` is 0, and those without free neighbours in their block of so many
+    nodes, by default a block of all, need none.
     """
     n, entries, count = len(indptr) - 1, len(indices), number()
     found = np.empty(n, dtype=np.int32)
     graph = shorts(indptr, n + 1), n, shorts(indices, entries), entries
-    call("dm_aggregate", *graph, singles(inverse, n), shorts_out(found, n), byref(count))
+    own = singles(inverse, n), block or max(n, 1)
+    call("dm_aggregate", *graph, *own, shorts_out(found, n), byref(count))
     return found, count.value
 
 
@@ -125,6 +139,8 @@ class Hierarchy:
     levels : list of Level
         The finest first; at most `MAX_LEVELS`. The coarsest of several is solved exactly if it has
         at most `MAX_DENSE` nodes.
+    block : int
+        Of the finest level, the rows of each block, within which its aggregates are.
 
     Attributes
     ----------
@@ -132,8 +148,8 @@ class Hierarchy:
         A bound on the sums of the rows of |A^-1|, which the first solve finds; 0 before.
     """
 
-    def __init__(self, levels: list[Level]) -> None:
-        self.n = levels[0].nodes
+    def __init__(self, levels: list[Level], block: int = BLOCK) -> None:
+        self.n, self._block = levels[0].nodes, block
         self._sizes = np.array([level.nodes for level in levels], dtype=np.int64)
         self._entries = np.array([len(level.indices) for level in levels], dtype=np.int64)
         self._rows = levels[0].indptr, levels[0].indices
@@ -152,7 +168,9 @@ class Hierarchy:
         """The diagonal of the finest level, float32 (n,)."""
         return self._numbers[0][: self.n]
 
-    def solve(self, b: Floats, x: Floats, tolerance: float, most: int) -> tuple[float, int]:
+    def solve(
+        self, b: Floats, x: Floats, tolerance: float, most: int, threads: int = 1
+    ) -> tuple[float, int]:
         """Solve A x = b in place, from where x starts; fixed nodes keep their x.
 
         Parameters
@@ -162,6 +180,8 @@ class Hierarchy:
             It ends where no coordinate errs more; at 0, no barrier is looked for.
         most : int
             Iterations after which it ends all the same.
+        threads : int
+            They share the blocks; the result does not depend on them.
 
         Returns
         -------
@@ -175,31 +195,37 @@ class Hierarchy:
         (indptr, indices, weights), (diagonal, inverse, aggregate) = self._coarse, self._numbers
         barrier, bound, done = c_double(self.barrier), c_double(), number()
         cycle = (np.empty((coarse, LANES), dtype=np.float32) for _ in range(2))
-        call(
-            "dm_solve_poisson",
-            ints(self._sizes, levels),
-            ints(self._entries, levels),
-            levels,
-            shorts(self._rows[0], n + 1),
-            shorts(self._rows[1], int(self._entries[0])),
-            shorts(indptr, coarse + levels - 1),
-            shorts(indices, entries),
-            singles(weights, entries),
-            singles(diagonal, nodes),
-            singles(inverse, nodes),
-            shorts(aggregate, nodes),
-            floats(self._factor, *self._factor.shape),
-            len(self._factor),
-            floats(b, n, COORDINATES),
-            floats_out(x, n, COORDINATES),
-            tolerance,
-            most,
-            byref(barrier),
-            byref(bound),
-            byref(done),
-            address(np.empty(n)),
-            *(address(np.empty((n, LANES))) for _ in range(3)),
-            *map(address, cycle),
-        )
+        blocks = -(-n // self._block)
+        with shared("dm_solve_block", min(threads, blocks)) as each:
+            call(
+                "dm_solve_poisson",
+                ints(self._sizes, levels),
+                ints(self._entries, levels),
+                levels,
+                shorts(self._rows[0], n + 1),
+                shorts(self._rows[1], int(self._entries[0])),
+                shorts(indptr, coarse + levels - 1),
+                shorts(indices, entries),
+                singles(weights, entries),
+                singles(diagonal, nodes),
+                singles(inverse, nodes),
+                shorts(aggregate, nodes),
+                floats(self._factor, *self._factor.shape),
+                len(self._factor),
+                floats(b, n, COORDINATES),
+                floats_out(x, n, COORDINATES),
+                tolerance,
+                most,
+                byref(barrier),
+                byref(bound),
+                byref(done),
+                self._block,
+                each,
+                address(np.empty((blocks, LANES))),
+                address(np.empty(n)),
+                *(address(np.empty((n, LANES))) for _ in range(3)),
+                *map(address, cycle),
+                address(np.empty(n, dtype=np.uint8)),
+            )
         self.barrier = barrier.value
         return bound.value, done.value
