@@ -38,6 +38,7 @@ OPTIONS = {
         "normal_error": 8.0,
         "max_error_rel": 1e-3,
         "solution": "interpolated",
+        "coarse": 4.5,
     },
     "highpass": {"method": "highpass", "bits": 7, "anchors": 8},
     "highpass, interpolated": {
