@@ -46,11 +46,16 @@ def candidates(options: Options, bounds: Bounds) -> Iterator[Settings]:
 
 
 def may_pay(
-    settings: Settings, last: Settings | None, best: Trial | None, bounds: Bounds, effort: int
+    settings: Settings,
+    last: Settings | None,
+    best: Trial | None,
+    bounds: Bounds | None,
+    effort: int,
 ) -> bool:
     """Return whether settings are worth a trial, from those of the last and the bytes of the best.
 
-    That is in question for another coarse factor of the same method.
+    That is in question for another coarse factor of the same method. Without `bounds`, of a sample,
+    the limits are those of large meshes.
     """
     if last is None or last.method != settings.method or effort > DEFAULT_EFFORT:
         return True
@@ -58,8 +63,10 @@ def may_pay(
         return False
     deltas, normals = (len(best.payloads.get(name, b"")) for name in (DELTAS, NORMALS))
     n = len(best.vertices)
-    few, many, none = (SMALL_FEW, SMALL_MANY, SMALL_NONE) if n <= SMALL else (FEW, MANY, NONE)
-    is_far = n <= SMALL and bounds.distance_over_angle(best.measured) >= BINDING
+    few, many, none, is_far = FEW, MANY, NONE, False
+    if bounds is not None and n <= SMALL:
+        few, many, none = SMALL_FEW, SMALL_MANY, SMALL_NONE
+        is_far = bounds.distance_over_angle(best.measured) >= BINDING
     if settings.coarse < best.settings.coarse:
         return is_far or deltas < few * normals
     is_extreme = deltas > many * normals or deltas < none * normals

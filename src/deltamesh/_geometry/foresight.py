@@ -14,7 +14,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from deltamesh._geometry.bounds import Bounds
-from deltamesh._geometry.candidates import candidates, may_pay
+from deltamesh._geometry.candidates import CHEAP, candidates, may_pay
 from deltamesh._geometry.step_search import (
     CLOSE,
     aim_of,
@@ -30,6 +30,11 @@ from deltamesh_formats.errors import MeshError
 
 # Candidates are tried on the whole that take at most so many times the bytes of the smallest.
 RIVALS: Final = 1.04
+# ... and coarse factors of one method, where a trial of the whole is fast, that take so many times
+# those of the best: samples are no surer than that.
+NEAR: Final = 1.03
+# Bytes a vertex that an octave of the step takes, about.
+OCTAVE: Final = 0.3
 # Angles of methods with anchors on the whole, over those on a sample: its borders are free.
 BORDERS: Final = 0.96
 
@@ -66,44 +71,53 @@ def foresight(
         return fit_step(settings, angles, step, CLOSE[1], sample, None, [])
 
     try:
-        refined, other = _trials(options, bounds, fit)
-        grid = other or fit(settings_of(options, CARTESIAN.name))
-        if refined is None or grid is None:
+        found = _trials(options, bounds, fit)
+        grid = found.get(CARTESIAN.name, [None])[0] or fit(settings_of(options, CARTESIAN.name))
+        if not found or grid is None:
             return []
         chance = angles.excess(whole(grid.settings).measured) / angles.excess(grid.measured)
     except (MeshError, ZeroDivisionError):
         return []
-    aim = aim_of(close_enough(options.effort, n))
-    found = sorted(filter(None, (refined, other)), key=_size)
+    every = [trial for of_method in found.values() for trial in of_method]
+    if not all(0 < chance * angles.excess(trial.measured) < math.inf for trial in every):
+        return []
+    likely = [trial for of_method in found.values() for trial in _likeliest(of_method, angles, n)]
+    likely.sort(key=lambda trial: _size(trial, angles))
+    most = RIVALS * _size(likely[0], angles)
+    aim = aim_of(close_enough(options.effort, n)) / chance
     result: Foresight = []
-    for trial in found:
-        excess = chance * angles.excess(trial.measured)
-        if trial.settings.layout.anchored:
-            excess *= BORDERS
-        if not 0 < excess < math.inf:
-            return []
-        if trial.size <= RIVALS * found[0].size:
-            result.append((replace(trial.settings, step=None), trial.step * aim / excess))
+    for trial in likely:
+        if _size(trial, angles) <= most:
+            borders = BORDERS if trial.settings.layout.anchored else 1.0
+            step = trial.step * aim / (borders * angles.excess(trial.measured))
+            result.append((replace(trial.settings, step=None), step))
     return result
 
 
 def _trials(
     options: Options, bounds: Bounds, fit: Callable[[Settings, float | None], Trial | None]
-) -> tuple[Trial | None, Trial | None]:
-    """Return the smallest trials on the sample of methods with anchors and of the one without."""
-    found: dict[bool, Trial] = {}
+) -> dict[str, list[Trial]]:
+    """Return trials on the sample, by methods."""
+    found: dict[str, list[Trial]] = {}
     last: Settings | None = None
     for settings in candidates(options, bounds):
-        anchored = settings.layout.anchored
-        best = found.get(anchored)
-        if may_pay(settings, last, best, bounds.of_angles, options.effort):
+        best = min(found.get(settings.method, []), key=lambda trial: trial.size, default=None)
+        if may_pay(settings, last, best, None, options.effort):
             step = None if best is None else best.step * step_ratio(best.settings, settings)
-            trial = fit(settings, step)
-            if trial is not None and (best is None or trial.size < best.size):
-                found[anchored] = trial
+            if (trial := fit(settings, step)) is not None:
+                found.setdefault(settings.method, []).append(trial)
         last = settings
-    return found.get(True), found.get(False)
+    return found
 
 
-def _size(trial: Trial) -> int:
-    return trial.size
+def _likeliest(trials: list[Trial], angles: Bounds, n: int) -> list[Trial]:
+    """Return the trials of one method that may be the smallest on the whole of n vertices."""
+    least = min(trials, key=lambda trial: _size(trial, angles))
+    most = NEAR * _size(least, angles) if n <= CHEAP else 0.0
+    return [trial for trial in trials if trial is least or _size(trial, angles) <= most]
+
+
+def _size(trial: Trial, angles: Bounds) -> float:
+    """Return the bytes that a trial would take if an angle were at its bound."""
+    octaves = math.log2(1 / angles.excess(trial.measured))
+    return trial.size - OCTAVE * octaves * len(trial.vertices)

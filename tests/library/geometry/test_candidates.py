@@ -45,7 +45,7 @@ def trial(deltas, normals, n=CHEAP, settings=REFINED, rms=0.5):
 
 
 def pays(coarse, best, bounds=ANGLE, effort=2):
-    settings = next(one for one in candidates(Options(), bounds) if one.coarse == coarse)
+    settings = next(one for one in candidates(Options(), ANGLE) if one.coarse == coarse)
     return may_pay(settings, REFINED, best, bounds, effort)
 
 
@@ -70,6 +70,11 @@ def pays(coarse, best, bounds=ANGLE, effort=2):
 def test_another_coarse_factor_pays_by_the_bytes_of_the_best(coarse, deltas, normals, n, expected):
     assert pays(coarse, trial(deltas, normals, n)) == expected
     assert pays(coarse, trial(deltas, normals, n), effort=3)
+
+
+def test_a_sample_has_the_limits_of_large_meshes():
+    best = trial(50_000, 30_000, SMALL)
+    assert (pays(3.0, best), pays(3.0, best, bounds=None)) == (True, False)
 
 
 def test_distances_of_small_meshes_ask_for_finer_deltas_alone():

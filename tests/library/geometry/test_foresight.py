@@ -11,12 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import encode, info
-from deltamesh._geometry import last_trials
+from deltamesh._geometry import last_trials, search
 from deltamesh._geometry import sample as samples
 from deltamesh._geometry.bounds import Bounds
-from deltamesh._geometry.candidates import COARSE
-from deltamesh._geometry.foresight import BORDERS, RIVALS, foresight
-from deltamesh._geometry.step_search import CLOSE, aim_of
+from deltamesh._geometry.candidates import CHEAP, COARSE
+from deltamesh._geometry.foresight import BORDERS, NEAR, RIVALS, foresight
+from deltamesh._geometry.step_search import CLOSE, aim_of, first_step
 from deltamesh._geometry.trial import Trial
 from deltamesh._measures.measure import Measured
 from deltamesh._measures.metrics import VertexErrors
@@ -72,15 +72,12 @@ def test_the_first_step_is_where_the_search_is_content(relief, slope, share):
 
 
 def linear(settings):
-    return settings.step / METHODS[settings.method].first_step / EDGE
+    return settings.step / float(first_step(settings, BOUNDS, np.array([EDGE]))[0])
 
 
-def tried(refined, cartesian, options=None):
-    attempt = model(linear, by_method(refined, cartesian))
-    return [
-        settings.method
-        for settings, _ in foresight(options or Options(), BOUNDS, N, EDGE, attempt, attempt)
-    ]
+def tried(refined, cartesian, method="auto"):
+    attempt, options = model(linear, by_method(refined, cartesian)), Options(method, coarse=4.0)
+    return [one.method for one, _ in foresight(options, BOUNDS, N, EDGE, attempt, attempt)]
 
 
 def test_a_method_is_tried_unless_it_clearly_lost():
@@ -90,17 +87,21 @@ def test_a_method_is_tried_unless_it_clearly_lost():
     assert tried(1000, near + 2) == ["refined"]
     assert tried(near, 1000) == ["cartesian", "refined"]
     assert tried(near + 2, 1000) == ["cartesian"]
-    assert tried(5000, 1000, Options(method="refined")) == ["refined"]
+    assert tried(5000, 1000, "refined") == ["refined"]
 
 
+@pytest.mark.parametrize(("n", "near"), [(N, 1), (CHEAP, 1), (CHEAP + 1, 0)])
 @pytest.mark.parametrize("best", COARSE[3])
-def test_one_coarse_factor_is_tried_that_of_the_smallest_file(best):
+def test_coarse_factors_are_tried_that_are_near_the_best(best, n, near):
+    """Of a large mesh, the best on the sample alone."""
+    bytes_of = {best: 1000, COARSE[3][COARSE[3].index(best) - 1]: 1000 + (NEAR - 1) * 1500 - 1}
+
     def size(settings):
-        return 5000 if settings.method == "cartesian" else 1000 + 10 * abs(settings.coarse - best)
+        return 5000 if settings.method == "cartesian" else bytes_of.get(settings.coarse, 1100)
 
     attempt = model(linear, size)
-    [(settings, _)] = foresight(Options(effort=3), BOUNDS, N, EDGE, attempt, attempt)
-    assert settings.coarse == best
+    found = foresight(Options(effort=3), BOUNDS, n, EDGE, attempt, attempt)
+    assert [one.coarse for one, _ in found] == list(bytes_of)[: 1 + near]
 
 
 def test_the_whole_is_tried_once_and_on_a_grid():
@@ -138,7 +139,8 @@ def test_large_meshes_take_few_trials_and_are_no_larger(monkeypatch):
     guessed, before = found()
     monkeypatch.setattr(samples, "LEAST", 2000)
     monkeypatch.setattr(samples, "BALL", 800)
-    monkeypatch.setattr(last_trials, "SMALL", 0)
+    for module in (search, last_trials):
+        monkeypatch.setattr(module, "SMALL", 0)
     foreseen, after = found()
     assert after <= 2
     assert after < before
