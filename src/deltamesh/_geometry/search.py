@@ -243,8 +243,9 @@ def _with_other_anchors(
         last, tries = found, SMALL_TRIES if len(found[0].vertices) <= SMALL else 1
         while tries and is_far(last[0]):
             trial, steps = last
-            count = MORE_ANCHORS * trial.parameters.anchor_count
-            if not 0 < count <= MOST_ANCHORS * len(trial.vertices):
+            k = trial.parameters.anchor_count
+            count = min(MORE_ANCHORS * k, int(MOST_ANCHORS * len(trial.vertices)))
+            if 2 * count <= 3 * k:
                 break
             larger = min(bounds.distance_over_angle(trial.measured), LESS_DISTANCE)
             settings, steps = replace(trial.settings, anchors=count), steps.times(larger**CAREFUL)
@@ -281,16 +282,20 @@ def _with_least_squares(
     is_far = bounds.distance_over_angle(best.measured) >= BINDING
     if not is_far and cells <= CELLS_WEIGH * best.size:
         return best
-    settings = replace(best.settings, interpolated=False)
+    count = best.parameters.anchor_count if options.anchors is None else options.anchors
+    settings = replace(best.settings, interpolated=False, anchors=count)
     steps = steps.times(best.step / steps.coarsest)
     try:
         first = attempt(components.settings(settings, steps))
     except (LimitError, MeshError):
         return best
+    if first.parameters.interpolated:  # as vertices without importance ask for
+        return best
     found: tuple[Trial, Steps] | None = first, steps
-    if len(best.vertices) <= FACTORED:  # the search begins with the first trial
+    is_over = bounds.excess(first.measured) > 1
+    if is_over or len(best.vertices) <= FACTORED:  # the search begins with the first trial
         found = _fit(settings, bounds, steps, components, options, attempt, best, [])
-    if found is None or bounds.excess(found[0].measured) > 1 or found[0].size >= best.size:
+    if found is None or found[0].size >= best.size:
         return best
     if options.anchors is None and len(best.vertices) <= FACTORED:
         found = _with_other_anchors(found, bounds, components, options, attempt)
