@@ -175,7 +175,8 @@ _ANCHORS: Final = options.combined(
         type=click.Choice(SOLUTIONS),
         help="Positions that anchors and differential coordinates give: interpolated go through the"
         " anchors, and are found in a time that grows with the mesh alone; least-squares come as"
-        " near to both as they can.  [default: interpolated with refined, else least-squares]",
+        " near to both as they can.  [default: interpolated with refined, or what makes a small"
+        " mesh smaller; else least-squares]",
     ),
     click.option(
         "--seed",

@@ -37,6 +37,8 @@ OPTIONS = {
         "anchors": 1,
         "normal_error": 8.0,
         "max_error_rel": 1e-3,
+        "solution": "interpolated",
+        "coarse": 4.5,
     },
     "highpass": {"method": "highpass", "bits": 7, "anchors": 8},
     "highpass, interpolated": {
@@ -121,7 +123,8 @@ def test_the_first_stage_is_the_least_squares_mesh_of_the_anchors() -> None:
 
 def test_a_coarse_surface_without_vectors_of_cells_has_no_spikes() -> None:
     """As solved by least squares; interpolated anchors would stand out of it."""
-    data = deltamesh.encode(MESH, method="refined", anchors=12, normal_error=6.0)
+    options = {"method": "refined", "anchors": 12, "solution": "interpolated"}
+    data = deltamesh.encode(MESH, normal_error=6.0, **options)
     assert deltamesh.info(data).parameters.interpolated
     prefix = read_prefix(data[: ends(data)["deltas"]])
     assert not solvable(prefix).parameters.interpolated

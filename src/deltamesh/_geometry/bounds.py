@@ -68,6 +68,11 @@ class Bounds:
         )
         return np.max(distances, axis=0), np.max(angles, axis=0)
 
+    def distance_over_angle(self, measured: Measured) -> float:
+        """Return how many times nearer to its bound the largest distance is than the angle."""
+        distance, angle = (float(each.max()) for each in self.part_excess(measured))
+        return distance / angle if angle else math.inf
+
     def binding(self, measured: Measured) -> Binding:
         """Return the bound that is the nearest to its error, or the furthest exceeded."""
         whole = self._of_whole(measured)

@@ -102,7 +102,7 @@ def _trials(
     last: Settings | None = None
     for settings in candidates(options, bounds):
         best = min(found.get(settings.method, []), key=lambda trial: trial.size, default=None)
-        if may_pay(settings, last, best, options.effort):
+        if may_pay(settings, last, best, None, options.effort):
             step = None if best is None else best.step * step_ratio(best.settings, settings)
             if (trial := fit(settings, step)) is not None:
                 found.setdefault(settings.method, []).append(trial)

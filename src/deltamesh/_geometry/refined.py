@@ -42,11 +42,12 @@ from deltamesh_formats.container.sections import payload_of
 # the normal costs bits in the fine one, and bends what that goes along: weights of 1, 1.8, 2.5 and
 # 8 cost 4, 1.5, 0.5 and 3 % more than 3.2. Pulls of 0.15 and 0.5 in the coarse stage cost 1 %, and
 # so does one of 0.1 in the fine stage.
-# The coarse stage hands on a part of what the fine one corrects: where most numbers are 0, handing
-# on none costs 10 to 20 %, since the surface would bend until normals mislead; where they are large
-# it is the best, and 0.65 costs 1 to 2 %. So the share is `normal` over 1 + m, where m is the mean
-# magnitude of the numbers. The fine stage hands on what it cannot correct, for a neighbour whose
-# normal points elsewhere; all of it would pile up where none does, and costs 3 %.
+# The coarse stage hands on a part of what the fine one corrects: where deltas are a fraction of a
+# step long across the surface, handing on none costs 10 to 30 %, since the surface would bend until
+# normals mislead; where they are steps long that is the best, and 0.65 costs 1 to 4 %. The share is
+# `normal` over (1 + m)^2, where m is their mean length in steps. The fine stage hands on what it
+# cannot correct, for a neighbour whose normal points elsewhere; all of it would pile up where none
+# does, and costs 3 %.
 COARSE = Rounding(zone=0.05, pull=0.25, weight=3.2, tangential=1.0, normal=0.9)
 FINE = Rounding(pull=0.2, tangential=0.9, normal=0.8)
 # Both are less where what deltas have across the surface varies from neighbour to neighbour by less
@@ -118,7 +119,7 @@ def _coarse_rounding(
     size = float(np.abs(across).mean())
     share = min(float(np.abs(change).mean()) / (VARIED * size), 1.0) if size else 1.0
     weight = 1 + share * (COARSE.weight - 1)
-    normal = share * COARSE.normal / (1 + float(np.abs(delta / step).mean()))
+    normal = share * COARSE.normal / (1 + float(np.abs(across / step).mean())) ** 2
     return replace(COARSE, weight=weight, normal=normal)
 
 

@@ -16,8 +16,9 @@ from typing import Final
 import numpy as np
 
 from deltamesh._geometry.bounds import NO_BOUNDS, Bounds
-from deltamesh._geometry.candidates import candidates, may_pay
+from deltamesh._geometry.candidates import BINDING, SMALL, candidates, may_pay
 from deltamesh._geometry.foresight import Foresight, foresight
+from deltamesh._geometry.last_trials import TINY, luckier, nearer, with_corrections
 from deltamesh._geometry.part_search import (
     Components,
     Steps,
@@ -29,9 +30,10 @@ from deltamesh._geometry.step_search import close_enough, first_step, fit_step, 
 from deltamesh._geometry.trial import Attempt, ScaleError, Trial
 from deltamesh._measures.measure import Measured
 from deltamesh._methods import AUTO, CARTESIAN, HIGHPASS, REFINED
-from deltamesh._options import Options, Settings, settings_of
+from deltamesh._options import DEFAULT_EFFORT, Options, Settings, settings_of
 from deltamesh_formats.array_types import Floats
-from deltamesh_formats.errors import MeshError, TargetError
+from deltamesh_formats.container.layout import CELLS
+from deltamesh_formats.errors import LimitError, MeshError, TargetError
 
 # Where a distance, not an angle, would bound the step, twice the anchors divide distances by that,
 # for 0.08 bits a vertex and more; but not more of them than that share of the vertices. The search
@@ -42,10 +44,17 @@ MOST_ANCHORS: Final = 0.016
 FEWER_PAY: Final = 0.995
 # ... and no component asks for more than so many times two.
 MOST_TIMES: Final = 10
-# A distance bounds the step if it is so many times nearer to its bound than an angle.
-BINDING: Final = 1.04
-# With corrections, steps change by this as long as the files shrink.
-GROWTH: Final = 1.6
+# With more anchors, steps are larger by that power of what they allow, to begin with.
+CAREFUL: Final = 0.75
+# Small meshes go on after a number of anchors that did not pay, up to so many.
+SMALL_TRIES: Final = 2
+# Other anchors are tried of settings that take at most so many times the bytes of the best ones.
+NEARLY: Final = 1.06
+# Small meshes are tried with anchors weighed in least squares, which takes the time of two trials,
+# if the vectors of cells, which those do without, are more than that share of a file.
+CELLS_WEIGH: Final = 0.01
+# Up to so many vertices, other steps and systems of other numbers of anchors are tried as well.
+FACTORED: Final = 5000
 
 
 def smallest(
@@ -95,7 +104,7 @@ def smallest(
     last: Settings | None = None
     guessed: Foresight = [(one, None) for one in candidates(options, bounds)]
     for settings, step in foreseen or guessed:
-        if not foreseen and not may_pay(settings, last, best, options.effort):
+        if not foreseen and not may_pay(settings, last, best, bounds, options.effort):
             continue
         last = settings
         start = _start(settings, bounds, components, best, steps, step)
@@ -107,8 +116,10 @@ def smallest(
         if bounds.has_angle:
             settings = replace(settings, largest=bounds.max)
         try:
-            found = _fit(settings, bounds, start, components, options, attempt, best, missed)
-            if found is not None and options.anchors is None:
+            rival = None if len(components.of_vertex) <= TINY else best
+            found = _fit(settings, bounds, start, components, options, attempt, rival, missed)
+            is_near = found is not None and (best is None or found[0].size < NEARLY * best.size)
+            if found is not None and is_near and options.anchors is None:
                 found = _with_other_anchors(found, bounds, components, options, attempt)
         except ScaleError:
             if options.method != AUTO:
@@ -116,8 +127,11 @@ def smallest(
             found = None
         if found is not None and (best is None or found[0].size < best.size):
             best, steps = found
-    if best is not None:
-        return _with_corrections(best, bounds, attempt)
+    if best is not None and steps is not None:
+        best = luckier(best, bounds, options.effort, attempt)
+        best = _with_least_squares(best, steps, bounds, components, options, attempt)
+        best = nearer(best, bounds, options.effort, attempt)
+        return with_corrections(best, bounds, attempt)
     if not missed:
         raise TargetError("no quantization step that fits the mesh is small enough")
     if options.method != AUTO and not options.is_bounded:
@@ -143,7 +157,7 @@ def _fit(
     best: Trial | None,
     missed: list[Trial],
 ) -> tuple[Trial, Steps] | None:
-    """Return a trial within the bounds whose steps are about the largest; None if it cannot win."""
+    """Return the smallest of trials up to about the largest steps; None if it cannot win."""
     if components.alone:
         close = close_enough(options.effort, len(components.of_vertex))
         trial = fit_step(settings, bounds, start.base, close, attempt, best, missed)
@@ -204,34 +218,88 @@ def _with_other_anchors(
 ) -> tuple[Trial, Steps]:
     """Return a smaller trial, if there is one, with fewer or more anchors.
 
-    Fewer are tried where a guess has asked for more than the default; else, or if that does not
-    pay, more are tried where a distance bounds the trial.
+    More are tried where a distance bounds the trial. Fewer are tried where a guess has asked for
+    more than the default, and an angle would still bound the trial, or corrections keep a distance.
     """
 
-    def walk(
-        found: tuple[Trial, Steps], next_count: Callable[[Trial], int], share: float
-    ) -> tuple[Trial, Steps]:
-        while count := next_count(found[0]):
+    def is_far(trial: Trial) -> bool:
+        return bounds.distance_over_angle(trial.measured) >= BINDING
+
+    def with_fewer(found: tuple[Trial, Steps]) -> tuple[Trial, Steps]:
+        while found[0].settings.anchors is not None:
             trial, steps = found
+            count = trial.parameters.anchor_count // MORE_ANCHORS
+            is_near = bounds.distance_over_angle(trial.measured) * LESS_DISTANCE <= 1
+            if not count or not (is_near or bounds.max < math.inf):
+                break
             settings = replace(trial.settings, anchors=count)
             other = _fit(settings, bounds, steps, components, options, attempt, trial, [])
-            if other is None or other[0].size >= share * trial.size:
+            if other is None or other[0].size >= FEWER_PAY * trial.size:
                 break
             found = other
         return found
 
-    def fewer(trial: Trial) -> int:
-        guessed = trial.settings.anchors is not None
-        return trial.parameters.anchor_count // MORE_ANCHORS if guessed else 0
+    def with_more(found: tuple[Trial, Steps]) -> tuple[Trial, Steps]:
+        last, tries = found, SMALL_TRIES if len(found[0].vertices) <= SMALL else 1
+        while tries and is_far(last[0]):
+            trial, steps = last
+            k = trial.parameters.anchor_count
+            count = min(MORE_ANCHORS * k, int(MOST_ANCHORS * len(trial.vertices)))
+            if 2 * count <= 3 * k:
+                break
+            larger = min(bounds.distance_over_angle(trial.measured), LESS_DISTANCE)
+            settings, steps = replace(trial.settings, anchors=count), steps.times(larger**CAREFUL)
+            other = _fit(settings, bounds, steps, components, options, attempt, found[0], [])
+            if other is None:
+                break
+            last = other
+            if other[0].size < found[0].size:
+                found = other
+            else:
+                tries -= 1
+        return found
 
-    def more(trial: Trial) -> int:
-        distance, angle = (float(each.max()) for each in bounds.part_excess(trial.measured))
-        count = MORE_ANCHORS * trial.parameters.anchor_count
-        fits = count <= MOST_ANCHORS * len(trial.vertices)
-        return count if fits and distance >= BINDING * angle else 0
+    least = with_fewer(found)
+    return with_more(found) if least is found else least
 
-    least = walk(found, fewer, FEWER_PAY)
-    return walk(found, more, 1.0) if least is found else least
+
+def _with_least_squares(
+    best: Trial,
+    steps: Steps,
+    bounds: Bounds,
+    components: Components,
+    options: Options,
+    attempt: Attempt,
+) -> Trial:
+    """Return a smaller trial, if there is one, whose anchors are weighed in least squares.
+
+    They have no vectors of cells, which weigh where vertices have few bits.
+    """
+    is_direct = len(best.vertices) <= SMALL and options.effort >= DEFAULT_EFFORT
+    if not is_direct or options.solution is not None or not best.parameters.interpolated:
+        return best
+    cells = len(best.payloads.get(CELLS, b""))
+    is_far = bounds.distance_over_angle(best.measured) >= BINDING
+    if not is_far and cells <= CELLS_WEIGH * best.size:
+        return best
+    count = best.parameters.anchor_count if options.anchors is None else options.anchors
+    settings = replace(best.settings, interpolated=False, anchors=count)
+    steps = steps.times(best.step / steps.coarsest)
+    try:
+        first = attempt(components.settings(settings, steps))
+    except (LimitError, MeshError):
+        return best
+    if first.parameters.interpolated:  # as vertices without importance ask for
+        return best
+    found: tuple[Trial, Steps] | None = first, steps
+    is_over = bounds.excess(first.measured) > 1
+    if is_over or len(best.vertices) <= FACTORED:  # the search begins with the first trial
+        found = _fit(settings, bounds, steps, components, options, attempt, best, [])
+    if found is None or found[0].size >= best.size:
+        return best
+    if options.anchors is None and len(best.vertices) <= FACTORED:
+        found = _with_other_anchors(found, bounds, components, options, attempt)
+    return found[0]
 
 
 def _anchored(
@@ -282,24 +350,3 @@ def _start(
     limits = (bounds.rms, bounds.max, components.largest_rms(bounds), edge)
     wanted: Floats = np.minimum.reduce([step, *np.broadcast_arrays(*limits)])
     return steps_near(np.where(wanted > 0, wanted, 1.0))
-
-
-def _with_corrections(best: Trial, bounds: Bounds, attempt: Attempt) -> Trial:
-    """Return a smaller trial, if there is one, with more or with fewer corrections.
-
-    Where an angle is bounded, the search has corrected from the beginning and found the largest
-    step that the angle allows; a smaller one may need fewer corrections. Where none is, the search
-    has found the largest step that needs none.
-    """
-    if not best.settings.layout.corrected or bounds.max == math.inf:
-        return best
-    change = 1 / GROWTH if bounds.has_angle else GROWTH
-    while True:
-        step = change * best.step
-        try:
-            trial = attempt(replace(best.settings, step=step, largest=bounds.max))
-        except MeshError:  # too small a step for the mesh
-            return best
-        if bounds.excess(trial.measured) > 1 or trial.size >= best.size:
-            return best
-        best = trial

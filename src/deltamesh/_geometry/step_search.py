@@ -71,10 +71,10 @@ def fit_step(
     rival: Trial | None,
     missed: list[Trial],
 ) -> Trial | None:
-    """Return a trial within the bounds whose step is about the largest; None if it cannot win.
+    """Return the smallest of trials up to about the largest step within the bounds.
 
-    It is good enough at a share of the bounds that is `close`. The last trial that was not good
-    goes to `missed`.
+    It is None if it cannot win. The search ends at a share of the bounds that is `close`. The last
+    trial that was not good goes to `missed`.
     """
     good: Trial | None = None
     excess: dict[float, float] = {}
@@ -90,15 +90,17 @@ def fit_step(
                 break
             step *= FURTHEST  # so that an error can name the least bound that can be met
             continue
-        x = excess[step] = bounds.excess(trial.measured)
+        x = bounds.excess(trial.measured)
+        is_same = x > 0 and x in excess.values()  # all numbers are 0, whatever the step
+        excess[step] = x
         if x > 1:
             missed[:] = [trial]
-        elif good is None or step > good.step:
+        elif good is None or trial.size <= good.size:
             good = trial
-        if close <= x <= 1 or (good is not None and tries >= _tries(excess)):
+        if close <= x <= 1 or (good is not None and (is_same or tries >= _tries(excess))):
             break
         if rival is not None and floor_of(trial, x) >= rival.size:
-            return None
+            return None if good is None or good.size >= rival.size else good
         step = _next(excess, aim_of(close))
     return good
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from deltamesh._geometry.integers import Integers
 from deltamesh._measures.measure import Measured
@@ -13,6 +13,9 @@ from deltamesh_formats.array_types import Floats
 from deltamesh_formats.caching import cached_property
 from deltamesh_formats.container.container import Parameters
 from deltamesh_formats.errors import MeshError
+
+# Bytes of a section beside its payload: an id, a length, a checksum.
+SECTION: Final = 10
 
 
 class ScaleError(MeshError):
@@ -54,8 +57,8 @@ class Trial:
 
     @property
     def size(self) -> int:
-        """Bytes of the payloads."""
-        return sum(map(len, self.payloads.values()))
+        """Bytes of the sections."""
+        return sum(SECTION + len(payload) for payload in self.payloads.values())
 
 
 Attempt: TypeAlias = Callable[[Settings], Trial]

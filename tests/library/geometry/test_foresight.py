@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import encode, info
+from deltamesh._geometry import last_trials, search
 from deltamesh._geometry import sample as samples
 from deltamesh._geometry.bounds import Bounds
 from deltamesh._geometry.candidates import CHEAP, COARSE
@@ -138,6 +139,8 @@ def test_large_meshes_take_few_trials_and_are_no_larger(monkeypatch):
     guessed, before = found()
     monkeypatch.setattr(samples, "LEAST", 2000)
     monkeypatch.setattr(samples, "BALL", 800)
+    for module in (search, last_trials):
+        monkeypatch.setattr(module, "SMALL", 0)
     foreseen, after = found()
     assert after <= 2
     assert after < before

@@ -12,7 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deltamesh import TargetError, encode, info
-from deltamesh._geometry import step_search
+from deltamesh._geometry import last_trials, step_search
+from deltamesh._geometry import search as search_module
 from deltamesh._geometry.bounds import Bounds
 from deltamesh._geometry.part_search import Components
 from deltamesh._geometry.search import smallest
@@ -110,6 +111,7 @@ def test_drift_is_held_by_anchors():
 @pytest.mark.parametrize(("effort", "large", "trials"), [(2, N, 1), (2, N + 1, 2), (3, N, 2)])
 def test_large_meshes_are_content_with_less(monkeypatch, effort, large, trials):
     monkeypatch.setattr(step_search, "LARGE", large)
+    monkeypatch.setattr(last_trials, "SMALL", 0)
     first = METHODS["refined"].first_step
 
     def law(settings):
@@ -142,6 +144,51 @@ def test_a_guess_of_too_many_anchors_is_taken_back():
     found, asked = search(law, options, bounds)
     assert max(settings.anchors or 1 for settings in asked) >= 8
     assert found.parameters.anchor_count == 1
+
+
+def weighed(cells, options, rms=0.0):
+    """Return whether least squares are found where vectors of cells take so many bits a vertex."""
+
+    def law(settings):
+        bits = 10 - math.log2(settings.step) + cells * settings.interpolated
+        return bits, errors(settings.step, rms * settings.step)
+
+    model = Model(law, [])
+
+    def attempt(settings):
+        trial = model(settings)
+        payloads = {"DELT": bytes(trial.size)}
+        if settings.interpolated:
+            payloads["CELL"] = bytes(round(N * cells / 8))
+        parameters = replace(trial.parameters, interpolated=settings.interpolated)
+        return replace(trial, parameters=parameters, encode=payloads.copy)
+
+    one = np.zeros(1, dtype=np.int64)
+    alone = Components(np.zeros(N, dtype=np.int64), np.ones(1), np.ones(1), one, one)
+    bounds = Bounds(rms=1.0, normal_deviation=1.0)
+    return not smallest(options, bounds, alone, attempt).parameters.interpolated
+
+
+def test_vectors_of_cells_that_weigh_give_way_to_least_squares():
+    options = Options(method="refined", coarse=4.5)
+    assert weighed(1.0, options)
+    assert not weighed(0.01, options)
+    assert weighed(0.01, options, rms=2.0)  # where a distance bounds the step
+    for other in (replace(options, solution="interpolated"), replace(options, effort=1)):
+        assert not weighed(1.0, other)
+
+
+def test_large_meshes_are_not_tried_in_least_squares(monkeypatch):
+    monkeypatch.setattr(search_module, "SMALL", N - 1)
+    assert not weighed(1.0, Options(method="refined", coarse=4.5))
+
+
+def test_least_squares_make_files_of_few_bits_smaller():
+    V, F = meshes.icosphere(4)
+    V = V * (1 + 0.1 * np.sin(4 * V) @ np.ones((3, 1)))
+    found, other = (info(encode(V, F, quality=2, solution=name)) for name in (None, "interpolated"))
+    assert found.parameters.solution == "least-squares"
+    assert found.size < 0.95 * other.size
 
 
 def test_corrections_let_the_step_grow_while_files_shrink():
