@@ -25,8 +25,12 @@ GROWTH: Final = 1.6
 
 
 def nearer(best: Trial, bounds: Bounds, effort: int, attempt: Attempt) -> Trial:
-    """Return a smaller trial, if there is one, whose errors are nearer to their bounds."""
-    if not TINY < len(best.vertices) <= SMALL or effort < DEFAULT_EFFORT:
+    """Return a smaller trial, if there is one, whose angles are nearer to their bounds.
+
+    Distances are left alone: a writer needs what they leave, to round positions.
+    """
+    is_small = TINY < len(best.vertices) <= SMALL
+    if not is_small or effort < DEFAULT_EFFORT or bounds.distance_over_angle(best.measured) > 1:
         return best
     excess = bounds.excess(best.measured)
     reach = NEAREST / excess if excess else math.inf
