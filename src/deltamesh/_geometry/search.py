@@ -276,8 +276,8 @@ def _with_least_squares(
     They have no vectors of cells, which weigh where vertices have few bits.
     """
     is_direct = len(best.vertices) <= SMALL and options.effort >= DEFAULT_EFFORT
-    interpolated = best.parameters.interpolated and best.parameters.anchor_count
-    if not is_direct or options.solution is not None or not interpolated:
+    is_solved = best.parameters.interpolated and best.parameters.anchor_count > 0
+    if not is_direct or options.solution is not None or not is_solved:
         return best
     cells = len(best.payloads.get(CELLS, b""))
     is_far = bounds.distance_over_angle(best.measured) >= BINDING
