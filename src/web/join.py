@@ -66,9 +66,12 @@ def _add(module: Path, parts: dict[Path, str], minified: Minified) -> None:
 
 
 def packed(data: bytes, as_text: AsText) -> str:
-    """Return bytes deflated, as text."""
-    deflater = zlib.compressobj(9, zlib.DEFLATED, -15, 9)
-    return as_text(deflater.compress(data) + deflater.flush())
+    """Return bytes deflated, as text; how often codes change is what `memory` decides."""
+    found = []
+    for memory in range(6, 10):
+        deflater = zlib.compressobj(9, zlib.DEFLATED, -15, memory)
+        found.append(deflater.compress(data) + deflater.flush())
+    return as_text(min(found, key=len))
 
 
 def page(name: str, core: bytes, as_text: AsText, minified: Minified) -> str:
