@@ -16,6 +16,22 @@
 #include "panels.h"
 #include "supernodes.h"
 
+int dm_is_plan(const dm_factor_plan *p)
+{
+    if (!dm_are_bounds(p->starts, p->supernodes, p->n) ||
+        !dm_are_bounds(p->row_bounds, p->supernodes, p->row_count) ||
+        !dm_are_bounds(p->panel_bounds, p->supernodes, p->entries))
+        return 0;
+    int good = 1;
+    for (int64_t s = 0; s < p->supernodes; s++) {
+        const int64_t width = p->starts[s + 1] - p->starts[s];
+        const int64_t height = p->row_bounds[s + 1] - p->row_bounds[s];
+        good &= 0 < width && width <= DM_WIDEST && width <= height && height <= p->tallest &&
+                p->panel_bounds[s + 1] - p->panel_bounds[s] == width * height;
+    }
+    return good;
+}
+
 /* Fill in the rows of each panel, ascending: its own columns, then those below. */
 static int fill_rows(const int64_t *indptr, const int64_t *indices, const int64_t *rank,
                      const dm_factor_plan *p, const int64_t *parent, const int64_t *of,
