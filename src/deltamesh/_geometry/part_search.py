@@ -27,8 +27,14 @@ from deltamesh_formats.polymesh.permutations import distinct
 
 # Trials once all parts are good, by effort.
 TRIES: Final = {1: 3, 2: 5, 3: 8}
+# Bases that are tried, and the share of the bounds that the largest component aims at then.
+BASES: Final = 2
+NEAREST: Final = 0.98
 # A part within that share of its bound is settled: a level more would exceed it.
 SETTLED: Final = 0.85
+# Levels are quarters of an octave, a step between two of them is had by another base: one for the
+# component of the most vertices, if that is good for more than this.
+WORTH: Final = 1.03
 # What the next level aims at, and how many levels it is away at most.
 AIM: Final = 0.93
 FURTHEST: Final = 5 * LEVELS
@@ -247,6 +253,39 @@ def with_fewer_levels(
         trial = fit_step(settings, bounds, one.base, close, attempt, least, [])
         if trial is not None and trial is _smaller(found[0], trial):
             found = trial, replace(one, base=trial.step)
+    return found
+
+
+def with_nearer_base(
+    settings: Settings,
+    bounds: Bounds,
+    found: tuple[Trial, Steps],
+    components: Components,
+    attempt: Attempt,
+) -> tuple[Trial, Steps]:
+    """Return a smaller trial, if there is one, whose largest component is nearer to its bounds.
+
+    The others keep their levels if they are far from their bounds, or else take no larger step. Of
+    one step for all, a search has found the largest.
+    """
+    trial, steps = found
+    excess = _excess(trial, bounds, components)
+    vertices = np.bincount(components.of_vertex, minlength=len(excess))
+    largest = int(np.argmax(vertices))
+    if not trial.settings.exponents or not excess[largest] > 0:
+        return found
+    factor = float(NEAREST / excess[largest])
+    for _ in range(BASES):
+        if factor < WORTH:
+            break
+        finer = (excess * factor > NEAREST) & (np.arange(len(excess)) != largest)
+        level = steps.level + np.where(finer, math.ceil(LEVELS * math.log2(factor)), 0)
+        other = Steps(steps.base * factor, _within_reach(level.astype(np.int64)))
+        with suppress(MeshError):
+            tried = attempt(components.settings(settings, other))
+            if bounds.excess(tried.measured) <= 1 and tried.size < found[0].size:
+                return tried, other
+        factor = math.sqrt(factor)
     return found
 
 

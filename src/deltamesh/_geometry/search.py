@@ -25,6 +25,7 @@ from deltamesh._geometry.part_search import (
     fit_steps,
     steps_near,
     with_fewer_levels,
+    with_nearer_base,
 )
 from deltamesh._geometry.step_search import close_enough, first_step, fit_step, step_ratio
 from deltamesh._geometry.trial import Attempt, ScaleError, Trial
@@ -167,7 +168,9 @@ def _fit(
     if tried[0] is None and best is not None and best.settings.method != settings.method:
         return None  # fewer levels are finer steps: another method that lost will not win by them
     trial, steps = with_fewer_levels(settings, bounds, tried, components, effort, attempt, best)
-    return None if trial is None else (trial, steps)
+    if trial is None:
+        return None
+    return with_nearer_base(trial.settings, bounds, (trial, steps), components, attempt)
 
 
 def _at_rate(options: Options, components: Components, attempt: Attempt, furthest: Bounds) -> Trial:

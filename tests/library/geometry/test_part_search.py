@@ -13,14 +13,21 @@ from hypothesis import strategies as st
 
 from deltamesh import TargetError, decode
 from deltamesh._geometry.bounds import Bounds
-from deltamesh._geometry.part_search import Components, components_of, steps_near
+from deltamesh._geometry.part_search import (
+    NEAREST,
+    Components,
+    Steps,
+    components_of,
+    steps_near,
+    with_nearer_base,
+)
 from deltamesh._geometry.search import smallest
 from deltamesh._geometry.trial import Trial
 from deltamesh._graph.adjacency import components_of_faces
 from deltamesh._measures.measure import Measure, Measured
 from deltamesh._measures.metrics import VertexErrors
 from deltamesh._measures.parts import PartErrors, parts_of
-from deltamesh._options import Options, Settings
+from deltamesh._options import Options, Settings, settings_of
 from deltamesh._pipeline.encoder import encode_mesh
 from deltamesh_formats.container.container import Parameters
 from deltamesh_formats.errors import MeshError
@@ -103,6 +110,27 @@ def test_parts_that_need_nearly_the_same_share_a_step_beside_others():
     share = found.measured.parts.normal_deviation
     assert (share <= 1).all()
     assert (share > 0.55).all()
+
+
+@pytest.mark.parametrize("share", [0.8, 0.85, 0.9, 0.96, 1.0])
+def test_the_largest_component_comes_nearer_by_another_base(share):
+    scale, level = np.array([1.0, 8.0, 16.0, 32.0]), np.array([0, 12, 18, 20])
+    others = np.array([0, 1, 1, 1]) * 2.0 ** (level / 4) * [0, 0.5, 0.97, 0.99]
+    model = Model(lambda steps: np.where(PARTS == 0, share, others) * steps, [])
+    components = Components(OF_VERTEX, 1 / scale, np.ones(4), PARTS, PARTS)
+    settings = settings_of(Options(method="cartesian"), "cartesian")
+    first = model(components.settings(settings, Steps(1.0, level)))
+    found, steps = with_nearer_base(settings, BOUNDS, (first, Steps(1.0, level)), components, model)
+    shares = found.measured.parts.normal_deviation
+    assert shares.max() <= 1
+    if share > 0.95:  # too little to be had
+        assert found is first
+        return
+    assert found.size < first.size
+    assert shares[0] == pytest.approx(NEAREST)
+    assert steps.base == pytest.approx(NEAREST / share)
+    finer = math.ceil(4 * math.log2(NEAREST / share))
+    assert steps.level.tolist() == [0, 12, 18 + finer, 20 + finer]
 
 
 def test_what_is_within_the_bounds_counts_where_a_search_is_given_up():
