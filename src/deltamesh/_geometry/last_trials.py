@@ -9,6 +9,7 @@ from typing import Final
 from deltamesh._geometry.bounds import Bounds
 from deltamesh._geometry.candidates import FEW_BYTES, SMALL
 from deltamesh._geometry.trial import Attempt, Trial
+from deltamesh._measures.metrics import diagonal
 from deltamesh._options import DEFAULT_EFFORT
 from deltamesh_formats.errors import MeshError
 
@@ -16,6 +17,8 @@ from deltamesh_formats.errors import MeshError
 # further: a percent of the step is up to half a percent of the bytes.
 TRIES: Final = 2
 NEAREST, NEAR = 0.995, 1.01
+# The least that bounds on distances have to leave then, in diagonals of the mesh.
+DIGITS: Final = 2.0**-30
 # Meshes of so few vertices are tried with steps of so many sixteenths of an octave above the best
 # one, those of few bits with some below.
 TINY: Final = 100
@@ -25,12 +28,15 @@ GROWTH: Final = 1.6
 
 
 def nearer(best: Trial, bounds: Bounds, effort: int, attempt: Attempt) -> Trial:
-    """Return a smaller trial, if there is one, whose angles are nearer to their bounds.
+    """Return a smaller trial, if there is one, whose errors are nearer to their bounds.
 
-    Distances are left alone: a writer needs what they leave, to round positions.
+    Where a distance is as small as the digits of positions far away, it is left alone: a writer
+    needs what it leaves, to round them.
     """
-    is_small = TINY < len(best.vertices) <= SMALL
-    if not is_small or effort < DEFAULT_EFFORT or bounds.distance_over_angle(best.measured) > 1:
+    if not TINY < len(best.vertices) <= SMALL or effort < DEFAULT_EFFORT:
+        return best
+    left = (1 - NEAREST) * min(bounds.rms, bounds.max)
+    if left < DIGITS * diagonal(best.vertices) and bounds.distance_over_angle(best.measured) > 1:
         return best
     excess = bounds.excess(best.measured)
     reach = NEAREST / excess if excess else math.inf
