@@ -94,11 +94,11 @@ def test_what_it_says_of_spikes_and_distances_is_in_the_tables() -> None:
     assert max(column(spikes.DISTANCE, least).values()) < 1e-5
     assert max(column("largest", least).values()) < 1
     assert f"some err up to {max(column('without fit: largest').values()):.0f} times" in TEXT
-    assert np.median([*column("deltas", least).values()]) == pytest.approx(1, abs=0.05)
+    assert np.median([*column("deltas", least).values()]) == pytest.approx(1.1, abs=0.05)
     assert max(column("deltas", least), key=column("deltas").__getitem__) == RANGE_MAP
     worst = column("without fit: deltas")
     assert max(worst, key=worst.__getitem__) == corpus.path(anchor_picture.WORST).name
-    assert column("deltas")["sphere.off"] == pytest.approx(2, abs=0.2)
+    assert 1.5 < column("deltas")["sphere.off"] < column("deltas")["tank.obj"] < 2
 
 
 @pytest.mark.slow
