@@ -73,11 +73,11 @@ def files() -> Iterator[tuple[str, bytes]]:
 def sequences() -> Iterator[tuple[str, bytes]]:
     """Yield files of a few frames."""
     at_rate = {"bits": 5, "key_every": 2}
-    within = {"max_error_rel": 0.004, "normal_error": 20.0}
+    within = {"max_error_rel": 0.002, "normal_error": 20.0}
     for name, mesh, options in (
         ("torus", meshes.torus(3, 3), at_rate),
         ("isolated", meshes.with_isolated(), at_rate),
-        ("corrected", meshes.torus(5, 4), within),
+        ("corrected", meshes.torus(6, 5), within),
     ):
         given = moving(mesh, 3)
         yield f"frames-{name}-cartesian", encode(given, method="cartesian", **options)
