@@ -84,7 +84,7 @@ def smallest(
     furthest : Bounds
         Distances beyond which "auto" at a rate is not refined.
     sample : callable, optional
-        Makes trials on a sample of a mesh of one part; see `foresight`.
+        Makes trials on a sample of a mesh of one part, whose angles are bounded; see `foresight`.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def smallest(
     if bounds is None:
         return _at_rate(options, components, attempt, furthest)
     foreseen = None
-    if sample is not None and components.alone and bounds.has_angle:
+    if sample is not None:
         foreseen = foresight(
             options, bounds, len(components.of_vertex), float(components.edge[0]), sample, attempt
         )
@@ -348,9 +348,7 @@ def _start(
         return steps.times(step_ratio(best.settings, settings))
     edge = components.edge
     with np.errstate(invalid="ignore"):
-        step = first_step(settings, bounds, edge)
-    if foreseen is not None:
-        step = np.full(len(edge), foreseen)
+        step = first_step(settings, bounds, edge) if foreseen is None else np.array([foreseen])
     limits = (bounds.rms, bounds.max, components.largest_rms(bounds), edge)
     wanted: Floats = np.minimum.reduce([step, *np.broadcast_arrays(*limits)])
     return steps_near(np.where(wanted > 0, wanted, 1.0))

@@ -55,7 +55,8 @@ def _encode(draft: Draft, options: Options) -> tuple[dict[str, bytes], Draft]:
     components = components_of(V[: trials.used], surface.faces, named.parts, diagonals)
     furthest = furthest_at_rate(trials.scale)
     sample = None
-    if trials.importance is None and bounds is not None and components.alone:
+    is_alike = trials.importance is None and components.alone
+    if is_alike and bounds is not None and bounds.has_angle:
         balls = sample_of(surface)
         sample = None if balls is None else balls.attempt(V[: trials.used])
     search = partial(
