@@ -26,7 +26,7 @@ from deltamesh._geometry.step_search import (
 from deltamesh._geometry.trial import Attempt, Trial
 from deltamesh._methods import CARTESIAN
 from deltamesh._options import Options, Settings, settings_of
-from deltamesh_formats.errors import MeshError
+from deltamesh_formats.errors import LimitError, MeshError, SolveError
 
 # Candidates are tried on the whole that take at most so many times the bytes of the smallest.
 RIVALS: Final = 1.04
@@ -76,7 +76,7 @@ def foresight(
         if not found or grid is None:
             return []
         chance = angles.excess(whole(grid.settings).measured) / angles.excess(grid.measured)
-    except (MeshError, ZeroDivisionError):
+    except (LimitError, MeshError, SolveError, ZeroDivisionError):
         return []
     every = [trial for of_method in found.values() for trial in of_method]
     if not all(0 < chance * angles.excess(trial.measured) < math.inf for trial in every):

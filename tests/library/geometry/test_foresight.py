@@ -24,7 +24,7 @@ from deltamesh._methods import METHODS
 from deltamesh._options import Options
 from deltamesh._sections.trials import Trials
 from deltamesh_formats.container.container import Parameters
-from deltamesh_formats.errors import MeshError
+from deltamesh_formats.errors import LimitError, MeshError, SolveError
 
 N, EDGE = 1000, 2.0
 BOUNDS = Bounds(rms=1.0, normal_deviation=1.0)
@@ -113,11 +113,23 @@ def test_the_whole_is_tried_once_and_on_a_grid():
         assert [settings.method for settings in asked] == ["cartesian"]
 
 
-def raising(settings):
-    raise MeshError("too small")
+def raising(error):
+    def attempt(settings):
+        raise error("not here")
+
+    return attempt
 
 
-@pytest.mark.parametrize("error", [lambda _: 0.0, lambda _: 99.0, raising])
+@pytest.mark.parametrize(
+    "error",
+    [
+        lambda _: 0.0,
+        lambda _: 99.0,
+        raising(MeshError),
+        raising(SolveError),
+        raising(LimitError),
+    ],
+)
 def test_a_sample_that_tells_nothing_is_not_asked(error):
     sample, whole = model(error, by_method(900, 900)), model(linear, by_method(900, 900))
     assert foresight(Options(), BOUNDS, N, EDGE, sample, whole) == []
