@@ -18,6 +18,7 @@ from deltamesh._measures.hausdorff import squared_hausdorff
 from deltamesh._mesh import TriangleMesh
 from deltamesh._vectors import lengths, safe_lengths, sides
 from deltamesh_formats.array_types import Floats, Ints
+from deltamesh_formats.errors import OptionError
 
 # Of Mq in the visual error (Sorkine, Cohen-Or and Toledo 2003, section 5).
 VISUAL_WEIGHT = 0.15
@@ -98,14 +99,16 @@ def vertex_errors(V: ArrayLike, W: ArrayLike, F: ArrayLike) -> VertexErrors:
     Raises
     ------
     ValueError
-        If the shapes of V and W differ, or a face names a vertex that is not there.
+        If the shapes of V and W differ.
+    OptionError
+        If a face names a vertex that is not there.
     TypeError
         If the faces are not of integers.
     """
     first, second = (np.ascontiguousarray(X, dtype=np.float64) for X in (V, W))
     faces = np.asarray(F).astype(np.int64, order="C", casting="same_kind", copy=False)
     if faces.size and not 0 <= faces.min() <= faces.max() < len(first):
-        raise ValueError(f"a face names a vertex outside of 0 to {len(first) - 1}")
+        raise OptionError(f"a face names a vertex outside of 0 to {len(first) - 1}")
     reference = reference_of(first, faces)
     return vertex_errors_of(reference, reference.differences(second))
 
